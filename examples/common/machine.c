@@ -1,0 +1,79 @@
+#define _GNU_SOURCE
+#include "machine.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "progress.h"
+
+static double seconds_of(clockid_t which) {
+    struct timespec now;
+    clock_gettime(which, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double machine_seconds(void) {
+    return seconds_of(CLOCK_MONOTONIC);
+}
+
+double machine_processor_seconds(void) {
+    return seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+double machine_peak_memory_bytes(void) {
+    struct rusage usage;
+    if (getrusage(RUSAGE_SELF, &usage) != 0) return 0.0;
+#ifdef __APPLE__
+    return (double)usage.ru_maxrss;
+#else
+    return 1024.0 * (double)usage.ru_maxrss;
+#endif
+}
+
+int machine_cores(void) {
+#ifdef __linux__
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return CPU_COUNT(&set);
+#endif
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    return cores > 0 ? (int)cores : 1;
+}
+
+typedef struct {
+    pthread_mutex_t lock;
+    int n, next, failed;
+    int (*job)(int, void *);
+    void *user;
+} pool;
+
+static void *work(void *argument) {
+    pool *p = argument;
+    for (;;) {
+        pthread_mutex_lock(&p->lock);
+        int index = p->next < p->n && !common_interrupted() ? p->next++ : -1;
+        pthread_mutex_unlock(&p->lock);
+        if (index < 0) return NULL;
+        int status = p->job(index, p->user);
+        pthread_mutex_lock(&p->lock);
+        if (status == 0) p->failed--;
+        pthread_mutex_unlock(&p->lock);
+    }
+}
+
+int jobs_run(int n, int threads, int (*job)(int index, void *user), void *user) {
+    if (n <= 0) return 0;
+    pool p = {PTHREAD_MUTEX_INITIALIZER, n, 0, n, job, user};
+    int extra = (threads < n ? threads : n) - 1, started = 0;
+    pthread_t *workers = extra > 0 ? malloc((size_t)extra * sizeof *workers) : NULL;
+    /* fewer threads than asked for, down to the caller's own, only take longer */
+    while (workers && started < extra && pthread_create(&workers[started], NULL, work, &p) == 0) started++;
+    work(&p);
+    for (int i = 0; i < started; i++) pthread_join(workers[i], NULL);
+    free(workers);
+    pthread_mutex_destroy(&p.lock);
+    return p.failed;
+}

@@ -1,0 +1,47 @@
+/* progress.h: what a program tells while it runs, Ctrl-C, and its exit status. */
+#ifndef RIDDLE_PROGRESS_H
+#define RIDDLE_PROGRESS_H
+
+#include <stdbool.h>
+
+#if defined(__GNUC__)
+#define COMMON_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define COMMON_PRINTF(text, first)
+#endif
+
+/* True once Ctrl-C (or SIGTERM) has come: leave loops, write nothing that is not whole, and return common_exit_status().
+   A second Ctrl-C ends the program at once. Costs one load; call it from any thread. */
+bool common_interrupted(void);
+
+/* 130 after Ctrl-C, 143 after SIGTERM, 1 if anything failed, else 0. Says "interrupted" on stderr in the first two cases. */
+int common_exit_status(void);
+
+/* Prints on stdout unless --quiet. */
+void common_print(const char *format, ...) COMMON_PRINTF(1, 2);
+
+/* Prints "<program>: ..." as one line on stderr and marks the run as failed: common_exit_status() is then 1. Returns -1. */
+int common_fail(const char *format, ...) COMMON_PRINTF(1, 2);
+
+/* A bar with the time left on a terminal (stderr), else a line at each quarter; nothing when --quiet.
+   Owned by the caller; safe to update from several threads. */
+typedef struct progress {
+    const char *what;
+    double      total, done;    /* in any unit, progress is done / total */
+    double      began, printed; /* machine_seconds() */
+    int         quarter;
+    bool        terminal, active;
+} progress;
+
+void progress_begin(progress *bar, const char *what, double total);
+void progress_update(progress *bar, double done); /* cheap: at most 10 prints a second; one clock read each */
+void progress_add(progress *bar, double more);
+void progress_end(progress *bar); /* clears the bar, prints "what: done in 3.2 s" */
+
+/* Set by program_start. */
+void common_set_quiet(bool quiet);
+void common_set_name(const char *name);
+void common_catch_interrupt(void);
+bool common_quiet(void);
+
+#endif
