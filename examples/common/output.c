@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,10 +75,19 @@ const char *output_path(char *buffer, size_t size, const char *folder, const cha
     return buffer;
 }
 
+static bool is_standard_output(const char *path) {
+    return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
+}
+
 /* A new file beside `path`, or `path` itself where it is a device or a pipe. */
 static FILE *open_beside(const char *path, char **temporary) {
     struct stat info;
     *temporary = NULL;
+    if (is_standard_output(path)) { /* where it is redirected to a file, that file must not be replaced */
+        fflush(stdout);
+        int descriptor = dup(STDOUT_FILENO);
+        return descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+    }
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
         if (S_ISDIR(info.st_mode)) {
             errno = EISDIR;
@@ -115,7 +125,7 @@ output *output_open(const char *folder, const char *name) {
         common_fail("%s: out of memory", name);
         return NULL;
     }
-    char *real = realpath(wanted, NULL); /* a link stays a link; its target is replaced */
+    char *real = is_standard_output(wanted) ? NULL : realpath(wanted, NULL); /* a link stays a link; its target is replaced */
     file->path = real ? real : wanted;
     if (real) free(wanted);
     file->stream = open_beside(file->path, &file->temporary);

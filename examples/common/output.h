@@ -9,7 +9,7 @@
 
 typedef struct output output;
 
-/* folder may be NULL: name is then a whole path. A device (/dev/stdout, /dev/full) or pipe is written directly.
+/* folder may be NULL: name is then a whole path. A device (/dev/full), a pipe and "-" (standard output) are written directly.
    NULL after an error, which has been printed. */
 output *output_open(const char *folder, const char *name);
 int     output_print(output *file, const char *format, ...) COMMON_PRINTF(2, 3);
