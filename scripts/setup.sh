@@ -1,0 +1,86 @@
+# Sourced by the other scripts: finds the root of the repository, installs what is missing, configures and builds.
+# Works in any folder, with blanks in the path, with standard input closed, as root or not.
+exec </dev/null
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd -P)
+cd -- "$root"
+
+# need WHAT...: compiler, c++, meson, ninja, pkg-config, cmocka, clang-format. Leaves with 2 where it cannot be had.
+need() {
+    packages=
+    for what in "$@"; do
+        is_there "$what" || packages="$packages $(package_of "$what")"
+    done
+    [ -n "$packages" ] || return 0
+    if command -v apt-get >/dev/null 2>&1 && as_root true 2>/dev/null; then
+        echo "installing:$packages"
+        # shellcheck disable=SC2086 # a list of words
+        { as_root apt-get -q -o DPkg::Lock::Timeout=300 update &&
+            as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends $packages
+        } >"${TMPDIR:-/tmp}/riddle-apt.$$" 2>&1 || tail -n 5 "${TMPDIR:-/tmp}/riddle-apt.$$" >&2
+        rm -f "${TMPDIR:-/tmp}/riddle-apt.$$"
+        hash -r 2>/dev/null || true
+    fi
+    missing=
+    for what in "$@"; do
+        is_there "$what" || missing="$missing $(package_of "$what")"
+    done
+    [ -z "$missing" ] && return 0
+    echo "Missing:$missing" >&2
+    echo "Install them and run this again; on Debian or Ubuntu: sudo apt-get install$missing" >&2
+    exit 2
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"; else sudo -n "$@"; fi
+}
+
+is_there() {
+    case $1 in
+    compiler) # a compiler without the C library's headers is none
+        printf '#include <stdio.h>\n#include <math.h>\nint main(void) { return puts("") < 0; }\n' | ${CC:-cc} -x c - -o /dev/null >/dev/null 2>&1 ;;
+    c++) printf '#include <cmath>\nint main() { return 0; }\n' | ${CXX:-c++} -x c++ - -o /dev/null >/dev/null 2>&1 ;;
+    meson) meson --version >/dev/null 2>&1 ;;
+    ninja) command -v ninja >/dev/null 2>&1 || command -v ninja-build >/dev/null 2>&1 || command -v samu >/dev/null 2>&1 ;;
+    pkg-config) command -v pkg-config >/dev/null 2>&1 || command -v pkgconf >/dev/null 2>&1 ;;
+    cmocka) pkg-config --exists cmocka 2>/dev/null || pkgconf --exists cmocka 2>/dev/null ;;
+    *) command -v "$1" >/dev/null 2>&1 ;;
+    esac
+}
+
+package_of() {
+    case $1 in
+    compiler) echo "gcc libc6-dev" ;;
+    c++) echo g++ ;;
+    ninja) echo ninja-build ;;
+    cmocka) echo libcmocka-dev ;;
+    nm) echo binutils ;;
+    *) echo "$1" ;;
+    esac
+}
+
+# configure FOLDER [meson options]: a build folder of this clone, made anew if the clone has moved or the options are others.
+configure() {
+    folder=$1
+    shift
+    again=
+    if [ -f "$folder/build.ninja" ] && [ "$(cat "$folder/configured" 2>/dev/null)" = "$root $*" ]; then again=--reconfigure; else rm -rf -- "$folder"; fi
+    said=$(meson setup $again "$folder" "$@" 2>&1) || {
+        printf '%s\n' "$said" >&2
+        rm -rf -- "$folder"
+        exit 1
+    }
+    printf '%s' "$root $*" >"$folder/configured"
+}
+
+# compile FOLDER [targets]
+compile() {
+    folder=$1
+    shift
+    echo "building in $folder/"
+    ninja=$(command -v ninja || command -v ninja-build || command -v samu)
+    "$ninja" -C "$folder" "$@" >"$folder/compile.log" 2>&1 || {
+        cat "$folder/compile.log" >&2
+        exit 1
+    }
+}
