@@ -1,0 +1,590 @@
+/* examples/common: command line, files that are whole or absent, JSON, CSV, tables, ParaView files, jobs. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common.h"
+
+static char folder[200]; /* made new for each test */
+
+static int make_folder(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/riddle-test.XXXXXX", base ? base : "/tmp");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int files_in(const char *path) {
+    int n = 0;
+    DIR *d = opendir(path);
+    for (struct dirent *e; d && (e = readdir(d)) != NULL;) n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    if (d) closedir(d);
+    return d ? n : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    DIR *d = opendir(folder);
+    char path[600];
+    for (struct dirent *e; d && (e = readdir(d)) != NULL;) {
+        snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) remove(path);
+    }
+    if (d) closedir(d);
+    return rmdir(folder);
+}
+
+/* The file as text with a 0 at the end; the caller frees it. */
+static char *slurp(const char *name, long *size) {
+    char path[600];
+    FILE *f = fopen(output_path(path, sizeof path, folder, name), "rb");
+    if (!f) return NULL;
+    fseek(f, 0, SEEK_END);
+    long n = ftell(f);
+    rewind(f);
+    char *text = malloc((size_t)n + 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, (size_t)n, f), n);
+    text[n] = '\0';
+    fclose(f);
+    if (size) *size = n;
+    return text;
+}
+
+static void expect_file(const char *name, const char *expected) {
+    char *text = slurp(name, NULL);
+    assert_non_null(text);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+/* ---- command line ---- */
+
+typedef struct {
+    int run, law;
+    double time, angle;
+    bool flag;
+    const char *text;
+    uint64_t seed2;
+    option options[7];
+    program self;
+    char message[300];
+} line;
+
+static int parse(line *l, const char *arguments) {
+    static char storage[1000];
+    char *argv[40] = {"prog"};
+    int argc = 1;
+    l->run = 5;
+    l->law = 0;
+    l->time = 5.0;
+    l->angle = -10.0;
+    l->flag = false;
+    l->text = NULL;
+    l->seed2 = 7;
+    option options[7] = {
+        option_int("case", "N", &l->run, 1, 15, "case"),
+        option_positive("time", "S", &l->time, 1e4, "time [s]"),
+        option_double("angle", "DEG", &l->angle, -90.0, 90.0, "angle [deg]"),
+        option_flag("wet", &l->flag, "with liquid"),
+        option_choice("law", &l->law, "linear|hertz|jkr", "contact law"),
+        option_string("input", "FILE", &l->text, "file"),
+        option_seed("other-seed", "N", &l->seed2, "seed"),
+    };
+    memcpy(l->options, options, sizeof options);
+    program self = {"prog", "out/prog", NULL, 2, 1, false, false, 0.0};
+    l->self = self;
+    l->message[0] = '\0';
+    snprintf(storage, sizeof storage, "%s", arguments);
+    for (char *word = strtok(storage, " "); word && argc < 39; word = strtok(NULL, " ")) argv[argc++] = word;
+    return options_parse(&l->self, l->options, 7, argc, argv, l->message, (int)sizeof l->message);
+}
+
+static void test_options_good(void **state) {
+    (void)state;
+    line l;
+    assert_int_equal(parse(&l, ""), 0);
+    assert_true(l.run == 5 && l.time == 5.0 && l.angle == -10.0 && !l.flag && l.law == 0 && !l.text && l.self.seed == 1);
+    assert_int_equal(parse(&l, "--case 15 --time=0.25 --angle -1e1 --wet --law hertz --input a=b --seed 18446744073709551615 --threads 3"), 0);
+    assert_true(l.run == 15 && l.time == 0.25 && l.angle == -10.0 && l.flag && l.law == 1 && l.self.threads == 3);
+    assert_string_equal(l.text, "a=b");
+    assert_true(l.self.seed == UINT64_MAX && l.options[0].given && l.options[2].given && !l.options[6].given);
+    assert_int_equal(parse(&l, "--out x/y --json - --quick --quiet --law=jkr --input=--odd --time .5"), 0);
+    assert_true(l.self.quick && l.self.quiet && l.law == 2 && l.time == 0.5);
+    assert_string_equal(l.self.out, "x/y");
+    assert_string_equal(l.self.json, "-");
+    assert_string_equal(l.text, "--odd");
+    assert_int_equal(parse(&l, "--case 3 --case 4"), 0);
+    assert_int_equal(l.run, 4); /* the last one counts */
+    assert_int_equal(parse(&l, "--case 3 --help"), 1);
+    assert_int_equal(parse(&l, "-h"), 1);
+}
+
+static void test_options_bad(void **state) {
+    (void)state;
+    static const char *const bad[][2] = {
+        {"--case 0", "prog: --case 0: allowed: a whole number from 1 to 15"},
+        {"--case 16", "prog: --case 16: allowed: a whole number from 1 to 15"},
+        {"--case 5.0", "prog: --case 5.0: allowed: a whole number from 1 to 15"},
+        {"--case 5x", "prog: --case 5x: allowed: a whole number from 1 to 15"},
+        {"--case=", "prog: --case : allowed: a whole number from 1 to 15"},
+        {"--case", "prog: --case has no value; allowed: a whole number from 1 to 15"},
+        {"--case --wet", "prog: --case has no value; allowed: a whole number from 1 to 15"},
+        {"--case 99999999999999999999999", "prog: --case 99999999999999999999999: allowed: a whole number from 1 to 15"},
+        {"--time nan", "prog: --time nan: allowed: a number above 0 and at most 10000"},
+        {"--time NAN(1)", "prog: --time NAN(1): allowed: a number above 0 and at most 10000"},
+        {"--time inf", "prog: --time inf: allowed: a number above 0 and at most 10000"},
+        {"--time -1", "prog: --time -1: allowed: a number above 0 and at most 10000"},
+        {"--time 0", "prog: --time 0: allowed: a number above 0 and at most 10000"},
+        {"--time 1e999", "prog: --time 1e999: allowed: a number above 0 and at most 10000"},
+        {"--time 0x10", "prog: --time 0x10: allowed: a number above 0 and at most 10000"},
+        {"--time 1,5", "prog: --time 1,5: allowed: a number above 0 and at most 10000"},
+        {"--time 1e", "prog: --time 1e: allowed: a number above 0 and at most 10000"},
+        {"--time --", "prog: --time has no value; allowed: a number above 0 and at most 10000"},
+        {"--angle 90.001", "prog: --angle 90.001: allowed: a number from -90 to 90"},
+        {"--wet=1", "prog: --wet 1: takes no value"},
+        {"--law herz", "prog: --law herz: allowed: one of linear|hertz|jkr"},
+        {"--law linear|hertz", "prog: --law linear|hertz: allowed: one of linear|hertz|jkr"},
+        {"--law=", "prog: --law : allowed: one of linear|hertz|jkr"},
+        {"--input=", "prog: --input : allowed: a text that is not empty"},
+        {"--threads 0", "prog: --threads 0: allowed: a whole number from 1 to 4096"},
+        {"--threads 1000000000", "prog: --threads 1000000000: allowed: a whole number from 1 to 4096"},
+        {"--seed -1", "prog: --seed -1: allowed: a whole number from 0 to 18446744073709551615"},
+        {"--seed 18446744073709551616", "prog: --seed 18446744073709551616: allowed: a whole number from 0 to 18446744073709551615"},
+        {"--tme 3", "prog: unknown option --tme, did you mean --time?; --help lists all"},
+        {"--Time 3", "prog: unknown option --Time, did you mean --time?; --help lists all"},
+        {"--thread=3", "prog: unknown option --thread, did you mean --threads?; --help lists all"},
+        {"--xylophone", "prog: unknown option --xylophone; --help lists all"},
+        {"case", "prog: 'case' is not an option; --help lists them"},
+        {"-case 3", "prog: '-case' is not an option; --help lists them"},
+        {"--", "prog: '--' is not an option; --help lists them"},
+        {"--=3", "prog: unknown option --; --help lists all"},
+        {"--case 1\n2", "prog: --case 1?2: allowed: a whole number from 1 to 15"},
+    };
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        line l;
+        if (parse(&l, bad[i][0]) != 2) fail_msg("'%s' was taken", bad[i][0]);
+        assert_string_equal(l.message, bad[i][1]);
+    }
+}
+
+/* ---- files ---- */
+
+static void test_output_whole_or_absent(void **state) {
+    (void)state;
+    output *f = output_open(folder, "a.txt");
+    assert_non_null(f);
+    assert_int_equal(output_print(f, "%d\n", 1), 0);
+    char path[300];
+    assert_int_equal(access(output_path(path, sizeof path, folder, "a.txt"), F_OK), -1); /* not there before it is whole */
+    assert_int_equal(output_close(f), 0);
+    expect_file("a.txt", "1\n");
+    assert_int_equal(files_in(folder), 1);
+    f = output_open(folder, "a.txt");
+    output_print(f, "other\n");
+    output_discard(f);
+    expect_file("a.txt", "1\n"); /* the older one stays */
+    f = output_open(folder, "a.txt");
+    output_print(f, "2\n");
+    assert_int_equal(output_close(f), 0);
+    expect_file("a.txt", "2\n");
+    assert_int_equal(files_in(folder), 1);
+    struct stat info;
+    mode_t mask = umask(0);
+    umask(mask);
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0666 & ~mask);
+}
+
+static void test_output_through_a_link(void **state) {
+    (void)state;
+    char target[300], link_name[300];
+    output_close(output_open(folder, "target"));
+    assert_int_equal(symlink(output_path(target, sizeof target, folder, "target"), output_path(link_name, sizeof link_name, folder, "link")), 0);
+    output *f = output_open(folder, "link");
+    output_print(f, "through\n");
+    assert_int_equal(output_close(f), 0);
+    expect_file("target", "through\n");
+    struct stat info;
+    assert_int_equal(lstat(link_name, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+}
+
+static void test_output_refused(void **state) {
+    (void)state;
+    char message[200], path[300];
+    assert_null(output_open("/nowhere/at/all", "x"));
+    assert_null(output_open(NULL, folder)); /* a folder */
+    assert_int_equal(output_print(NULL, "x"), -1);
+    assert_int_equal(output_write(NULL, "x", 1), -1);
+    assert_int_equal(output_close(NULL), -1);
+    output_discard(NULL);
+    output_close(output_open(folder, "file"));
+    snprintf(path, sizeof path, "%s/file/sub", folder);
+    assert_int_equal(output_make_folder(path, message, sizeof message), -1);
+    assert_string_equal(message, "Not a directory");
+    snprintf(path, sizeof path, "%s/a//b/c/", folder);
+    assert_int_equal(output_make_folder(path, message, sizeof message), 0);
+    assert_int_equal(output_make_folder(path, message, sizeof message), 0);
+    assert_int_equal(files_in(path), 0);
+    for (int cut = 4; cut >= 1; cut--) { /* so that the folder can be removed again */
+        static const char *const parts[] = {"", "a", "a/b", "a/b/c"};
+        snprintf(path, sizeof path, "%s/%s", folder, parts[cut - 1]);
+        if (cut > 1) assert_int_equal(rmdir(path), 0);
+    }
+}
+
+/* /dev/full takes nothing: the failure shows at close at the latest, whatever the size. */
+static void test_output_full_disk(void **state) {
+    (void)state;
+    if (access("/dev/full", W_OK) != 0) skip();
+    static const char block[100000];
+    output *f = output_open(NULL, "/dev/full");
+    assert_non_null(f);
+    output_print(f, "short");
+    assert_int_equal(output_close(f), -1);
+    f = output_open(NULL, "/dev/full");
+    output_write(f, block, sizeof block);
+    assert_int_equal(output_write(f, block, sizeof block), -1);
+    assert_int_equal(output_close(f), -1);
+    json *j = json_open("/dev/full");
+    json_number(j, "a", 1.0);
+    assert_int_equal(json_close(j), -1);
+    csv *c = csv_open(NULL, "/dev/full", "a,b");
+    assert_int_equal(csv_close(c), -1);
+    plot *p = plot_new("full", 1, 1);
+    assert_int_equal(plot_write(p, NULL, "/dev/full"), -1);
+    double xyz[3] = {1.0, 2.0, 3.0};
+    assert_int_equal(vtp_points(NULL, "/dev/full", 1, vtk_vector("position", xyz), NULL, 0), -1);
+    assert_int_equal(access("/dev/full", W_OK), 0); /* still there */
+    assert_int_equal(common_exit_status(), 1);
+}
+
+/* ---- JSON ---- */
+
+static void test_json(void **state) {
+    (void)state;
+    char path[300];
+    double values[] = {0.1, -1e300, (double)NAN, HUGE_VAL};
+    int whole[] = {1, -2};
+    json *j = json_open(output_path(path, sizeof path, folder, "a.json"));
+    json_number(j, "time_s", 0.1);
+    json_integer(j, "steps", 9007199254740993LL);
+    json_string(j, "text", "\"a\\b\"\n\x01 \xC3\xA9");
+    json_string(j, "none", NULL);
+    json_bool(j, "yes", true);
+    json_array(j, "values", values, 4);
+    json_array(j, "empty", NULL, 0);
+    json_integers(j, "whole", whole, 2);
+    json_object_begin(j, "inner");
+    json_number(j, "x", -0.0);
+    json_object_end(j);
+    json_array_begin(j, "list");
+    json_integer(j, NULL, 1);
+    json_object_begin(j, NULL);
+    json_object_end(j);
+    assert_int_equal(json_close(j), 0); /* closes the list */
+    expect_file("a.json", "{\n  \"time_s\": 0.10000000000000001,\n  \"steps\": 9007199254740993,\n"
+                          "  \"text\": \"\\\"a\\\\b\\\"\\u000a\\u0001 \xC3\xA9\",\n  \"none\": null,\n  \"yes\": true,\n"
+                          "  \"values\": [0.10000000000000001, -1.0000000000000001e+300, null, null],\n  \"empty\": [],\n  \"whole\": [1, -2],\n"
+                          "  \"inner\": {\n    \"x\": -0\n  },\n  \"list\": [\n    1,\n    {\n    }\n  ]\n}\n");
+}
+
+static void test_json_absent(void **state) {
+    (void)state;
+    json *j = json_open(NULL);
+    assert_null(j);
+    json_number(j, "a", 1.0);
+    json_integer(j, "a", 1);
+    json_bool(j, "a", true);
+    json_string(j, "a", "b");
+    json_array(j, "a", NULL, 0);
+    json_integers(j, "a", NULL, 0);
+    json_object_begin(j, "a");
+    json_object_end(j);
+    json_array_begin(j, "a");
+    json_array_end(j);
+    json_discard(j);
+    assert_int_equal(json_close(j), 0);
+    char path[300];
+    j = json_open(output_path(path, sizeof path, folder, "deep.json"));
+    for (int i = 0; i < 100; i++) json_array_begin(j, NULL); /* deeper than it goes: stays balanced */
+    for (int i = 0; i < 200; i++) json_array_end(j);
+    assert_int_equal(json_close(j), 0);
+    char *text = slurp("deep.json", NULL);
+    int open = 0, lowest = 0;
+    for (char *c = text; *c; c++) {
+        open += (*c == '[' || *c == '{') - (*c == ']' || *c == '}');
+        if (open < lowest) lowest = open;
+    }
+    free(text);
+    assert_int_equal(open, 0);
+    assert_int_equal(lowest, 0);
+}
+
+/* ---- CSV ---- */
+
+static void test_csv_round_trip(void **state) {
+    (void)state;
+    double rows[3][3] = {{0.1, -1e-300, 3.0}, {(double)NAN, DBL_MAX, 4.9e-324}, {HUGE_VAL, -0.0, 1.0 / 3.0}};
+    csv *c = csv_open(folder, "a.csv", "# a comment\ntime_s,mass_kg,x [m]");
+    for (int i = 0; i < 3; i++) assert_int_equal(csv_row(c, rows[i], 3), 0);
+    csv_line(c, "%d,%s,%g", 7, "", 2.5);
+    assert_int_equal(csv_close(c), 0);
+    char path[300], message[200];
+    csv_data data;
+    assert_int_equal(csv_read(output_path(path, sizeof path, folder, "a.csv"), &data, message, sizeof message), 0);
+    assert_int_equal(data.rows, 4);
+    assert_int_equal(data.columns, 3);
+    assert_int_equal(csv_column(&data, "x [m]"), 2);
+    assert_int_equal(csv_column(&data, "x"), -1);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            double back = data.values[3 * i + k], out = rows[i][k];
+            assert_true(out - out == 0.0 ? memcmp(&back, &out, sizeof out) == 0 : back != back);
+        }
+    assert_true(csv_value(&data, 3, "time_s") == 7.0 && isnan(csv_value(&data, 3, "mass_kg")) && isnan(csv_value(&data, 4, "time_s")) &&
+                isnan(csv_value(&data, 0, "none")));
+    csv_free(&data);
+    csv_free(&data); /* twice does no harm */
+}
+
+static int parse_csv(const char *text, csv_data *data, char *message) {
+    return csv_parse(text, (long)strlen(text), "f", data, message, 200);
+}
+
+static void test_csv_forms(void **state) {
+    (void)state;
+    char message[200];
+    csv_data data;
+    assert_int_equal(parse_csv("# c\r\n\r\n a , \"b, c\" ,d # note, with a comma\r\n1, 2 ,x\r\n # c\n-3e2,,\"y, z\"", &data, message), 0);
+    assert_int_equal(data.columns, 3);
+    assert_int_equal(data.rows, 2);
+    assert_string_equal(data.names[0], "a");
+    assert_string_equal(data.names[1], "b, c");
+    assert_string_equal(data.names[2], "d");
+    assert_true(data.values[0] == 1.0 && data.values[1] == 2.0 && data.values[3] == -300.0 && isnan(data.values[4]) && isnan(data.values[5]));
+    assert_string_equal(data.cells[5], "y, z");
+    csv_free(&data);
+    assert_int_equal(parse_csv("a\n", &data, message), 0);
+    assert_int_equal(data.rows, 0);
+    csv_free(&data);
+    static const char *const bad[][2] = {
+        {"", "f: no header line"},
+        {"# only\n", "f: no header line"},
+        {"a,b\n1,2\n\n3\n", "f:4: 1 cells, but the header names 2"},
+        {"a,b\n1,2,3\n", "f:2: 3 cells, but the header names 2"},
+        {"a,b\n1,2\n1,2x\n", "f:3: column b: '2x' is not a number"},
+        {"a,b\n1,2\n1,0x10\n", "f:3: column b: '0x10' is not a number"},
+    };
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        assert_int_equal(parse_csv(bad[i][0], &data, message), -1);
+        assert_string_equal(message, bad[i][1]);
+        assert_null(data.memory);
+    }
+    assert_int_equal(csv_parse("a\0b", 3, "f", &data, message, 200), -1);
+    assert_string_equal(message, "f: not a text file");
+    assert_int_equal(csv_read("/nowhere", &data, message, 200), -1);
+    assert_string_equal(message, "/nowhere: No such file or directory");
+    assert_int_equal(csv_read(folder, &data, message, 200), -1);
+}
+
+static void test_table(void **state) {
+    (void)state;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    table t = table_begin("name|value [m]|n");
+    table_cell(&t, "a");
+    table_cell(&t, "%.2f", 1.5);
+    table_cell(&t, "%d", 30);
+    table_cell(&t, "\xC3\xA9tage");
+    table_cell(&t, "%.2f", -10.0);
+    table_cell(&t, "-");
+    table_end_to(&t, f);
+    fclose(f);
+    assert_string_equal(text, "name   value [m]   n\n"
+                              "-----  ---------  --\n"
+                              "a           1.50  30\n"
+                              "\xC3\xA9tage     -10.00   -\n");
+    free(text);
+}
+
+/* ---- ParaView ---- */
+
+static uint64_t little(const char *bytes, int n) {
+    uint64_t v = 0;
+    for (int i = n - 1; i >= 0; i--) v = v << 8 | (unsigned char)bytes[i];
+    return v;
+}
+
+static double float_at(const char *bytes) {
+    uint32_t bits = (uint32_t)little(bytes, 4);
+    float v;
+    memcpy(&v, &bits, 4);
+    return (double)v;
+}
+
+/* Start of a named array's numbers in the appended block; checks its length. */
+static const char *array_of(const char *text, const char *name, uint64_t bytes) {
+    char key[80];
+    snprintf(key, sizeof key, "Name=\"%s\"", name);
+    const char *at = strstr(text, key);
+    assert_non_null(at);
+    at = strstr(at, "offset=\"");
+    assert_non_null(at);
+    long offset = strtol(at + 8, NULL, 10);
+    const char *block = strstr(text, "<AppendedData encoding=\"raw\">\n_");
+    assert_non_null(block);
+    const char *here = block + strlen("<AppendedData encoding=\"raw\">\n_") + offset;
+    assert_true(little(here, 8) == bytes);
+    return here + 8;
+}
+
+static void test_vtp(void **state) {
+    (void)state;
+    double x[] = {1.0, 2.0, 3.0}, y[] = {0.5, 0.0, -0.5}, z[] = {0.0, 0.0, 7.0}, radius[] = {0.1, 0.2, 0.3};
+    double both[] = {1.0, 2.0, 3.0, 99.0, 4.0, 5.0, 6.0, 99.0, 7.0, 8.0, 9.0, 99.0};
+    int klass[] = {0, -1, 2};
+    float f[] = {1.5f, 2.5f, 3.5f};
+    vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_ints("class", klass), vtk_vector_stride("velocity<&", both, 4), vtk_scalar_float("f", f)};
+    assert_int_equal(vtp_points(folder, "a.vtp", 3, vtk_vector3("position", x, y, z), arrays, 4), 0);
+    long size;
+    char *text = slurp("a.vtp", &size);
+    assert_non_null(strstr(text, "byte_order=\"LittleEndian\" header_type=\"UInt64\""));
+    assert_non_null(strstr(text, "NumberOfPoints=\"3\" NumberOfVerts=\"3\" NumberOfLines=\"0\""));
+    const char *a = array_of(text, "radius", 12);
+    for (int i = 0; i < 3; i++) assert_true(fabs(float_at(a + 4 * i) - radius[i]) < 1e-7);
+    a = array_of(text, "class", 12);
+    for (int i = 0; i < 3; i++) assert_int_equal((int32_t)little(a + 4 * i, 4), klass[i]);
+    a = array_of(text, "velocity&lt;&amp;", 36);
+    for (int i = 0; i < 9; i++) assert_true(float_at(a + 4 * i) == both[i + i / 3]);
+    a = array_of(text, "f", 12);
+    assert_true(float_at(a + 8) == 3.5);
+    a = array_of(text, "position", 36);
+    assert_true(float_at(a) == 1.0 && float_at(a + 4) == 0.5 && float_at(a + 32) == 7.0);
+    a = array_of(text, "connectivity", 12);
+    assert_true(little(a, 4) == 0 && little(a + 8, 4) == 2);
+    a = array_of(text, "offsets", 12);
+    assert_true(little(a, 4) == 1 && little(a + 8, 4) == 3);
+    assert_memory_equal(a + 12, "\n</AppendedData>\n</VTKFile>\n", 28);
+    assert_true(a + 12 + 28 == text + size);
+    free(text);
+    assert_int_equal(vtp_points(folder, "empty.vtp", 0, vtk_vector3("position", x, y, z), NULL, 0), 0);
+}
+
+static void test_vtp_polygons_and_image(void **state) {
+    (void)state;
+    double xyz[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+    int corners[] = {0, 1, 2, 0, 2, 3}, ends[] = {3, 6};
+    assert_int_equal(vtp_polygons(folder, "p.vtp", 4, vtk_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    assert_int_equal(vtp_lines(folder, "l.vtp", 4, vtk_vector("position", xyz), 2, ends, corners, NULL, 0), 0);
+    char *text = slurp("p.vtp", NULL);
+    assert_non_null(strstr(text, "NumberOfPolys=\"2\""));
+    const char *a = array_of(text, "connectivity", 24);
+    assert_true(little(a + 20, 4) == 3);
+    a = array_of(text, "offsets", 8);
+    assert_true(little(a, 4) == 3 && little(a + 4, 4) == 6);
+    free(text);
+    text = slurp("l.vtp", NULL);
+    assert_non_null(strstr(text, "NumberOfLines=\"2\""));
+    free(text);
+    int size[3] = {2, 3, 1};
+    double origin[3] = {0.0, -1.0, 0.0}, spacing[3] = {0.5, 0.25, 1.0}, values[6] = {1, 2, 3, 4, 5, 6};
+    vtk_array pressure = vtk_scalar("pressure_Pa", values);
+    assert_int_equal(vti_cells(folder, "i.vti", size, origin, spacing, &pressure, 1), 0);
+    text = slurp("i.vti", NULL);
+    assert_non_null(strstr(text, "WholeExtent=\"0 2 0 3 0 1\" Origin=\"0 -1 0\" Spacing=\"0.5 0.25 1\""));
+    a = array_of(text, "pressure_Pa", 24);
+    assert_true(float_at(a + 20) == 6.0);
+    free(text);
+    size[0] = 0;
+    assert_int_equal(vti_cells(folder, "none.vti", size, origin, spacing, &pressure, 1), -1);
+    assert_int_equal(files_in(folder), 3);
+}
+
+static void test_pvd(void **state) {
+    (void)state;
+    double xyz[3] = {0.0, 0.0, 0.0};
+    pvd *series = pvd_open(folder, "run.pvd");
+    for (int i = 0; i < 3; i++) assert_int_equal(vtp_points(folder, pvd_name(series, 0.1 * i), 1, vtk_vector("position", xyz), NULL, 0), 0);
+    assert_int_equal(pvd_close(series), 0);
+    expect_file("run.pvd", "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n"
+                           "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" part=\"0\" file=\"run_0001.vtp\"/>\n"
+                           "<DataSet timestep=\"0.2\" part=\"0\" file=\"run_0002.vtp\"/>\n</Collection>\n</VTKFile>\n");
+    assert_int_equal(files_in(folder), 4);
+}
+
+/* ---- the machine ---- */
+
+typedef struct {
+    int done[100];
+    int fails;
+} slots;
+
+static int job(int index, void *user) {
+    slots *s = user;
+    s->done[index]++;
+    return index == 7 ? s->fails : 0;
+}
+
+static void test_jobs(void **state) {
+    (void)state;
+    for (int threads = 0; threads < 5; threads++) {
+        slots s = {{0}, threads == 3};
+        assert_int_equal(jobs_run(100, threads, job, &s), threads == 3);
+        for (int i = 0; i < 100; i++) assert_int_equal(s.done[i], 1);
+    }
+    assert_int_equal(jobs_run(0, 4, job, NULL), 0);
+    assert_true(machine_cores() >= 1 && machine_peak_memory_bytes() > 1e5);
+    double t = machine_seconds();
+    assert_true(machine_seconds() >= t);
+}
+
+static void test_progress(void **state) {
+    (void)state;
+    progress bar;
+    progress_begin(&bar, "nothing", 0.0); /* no total, NaN, beyond the end: no crash */
+    progress_update(&bar, (double)NAN);
+    progress_update(&bar, 1e300);
+    progress_add(&bar, -5.0);
+    progress_end(&bar);
+    progress_end(&bar);
+    assert_false(bar.active);
+    assert_false(common_interrupted());
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_options_good),
+        cmocka_unit_test(test_options_bad),
+        cmocka_unit_test_setup_teardown(test_output_whole_or_absent, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_output_through_a_link, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_output_refused, make_folder, remove_folder),
+        cmocka_unit_test(test_output_full_disk),
+        cmocka_unit_test_setup_teardown(test_json, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_json_absent, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_csv_round_trip, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_csv_forms, make_folder, remove_folder),
+        cmocka_unit_test(test_table),
+        cmocka_unit_test_setup_teardown(test_vtp, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_vtp_polygons_and_image, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_pvd, make_folder, remove_folder),
+        cmocka_unit_test(test_jobs),
+        cmocka_unit_test(test_progress),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
