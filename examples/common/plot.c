@@ -311,25 +311,25 @@ static void settle(axis *a, double low, double high, bool tight) {
         low = a->log ? 0.1 : 0.0;
         high = 1.0;
     }
+    low = fmin(fmax(low, a->log ? 1e-300 : -1e300), 1e300);
+    high = fmin(fmax(high, a->log ? 1e-300 : -1e300), 1e300);
     if (a->log) {
-        double margin = tight ? 0.0 : 0.04 * log10(high / low);
+        double margin = tight ? 0.0 : 0.04 * (log10(high) - log10(low));
         if (!(high > low * 1.0000001)) margin = 0.5;
         a->low = fmax(low * pow(10.0, -margin), 1e-300);
         a->high = fmin(high * pow(10.0, margin), 1e300);
         return;
     }
-    low = fmax(low, -1e300);
-    high = fmin(high, 1e300);
     double span = high - low, size = fmax(fabs(low), fabs(high));
-    if (!(span > 1e-12 * size)) span = size > 0.0 ? 0.2 * size : 1.0;
+    if (!(span > 1e-12 * size && span > 1e-280)) span = size > 1e-280 ? 0.2 * size : 1.0;
     a->low = tight || low == 0.0 || (low > 0.0 && low < 0.2 * high) ? (tight ? low : 0.0) : low - 0.05 * span;
     a->high = tight || high == 0.0 ? high : high + 0.05 * span;
-    if (!(a->high > a->low)) a->high = a->low + span;
+    if (!(a->high - a->low > 0.5 * span)) a->high = a->low + span;
 }
 
 /* 0 .. 1 along the axis */
 static double share(const axis *a, double v) {
-    if (a->log) return log(v / a->low) / log(a->high / a->low);
+    if (a->log) return (log(v) - log(a->low)) / (log(a->high) - log(a->low)); /* a quotient could overflow */
     return (v - a->low) / (a->high - a->low);
 }
 
@@ -358,8 +358,8 @@ static int letters_of(const char *text) {
 /* A step of 1, 2, 5 x 10^k that gives about `wanted` intervals; *minor: intervals between two. */
 static double nice_step(double span, int wanted, int *minor) {
     double raw = span / wanted, power = pow(10.0, floor(log10(raw))), m = raw / power;
-    *minor = m > 1.5 && m <= 3.5 ? 4 : 5;
-    return power * (m <= 1.5 ? 1.0 : m <= 3.5 ? 2.0 : m <= 7.5 ? 5.0 : 10.0);
+    *minor = m > 1.41 && m <= 3.16 ? 4 : 5;
+    return power * (m <= 1.41 ? 1.0 : m <= 3.16 ? 2.0 : m <= 7.07 ? 5.0 : 10.0);
 }
 
 /* exponent: 10^exponent is divided out of the labels and stands at the end of the axis. */
@@ -569,10 +569,14 @@ static void draw_band(output *f, const panel *a, const series *s) {
     }
 }
 
+static bool has_length(const series *s, int i) {
+    return s->z[i] >= 0.0 && s->z[i] < HUGE_VAL;
+}
+
 static void draw_error_bars(output *f, const panel *a, const series *s) {
     output_print(f, "<g stroke=\"%s\" stroke-width=\"1.6\">\n", colour_of(s));
     for (int i = 0; i < s->n; i++) {
-        if (!visible(a, s->x[i], s->y[i]) || !(s->z[i] >= 0.0 && s->z[i] < HUGE_VAL)) continue;
+        if (!visible(a, s->x[i], s->y[i]) || !has_length(s, i)) continue;
         double x = limited(px(a, s->x[i])), top = limited(py(a, s->y[i] + s->z[i])), base = limited(py(a, floor_of(&a->y, s->y[i] - s->z[i])));
         output_print(f, "<path d=\"M%.2f %.2fh8m-4 0V%.2fm-4 0h8\"/>\n", x - 4.0, top, base);
     }
@@ -618,29 +622,36 @@ static void heat_range(const series *s, double *low, double *high) {
         *low = 0.0;
         *high = 1.0;
     }
+    *low = fmin(fmax(*low, -1e300), 1e300); /* so that their difference is finite */
+    *high = fmin(fmax(*high, -1e300), 1e300);
     if (!(*high > *low)) *high = *low + (*low != 0.0 ? fabs(*low) : 1.0);
+}
+
+static double between(double from, double to, int i, int n) {
+    return from * (1.0 - (double)i / n) + to * ((double)i / n);
+}
+
+/* 0 .. 160, or -1 where there is no number */
+static int heat_level(double v, double low, double high) {
+    return v - v == 0.0 ? (int)(160.0 * fmin(fmax((v - low) / (high - low), 0.0), 1.0)) : -1;
 }
 
 /* Neighbours of one colour in a row are one rectangle. */
 static void draw_heat(output *f, const panel *a, const series *s) {
     double low, high;
-    if (s->n == 0) return;
+    if (s->n == 0 || !visible(a, s->x[0], s->x[2]) || !visible(a, s->x[1], s->x[3])) return;
     heat_range(s, &low, &high);
     output_print(f, "<g shape-rendering=\"crispEdges\">\n");
     for (int row = 0; row < s->rows; row++) {
-        double y0 = s->x[2] + (s->x[3] - s->x[2]) * row / s->rows, y1 = s->x[2] + (s->x[3] - s->x[2]) * (row + 1) / s->rows;
+        double y0 = between(s->x[2], s->x[3], row, s->rows), y1 = between(s->x[2], s->x[3], row + 1, s->rows);
         double top = fmin(py(a, y0), py(a, y1)), height = fabs(py(a, y1) - py(a, y0));
         for (int i = 0, end; i < s->columns; i = end) {
             const double *values = s->y + (size_t)row * (size_t)s->columns;
-            int level = (int)(160.0 * (values[i] - low) / (high - low)), rgb[3];
-            bool known = values[i] - values[i] == 0.0;
-            for (end = i + 1; end < s->columns; end++) {
-                bool next_known = values[end] - values[end] == 0.0;
-                if (next_known != known || (known && (int)(160.0 * (values[end] - low) / (high - low)) != level)) break;
-            }
-            if (!known) continue;
+            int level = heat_level(values[i], low, high), rgb[3];
+            for (end = i + 1; end < s->columns && heat_level(values[end], low, high) == level;) end++;
+            if (level < 0) continue;
             heat_colour((level + 0.5) / 161.0, rgb);
-            double x0 = px(a, s->x[0] + (s->x[1] - s->x[0]) * i / s->columns), x1 = px(a, s->x[0] + (s->x[1] - s->x[0]) * end / s->columns);
+            double x0 = px(a, between(s->x[0], s->x[1], i, s->columns)), x1 = px(a, between(s->x[0], s->x[1], end, s->columns));
             output_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", fmin(x0, x1), top,
                          fabs(x1 - x0) + 0.3, height + 0.3, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
         }
@@ -766,7 +777,7 @@ static void find_ranges(panel *a) {
             if (a->x.fixed_range && s->x && s->kind != HORIZONTAL && (s->x[i] < a->x.low || s->x[i] > a->x.high)) continue;
             include(&a->y, s->y[i], &y0, &y1);
             if (s->kind == BAND) include(&a->y, s->z[i], &y0, &y1);
-            if (s->kind == ERROR_BARS) {
+            if (s->kind == ERROR_BARS && has_length(s, i)) {
                 include(&a->y, s->y[i] - s->z[i], &y0, &y1);
                 include(&a->y, s->y[i] + s->z[i], &y0, &y1);
             }
@@ -787,6 +798,7 @@ static void keep_equal(panel *a) {
     axis *wider = x_unit > y_unit ? &a->x : &a->y;
     double factor = x_unit > y_unit ? x_unit / y_unit : y_unit / x_unit, middle = 0.5 * (wider->low + wider->high);
     double half = 0.5 * factor * (wider->high - wider->low);
+    if (!(half < 1e300)) return;
     wider->low = middle - half;
     wider->high = middle + half;
 }
@@ -854,7 +866,7 @@ static void stain_series(raster r, const panel *a, const series *s) {
         } else if (s->kind <= ERROR_BARS && visible(a, s->x[i], s->y[i])) {
             double x = limited(px(a, s->x[i])), y = limited(py(a, s->y[i]));
             stain(r, a, x, y, s->kind == LINE && !(s->flags & PLOT_MARKED) ? 3.0 : 6.0);
-            if (s->kind == ERROR_BARS && s->z[i] - s->z[i] == 0.0)
+            if (s->kind == ERROR_BARS && has_length(s, i))
                 stain_segment(r, a, x, limited(py(a, s->y[i] + s->z[i])), x, limited(py(a, floor_of(&a->y, s->y[i] - s->z[i]))));
             if (s->kind == BAND && can_show(&a->y, s->z[i])) stain_segment(r, a, x, y, x, limited(py(a, s->z[i])));
             bool joined = s->kind == LINE || s->kind == BAND;
