@@ -1,0 +1,348 @@
+/* Every example and benchmark as its user meets it: help, wrong options, a quick run with its files, a disk that is full, Ctrl-C.
+   The programs' paths stand in RIDDLE_PROGRAMS, one a line (meson.build sets it); none: nothing to test. */
+#define _XOPEN_SOURCE 700
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <ctype.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, HANGS_AFTER_S = 300 };
+
+static char folder[LONGEST_PATH];
+
+/* ---- folders ---- */
+
+static int removed(const char *path, const struct stat *info, int kind, struct FTW *where) {
+    (void)info, (void)kind, (void)where;
+    return remove(path);
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/riddle programs.XXXXXX", base ? base : "/tmp"); /* with a blank */
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    return nftw(folder, removed, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static int n_files, n_svg, n_parts;
+
+static int counted(const char *path, const struct stat *info, int kind, struct FTW *where) {
+    (void)info, (void)where;
+    size_t length = strlen(path);
+    if (kind != FTW_F) return 0;
+    n_files++;
+    n_svg += length > 4 && strcmp(path + length - 4, ".svg") == 0;
+    n_parts += length > 5 && strcmp(path + length - 5, ".part") == 0;
+    return 0;
+}
+
+static void count_files(const char *path) {
+    n_files = n_svg = n_parts = 0;
+    nftw(path, counted, 16, FTW_PHYS);
+}
+
+static char *file_text(const char *path) {
+    FILE *f = fopen(path, "rb");
+    if (!f) return NULL;
+    fseek(f, 0, SEEK_END);
+    long size = ftell(f);
+    rewind(f);
+    char *text = malloc((size_t)size + 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, (size_t)size, f), size);
+    text[size] = '\0';
+    fclose(f);
+    return text;
+}
+
+/* ---- running ---- */
+
+typedef struct {
+    int status; /* exit status, or 1000 + signal */
+    char *out, *err;
+    double seconds;
+} result;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void sleep_seconds(double s) {
+    struct timespec t = {(time_t)s, (long)(1e9 * (s - (double)(time_t)s))};
+    nanosleep(&t, NULL);
+}
+
+/* Runs `program words...` (words end with NULL) in the folder. interrupt_after > 0: sends SIGINT then. */
+static result run_program(const char *program, const char *const *words, long largest_file, double interrupt_after) {
+    char *argv[40] = {NULL}, out_path[LONGEST_PATH + 20], err_path[LONGEST_PATH + 20];
+    int argc = 0, code = 0;
+    argv[argc++] = (char *)(uintptr_t)program;
+    for (; *words && argc < 39; words++) argv[argc++] = (char *)(uintptr_t)*words;
+    snprintf(out_path, sizeof out_path, "%s/said.out", folder);
+    snprintf(err_path, sizeof err_path, "%s/said.err", folder);
+    double began = now();
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        int in = open("/dev/null", O_RDONLY), out = open(out_path, O_CREAT | O_TRUNC | O_WRONLY, 0600), err = open(err_path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
+        if (in < 0 || out < 0 || err < 0 || chdir(folder) != 0) _exit(99);
+        dup2(in, 0);
+        dup2(out, 1);
+        dup2(err, 2);
+        if (largest_file > 0) {
+            struct rlimit limit = {(rlim_t)largest_file, (rlim_t)largest_file};
+            signal(SIGXFSZ, SIG_IGN); /* a write beyond the limit then fails as on a full disk */
+            setrlimit(RLIMIT_FSIZE, &limit);
+        }
+        execv(program, argv);
+        _exit(98);
+    }
+    bool interrupted = interrupt_after <= 0.0;
+    while (waitpid(child, &code, WNOHANG) == 0) {
+        sleep_seconds(0.01);
+        if (!interrupted && now() - began > interrupt_after) {
+            kill(child, SIGINT);
+            interrupted = true;
+        }
+        if (now() - began > HANGS_AFTER_S) kill(child, SIGKILL);
+    }
+    result r;
+    r.seconds = now() - began;
+    r.status = WIFEXITED(code) ? WEXITSTATUS(code) : 1000 + WTERMSIG(code);
+    r.out = file_text(out_path);
+    r.err = file_text(err_path);
+    assert_non_null(r.out);
+    assert_non_null(r.err);
+    remove(out_path);
+    remove(err_path);
+    return r;
+}
+
+static void forget(result *r) {
+    free(r->out);
+    free(r->err);
+}
+
+static int lines(const char *text) {
+    int n = 0;
+    for (; *text; text++) n += *text == '\n';
+    return n;
+}
+
+/* ---- JSON: a reader that only says whether it is JSON ---- */
+
+static const char *skip_value(const char *c);
+
+static const char *skip_blank(const char *c) {
+    while (c && (*c == ' ' || *c == '\n' || *c == '\t' || *c == '\r')) c++;
+    return c;
+}
+
+static const char *skip_text(const char *c) {
+    if (*c++ != '"') return NULL;
+    for (; *c && *c != '"'; c++) {
+        if ((unsigned char)*c < 32) return NULL;
+        if (*c == '\\' && !*++c) return NULL;
+    }
+    return *c ? c + 1 : NULL;
+}
+
+static const char *skip_list(const char *c, char closer) {
+    c = skip_blank(c + 1);
+    if (*c == closer) return c + 1;
+    while (c) {
+        if (closer == '}') {
+            c = skip_blank(c);
+            c = skip_text(c);
+            if (!c || *(c = skip_blank(c)) != ':') return NULL;
+            c++;
+        }
+        c = skip_value(c);
+        if (!c) return NULL;
+        c = skip_blank(c);
+        if (*c == closer) return c + 1;
+        if (*c++ != ',') return NULL;
+    }
+    return NULL;
+}
+
+static const char *skip_value(const char *c) {
+    static const char *const words[] = {"null", "true", "false"};
+    c = skip_blank(c);
+    if (*c == '{') return skip_list(c, '}');
+    if (*c == '[') return skip_list(c, ']');
+    if (*c == '"') return skip_text(c);
+    for (int i = 0; i < 3; i++)
+        if (strncmp(c, words[i], strlen(words[i])) == 0) return c + strlen(words[i]);
+    if (*c != '-' && !isdigit((unsigned char)*c)) return NULL; /* no nan, no inf */
+    char *end;
+    strtod(c, &end);
+    return end;
+}
+
+static bool is_json(const char *text) {
+    const char *end = skip_value(text);
+    return text[0] == '{' && end && !*skip_blank(end);
+}
+
+static void test_json_reader(void **state) {
+    (void)state;
+    assert_true(is_json("{\"a\": [1, -2e3, null, {\"b\": \"x\\\"y\"}], \"c\": true}\n") && is_json("{}"));
+    assert_false(is_json("{\"a\": nan}") || is_json("{\"a\": 1,}") || is_json("{\"a\" 1}") || is_json("{\"a\": [1 2]}") || is_json("{\"a\": 1") ||
+                 is_json("") || is_json("{} x") || is_json("{\"a\": inf}"));
+}
+
+/* ---- the tests; *state is the program's path ---- */
+
+static void test_help(void **state) {
+    static const char *const common[] = {"--help", "--out DIR", "--threads N", "--seed N", "--quiet", "--json FILE", "--quick"};
+    const char *words[] = {"--help", NULL};
+    result r = run_program(*state, words, 0, 0.0);
+    assert_int_equal(r.status, 0);
+    assert_string_equal(r.err, "");
+    for (int i = 0; i < 7; i++) assert_non_null(strstr(r.out, common[i]));
+    forget(&r);
+    count_files(folder);
+    assert_int_equal(n_files, 0);
+}
+
+static void test_wrong_options(void **state) {
+    char in_a_file[LONGEST_PATH + 20], file[LONGEST_PATH + 20];
+    snprintf(file, sizeof file, "%s/file", folder);
+    snprintf(in_a_file, sizeof in_a_file, "%s/file/sub", folder);
+    fclose(fopen(file, "w"));
+    const char *const bad[][3] = {
+        {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL},  {"--threads", "1000000000", NULL}, {"--threads", "2x", NULL},
+        {"--threads", NULL, NULL},       {"--seed", "-1", NULL},    {"--seed", "nan", NULL},           {"--seed=1.5", NULL, NULL},
+        {"--out", in_a_file, NULL},      {"--out=", NULL, NULL},    {"--json", in_a_file, NULL},       {"--quiet=1", NULL, NULL},
+        {"stray", NULL, NULL},           {"--json", folder, NULL},
+    };
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        result r = run_program(*state, bad[i], 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, strncmp(bad[i][0], "--", 2) == 0 ? "--" : bad[i][0]))
+            fail_msg("%s %s: status %d, said '%s'", bad[i][0], bad[i][1] ? bad[i][1] : "", r.status, r.err);
+        forget(&r);
+    }
+    count_files(folder);
+    assert_int_equal(n_files, 1);
+}
+
+/* Each option with a value in --help, given numbers that are none: refused if it takes numbers, with status 2 and one line. */
+static void test_its_own_options(void **state) {
+    const char *help[] = {"--help", NULL};
+    result r = run_program(*state, help, 0, 0.0);
+    int numeric = 0;
+    for (char *row = strtok(r.out, "\n"); row; row = strtok(NULL, "\n")) {
+        static const char *const values[] = {"nan", "inf", "1e999", "12x", "", "0x1"};
+        char name[100], word[200];
+        if (sscanf(row, " --%99[a-z0-9-]", name) != 1) continue;
+        if (!strstr(row, " above ") && !strstr(row, " from ") && !strstr(row, " of at ")) continue;
+        numeric++;
+        for (int i = 0; i < 6; i++) {
+            snprintf(word, sizeof word, "--%s=%s", name, values[i]);
+            const char *words[] = {word, NULL};
+            result s = run_program(*state, words, 0, 0.0);
+            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, name)) fail_msg("%s: status %d, said '%s'", word, s.status, s.err);
+            forget(&s);
+        }
+    }
+    forget(&r);
+    assert_true(numeric > 0); /* --threads at least */
+}
+
+static void test_quick_run(void **state) {
+    char out[LONGEST_PATH + 20], json[LONGEST_PATH + 20];
+    snprintf(out, sizeof out, "%s/o u t/deep", folder);
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    const char *words[] = {"--quick", "--quiet", "--out", out, "--json", json, NULL};
+    result r = run_program(*state, words, 0, 0.0);
+    printf("%s --quick: %.1f s\n", strrchr(*state, '/') + 1, r.seconds);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    assert_string_equal(r.out, "");
+    assert_string_equal(r.err, "");
+    forget(&r);
+    char *text = file_text(json);
+    assert_non_null(text);
+    assert_true(is_json(text));
+    assert_non_null(strstr(text, "\"program\": "));
+    free(text);
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
+    assert_true(n_svg >= 1);
+}
+
+static void test_full_disk(void **state) {
+    const char *words[] = {"--quick", "--quiet", "--out", "out", "--json", "result.json", NULL};
+    result r = run_program(*state, words, 2048, 0.0); /* no figure is so small */
+    if (r.status != 1 || lines(r.err) < 1) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
+}
+
+static void test_interrupt(void **state) {
+    const char *words[] = {"--out", "out", "--json", "result.json", NULL};
+    char json[LONGEST_PATH + 20];
+    result r = run_program(*state, words, 0, 0.5);
+    printf("%s stopped after %.2f s with status %d\n", strrchr(*state, '/') + 1, r.seconds, r.status);
+    if (r.status != 130 && r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    char *text = file_text(json);
+    if (r.status == 0) assert_non_null(text); /* it was done before */
+    if (text) assert_true(is_json(text));
+    free(text);
+    forget(&r);
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
+}
+
+int main(void) {
+    static const struct {
+        const char *name;
+        CMUnitTestFunction function;
+    } each[] = {{"help", test_help},           {"wrong options", test_wrong_options}, {"its own options", test_its_own_options},
+                {"quick run", test_quick_run}, {"full disk", test_full_disk},         {"Ctrl-C", test_interrupt}};
+    static struct CMUnitTest tests[6 * MOST_PROGRAMS + 1];
+    static char names[6 * MOST_PROGRAMS][120];
+    const char *given = getenv("RIDDLE_PROGRAMS");
+    char *list = malloc(given ? strlen(given) + 1 : 1);
+    int n = 0;
+    if (!list) return 1;
+    list[0] = '\0';
+    if (given) memcpy(list, given, strlen(given) + 1);
+    for (char *program = strtok(list, "\n"); program && n + 6 <= 6 * MOST_PROGRAMS; program = strtok(NULL, "\n"))
+        for (int i = 0; i < 6; i++, n++) {
+            char *slash = strrchr(program, '/');
+            snprintf(names[n], sizeof names[n], "%.80s: %s", slash ? slash + 1 : program, each[i].name);
+            struct CMUnitTest test = {names[n], each[i].function, make_folder, remove_folder, program};
+            tests[n] = test;
+        }
+    struct CMUnitTest reader = {"JSON reader", test_json_reader, NULL, NULL, NULL};
+    tests[n++] = reader;
+    int status = _cmocka_run_group_tests("programs", tests, (size_t)n, NULL, NULL);
+    free(list);
+    return status;
+}
