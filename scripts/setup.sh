@@ -38,7 +38,7 @@ as_root() {
 is_there() {
     case $1 in
     compiler) # a compiler without the C library's headers is none
-        printf '#include <stdio.h>\n#include <math.h>\nint main(void) { return puts("") < 0; }\n' | ${CC:-cc} -x c - -o /dev/null >/dev/null 2>&1 ;;
+        printf '#include <math.h>\nint main(void) { return 0; }\n' | ${CC:-cc} -x c - -o /dev/null >/dev/null 2>&1 ;;
     c++) printf '#include <cmath>\nint main() { return 0; }\n' | ${CXX:-c++} -x c++ - -o /dev/null >/dev/null 2>&1 ;;
     meson) meson --version >/dev/null 2>&1 ;;
     ninja) command -v ninja >/dev/null 2>&1 || command -v ninja-build >/dev/null 2>&1 || command -v samu >/dev/null 2>&1 ;;
@@ -64,7 +64,11 @@ configure() {
     folder=$1
     shift
     again=
-    if [ -f "$folder/build.ninja" ] && [ "$(cat "$folder/configured" 2>/dev/null)" = "$root $*" ]; then again=--reconfigure; else rm -rf -- "$folder"; fi
+    if [ -f "$folder/build.ninja" ] && [ "$(cat "$folder/configured" 2>/dev/null)" = "$root $*" ]; then
+        again=--reconfigure
+    else
+        rm -rf -- "$folder"
+    fi
     said=$(meson setup $again "$folder" "$@" 2>&1) || {
         printf '%s\n' "$said" >&2
         rm -rf -- "$folder"

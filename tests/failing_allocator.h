@@ -26,15 +26,15 @@
 #include <string.h>
 
 typedef struct failing_allocator {
-    int      calls;      /* allocations and growths asked for */
-    int      fail_at;    /* the first of them that fails; negative: none */
-    int      fail_count; /* how many fail from there on; negative: all */
-    double   chance;     /* of each one failing at random, 0 .. 1 */
-    uint64_t random;     /* state of that chance */
-    int      live;       /* blocks */
-    size_t   live_bytes, peak_bytes;
-    int      has_failed;
-    int      misused; /* wrong old size, or a damaged edge */
+    int calls;       /* allocations and growths asked for */
+    int fail_at;     /* the first of them that fails; negative: none */
+    int fail_count;  /* how many fail from there on; negative: all */
+    double chance;   /* of each one failing at random, 0 .. 1 */
+    uint64_t random; /* state of that chance */
+    int live;        /* blocks */
+    size_t live_bytes, peak_bytes;
+    int has_failed;
+    int misused; /* wrong old size, or a damaged edge */
 } failing_allocator;
 
 static inline void failing_init(failing_allocator *a) {
@@ -110,8 +110,6 @@ static inline void *failing_fn(void *user, void *old, size_t old_size, size_t ne
 }
 
 /* Blocks not freed; misuse counts as one. */
-static inline int failing_live(const failing_allocator *a) {
-    return a->live + a->misused;
-}
+static inline int failing_live(const failing_allocator *a) { return a->live + a->misused; }
 
 #endif

@@ -118,7 +118,8 @@ static void test_options_good(void **state) {
     line l;
     assert_int_equal(parse(&l, ""), 0);
     assert_true(l.run == 5 && l.time == 5.0 && l.angle == -10.0 && !l.flag && l.law == 0 && !l.text && l.self.seed == 1);
-    assert_int_equal(parse(&l, "--case 15 --time=0.25 --angle -1e1 --wet --law hertz --input a=b --seed 18446744073709551615 --threads 3"), 0);
+    assert_int_equal(parse(&l, "--case 15 --time=0.25 --angle -1e1 --wet --law hertz --input a=b --seed 18446744073709551615 --threads 3"),
+                     0);
     assert_true(l.run == 15 && l.time == 0.25 && l.angle == -10.0 && l.flag && l.law == 1 && l.self.threads == 3);
     assert_string_equal(l.text, "a=b");
     assert_true(l.self.seed == UINT64_MAX && l.options[0].given && l.options[2].given && !l.options[6].given);
@@ -213,7 +214,8 @@ static void test_output_through_a_link(void **state) {
     (void)state;
     char target[300], link_name[300];
     output_close(output_open(folder, "target"));
-    assert_int_equal(symlink(output_path(target, sizeof target, folder, "target"), output_path(link_name, sizeof link_name, folder, "link")), 0);
+    assert_int_equal(
+        symlink(output_path(target, sizeof target, folder, "target"), output_path(link_name, sizeof link_name, folder, "link")), 0);
     output *f = output_open(folder, "link");
     output_print(f, "through\n");
     assert_int_equal(output_close(f), 0);
@@ -297,10 +299,11 @@ static void test_json(void **state) {
     json_object_begin(j, NULL);
     json_object_end(j);
     assert_int_equal(json_close(j), 0); /* closes the list */
-    expect_file("a.json", "{\n  \"time_s\": 0.10000000000000001,\n  \"steps\": 9007199254740993,\n"
-                          "  \"text\": \"\\\"a\\\\b\\\"\\u000a\\u0001 \xC3\xA9\",\n  \"none\": null,\n  \"yes\": true,\n"
-                          "  \"values\": [0.10000000000000001, -1.0000000000000001e+300, null, null],\n  \"empty\": [],\n  \"whole\": [1, -2],\n"
-                          "  \"inner\": {\n    \"x\": -0\n  },\n  \"list\": [\n    1,\n    {\n    }\n  ]\n}\n");
+    expect_file("a.json",
+                "{\n  \"time_s\": 0.10000000000000001,\n  \"steps\": 9007199254740993,\n"
+                "  \"text\": \"\\\"a\\\\b\\\"\\u000a\\u0001 \xC3\xA9\",\n  \"none\": null,\n  \"yes\": true,\n"
+                "  \"values\": [0.10000000000000001, -1.0000000000000001e+300, null, null],\n  \"empty\": [],\n  \"whole\": [1, -2],\n"
+                "  \"inner\": {\n    \"x\": -0\n  },\n  \"list\": [\n    1,\n    {\n    }\n  ]\n}\n");
 }
 
 static void test_json_absent(void **state) {
@@ -376,7 +379,8 @@ static void test_csv_forms(void **state) {
     assert_string_equal(data.names[0], "a");
     assert_string_equal(data.names[1], "b, c");
     assert_string_equal(data.names[2], "d");
-    assert_true(data.values[0] == 1.0 && data.values[1] == 2.0 && data.values[3] == -300.0 && isnan(data.values[4]) && isnan(data.values[5]));
+    assert_true(data.values[0] == 1.0 && data.values[1] == 2.0 && data.values[3] == -300.0 && isnan(data.values[4]) &&
+                isnan(data.values[5]));
     assert_string_equal(data.cells[5], "y, z");
     csv_free(&data);
     assert_int_equal(parse_csv("a\n", &data, message), 0);
@@ -460,7 +464,8 @@ static void test_vtp(void **state) {
     double both[] = {1.0, 2.0, 3.0, 99.0, 4.0, 5.0, 6.0, 99.0, 7.0, 8.0, 9.0, 99.0};
     int klass[] = {0, -1, 2};
     float f[] = {1.5f, 2.5f, 3.5f};
-    vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_ints("class", klass), vtk_vector_stride("velocity<&", both, 4), vtk_scalar_float("f", f)};
+    vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_ints("class", klass), vtk_vector_stride("velocity<&", both, 4),
+                          vtk_scalar_float("f", f)};
     assert_int_equal(vtp_points(folder, "a.vtp", 3, vtk_vector3("position", x, y, z), arrays, 4), 0);
     long size;
     char *text = slurp("a.vtp", &size);
@@ -522,9 +527,10 @@ static void test_pvd(void **state) {
     pvd *series = pvd_open(folder, "run.pvd");
     for (int i = 0; i < 3; i++) assert_int_equal(vtp_points(folder, pvd_name(series, 0.1 * i), 1, vtk_vector("position", xyz), NULL, 0), 0);
     assert_int_equal(pvd_close(series), 0);
-    expect_file("run.pvd", "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n"
-                           "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" part=\"0\" file=\"run_0001.vtp\"/>\n"
-                           "<DataSet timestep=\"0.2\" part=\"0\" file=\"run_0002.vtp\"/>\n</Collection>\n</VTKFile>\n");
+    expect_file("run.pvd",
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n"
+                "<DataSet timestep=\"0\" part=\"0\" file=\"run_0000.vtp\"/>\n<DataSet timestep=\"0.1\" part=\"0\" file=\"run_0001.vtp\"/>\n"
+                "<DataSet timestep=\"0.2\" part=\"0\" file=\"run_0002.vtp\"/>\n</Collection>\n</VTKFile>\n");
     assert_int_equal(files_in(folder), 4);
 }
 

@@ -98,7 +98,9 @@ static void test_data_stand_on_the_axes(void **state) {
         assert_true(fabs(cx - (box[0] + box[2] * x[i] / 10.0)) < 0.1);
         assert_true(fabs(cy - (box[1] + box[3] * (1.0 - y[i]) / 2.0)) < 0.1);
     }
-    assert_true(has_tick(text, "0") && has_tick(text, "2") && has_tick(text, "10") && has_tick(text, "0.4") && has_tick(text, "\xE2\x88\x92" "1.0"));
+    assert_true(has_tick(text, "0") && has_tick(text, "2") && has_tick(text, "10") && has_tick(text, "0.4") &&
+                has_tick(text, "\xE2\x88\x92"
+                               "1.0"));
     assert_non_null(strstr(text, ">time [s]</text>"));
     assert_non_null(strstr(text, ">height [m]</text>"));
     assert_non_null(strstr(text, "T &amp; &lt;co&gt;"));
@@ -124,7 +126,8 @@ static void test_log_axes(void **state) {
     assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\"", &cx, &cy), 2);
     assert_true(fabs(cx - (box[0] + box[2] * 0.5)) < 0.1);
     assert_null(strstr(at + 1, "<circle")); /* zero and the negative one cannot stand there */
-    assert_non_null(strstr(text, "10<tspan class=\"up\" dy=\"-6\">\xE2\x88\x92" "6</tspan>"));
+    assert_non_null(strstr(text, "10<tspan class=\"up\" dy=\"-6\">\xE2\x88\x92"
+                                 "6</tspan>"));
     assert_true(has_tick(text, "1") && has_tick(text, "10") && has_tick(text, "100"));
     free(text);
 }
@@ -137,9 +140,14 @@ static void test_small_numbers_share_an_exponent(void **state) {
     plot_line(p, NULL, x, y, 2);
     char *text = drawn(p);
     expect_well_formed(text);
-    assert_true(has_tick(text, "5") && has_tick(text, "10") && has_tick(text, "\xE2\x88\x92" "2"));
-    assert_non_null(strstr(text, "\xC3\x97" "10<tspan class=\"up\" dy=\"-6\">\xE2\x88\x92" "6</tspan>"));
-    assert_non_null(strstr(text, "\xC3\x97" "10<tspan class=\"up\" dy=\"-6\">6</tspan>"));
+    assert_true(has_tick(text, "5") && has_tick(text, "10") &&
+                has_tick(text, "\xE2\x88\x92"
+                               "2"));
+    assert_non_null(strstr(text, "\xC3\x97"
+                                 "10<tspan class=\"up\" dy=\"-6\">\xE2\x88\x92"
+                                 "6</tspan>"));
+    assert_non_null(strstr(text, "\xC3\x97"
+                                 "10<tspan class=\"up\" dy=\"-6\">6</tspan>"));
     free(text);
 }
 
@@ -147,9 +155,18 @@ static void test_small_numbers_share_an_exponent(void **state) {
 static void test_hostile_data(void **state) {
     (void)state;
     double nan = (double)NAN, inf = HUGE_VAL;
-    double sets[][4] = {{0, 0, 0, 0},          {nan, nan, nan, nan},      {inf, -inf, nan, 1},     {1e308, -1e308, 0, 1},
-                        {DBL_MAX, DBL_MAX, 1, 2}, {4.9e-324, 1e-300, 0, 1}, {1, 1, 1, 1},            {-5, -5, -5, -5},
-                        {1e15, 1e15 + 1, 1e15, 1}, {1, 2, nan, 4},          {1e-12, 2e-12, 3e-12, 4e-12}, {99999, 100001, 100000, 99998}};
+    double sets[][4] = {{0, 0, 0, 0},
+                        {nan, nan, nan, nan},
+                        {inf, -inf, nan, 1},
+                        {1e308, -1e308, 0, 1},
+                        {DBL_MAX, DBL_MAX, 1, 2},
+                        {4.9e-324, 1e-300, 0, 1},
+                        {1, 1, 1, 1},
+                        {-5, -5, -5, -5},
+                        {1e15, 1e15 + 1, 1e15, 1},
+                        {1, 2, nan, 4},
+                        {1e-12, 2e-12, 3e-12, 4e-12},
+                        {99999, 100001, 100000, 99998}};
     static const char *const names[] = {"a", "a <very> long & name of a group", "", "b"};
     int n_sets = (int)(sizeof sets / sizeof *sets);
     for (int i = 0; i < n_sets; i++)
@@ -214,7 +231,11 @@ static void test_legend_keeps_off_the_data(void **state) {
         for (int i = 0; i < N; i++) {
             x[i] = i / (N - 1.0);
             double s = x[i], a = 1.0 + shape % 8;
-            y[i] = shape < 8 ? pow(s, a) : shape < 16 ? 1.0 - pow(s, 1.0 / a) : shape < 24 ? sin(a * s) : shape < 32 ? s * (1.0 - s) * a : cos(a * 3.0 * s);
+            y[i] = shape < 8    ? pow(s, a)
+                   : shape < 16 ? 1.0 - pow(s, 1.0 / a)
+                   : shape < 24 ? sin(a * s)
+                   : shape < 32 ? s * (1.0 - s) * a
+                                : cos(a * 3.0 * s);
         }
         plot *p = plot_new(NULL, 1, 1);
         plot_panel(p, 0, 0, "x [-]", "y [-]");
@@ -226,7 +247,8 @@ static void test_legend_keeps_off_the_data(void **state) {
         frame(text, area);
         if (legend_box(text, box)) {
             inside++;
-            assert_true(box[0] >= area[0] && box[1] >= area[1] && box[0] + box[2] <= area[0] + area[2] && box[1] + box[3] <= area[1] + area[3]);
+            assert_true(box[0] >= area[0] && box[1] >= area[1] && box[0] + box[2] <= area[0] + area[2] &&
+                        box[1] + box[3] <= area[1] + area[3]);
             for (int i = 0; i < N; i++) {
                 double px = area[0] + area[2] * x[i], py = area[1] + area[3] * (1.2 - y[i]) / 2.4;
                 assert_false(px > box[0] && px < box[0] + box[2] && py > box[1] && py < box[1] + box[3]);

@@ -107,7 +107,8 @@ static result run_program(const char *program, const char *const *words, long la
     pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        int in = open("/dev/null", O_RDONLY), out = open(out_path, O_CREAT | O_TRUNC | O_WRONLY, 0600), err = open(err_path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
+        int in = open("/dev/null", O_RDONLY), out = open(out_path, O_CREAT | O_TRUNC | O_WRONLY, 0600),
+            err = open(err_path, O_CREAT | O_TRUNC | O_WRONLY, 0600);
         if (in < 0 || out < 0 || err < 0 || chdir(folder) != 0) _exit(99);
         dup2(in, 0);
         dup2(out, 1);
@@ -211,8 +212,8 @@ static bool is_json(const char *text) {
 static void test_json_reader(void **state) {
     (void)state;
     assert_true(is_json("{\"a\": [1, -2e3, null, {\"b\": \"x\\\"y\"}], \"c\": true}\n") && is_json("{}"));
-    assert_false(is_json("{\"a\": nan}") || is_json("{\"a\": 1,}") || is_json("{\"a\" 1}") || is_json("{\"a\": [1 2]}") || is_json("{\"a\": 1") ||
-                 is_json("") || is_json("{} x") || is_json("{\"a\": inf}"));
+    assert_false(is_json("{\"a\": nan}") || is_json("{\"a\": 1,}") || is_json("{\"a\" 1}") || is_json("{\"a\": [1 2]}") ||
+                 is_json("{\"a\": 1") || is_json("") || is_json("{} x") || is_json("{\"a\": inf}"));
 }
 
 /* ---- the tests; *state is the program's path ---- */
@@ -235,9 +236,9 @@ static void test_wrong_options(void **state) {
     snprintf(in_a_file, sizeof in_a_file, "%s/file/sub", folder);
     fclose(fopen(file, "w"));
     const char *const bad[][3] = {
-        {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL},  {"--threads", "1000000000", NULL}, {"--threads", "2x", NULL},
-        {"--threads", NULL, NULL},       {"--seed", "-1", NULL},    {"--seed", "nan", NULL},           {"--seed=1.5", NULL, NULL},
-        {"--out", in_a_file, NULL},      {"--out=", NULL, NULL},    {"--json", in_a_file, NULL},       {"--quiet=1", NULL, NULL},
+        {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL}, {"--threads", "1000000000", NULL}, {"--threads", "2x", NULL},
+        {"--threads", NULL, NULL},       {"--seed", "-1", NULL},   {"--seed", "nan", NULL},           {"--seed=1.5", NULL, NULL},
+        {"--out", in_a_file, NULL},      {"--out=", NULL, NULL},   {"--json", in_a_file, NULL},       {"--quiet=1", NULL, NULL},
         {"stray", NULL, NULL},           {"--json", folder, NULL},
     };
     for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
@@ -265,7 +266,8 @@ static void test_its_own_options(void **state) {
             snprintf(word, sizeof word, "--%s=%s", name, values[i]);
             const char *words[] = {word, NULL};
             result s = run_program(*state, words, 0, 0.0);
-            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, name)) fail_msg("%s: status %d, said '%s'", word, s.status, s.err);
+            if (s.status != 2 || lines(s.err) != 1 || s.out[0] || !strstr(s.err, name))
+                fail_msg("%s: status %d, said '%s'", word, s.status, s.err);
             forget(&s);
         }
     }

@@ -58,9 +58,7 @@ int csv_close(csv *c) {
 
 /* ---- reading ---- */
 
-static bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\r';
-}
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 static bool to_number(const char *cell, double *value) {
     char *end;
@@ -109,8 +107,7 @@ static int refuse(csv_data *data, char *message, int size, const char *format, .
 int csv_parse(const char *text, long size, const char *path, csv_data *data, char *message, int message_size) {
     static const csv_data empty;
     *data = empty;
-    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size)))
-        return refuse(data, message, message_size, "%s: not a text file", path);
+    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size))) return refuse(data, message, message_size, "%s: not a text file", path);
     long lines = 1, commas = 0, widest = 0, here = 0;
     for (long i = 0; i < size; i++) {
         if (text[i] == ',') here++;

@@ -12,9 +12,9 @@ enum { DEEPEST = 32 };
 
 struct json {
     output *file;
-    int     depth;
-    bool    comma[DEEPEST]; /* something stands before, at this depth */
-    char    closer[DEEPEST];
+    int depth;
+    bool comma[DEEPEST]; /* something stands before, at this depth */
+    char closer[DEEPEST];
 };
 
 static void write_text(json *j, const char *text) {
@@ -133,21 +133,13 @@ void json_integers(json *j, const char *key, const int *values, int n) {
     output_print(j->file, "]");
 }
 
-void json_object_begin(json *j, const char *key) {
-    open_level(j, key, '{', '}');
-}
+void json_object_begin(json *j, const char *key) { open_level(j, key, '{', '}'); }
 
-void json_object_end(json *j) {
-    close_level(j);
-}
+void json_object_end(json *j) { close_level(j); }
 
-void json_array_begin(json *j, const char *key) {
-    open_level(j, key, '[', ']');
-}
+void json_array_begin(json *j, const char *key) { open_level(j, key, '[', ']'); }
 
-void json_array_end(json *j) {
-    close_level(j);
-}
+void json_array_end(json *j) { close_level(j); }
 
 void json_program(json *j, const program *self) {
     json_string(j, "program", self->name);

@@ -10,8 +10,8 @@ typedef struct json json;
 
 /* Begins the object. path NULL: returns NULL, and every call below does nothing. */
 json *json_open(const char *path);
-int   json_close(json *j); /* ends the object; 0, or -1 after one line on stderr */
-void  json_discard(json *j);
+int json_close(json *j); /* ends the object; 0, or -1 after one line on stderr */
+void json_discard(json *j);
 
 /* Keys carry the SI unit: "wall_s". key is NULL inside an array. */
 void json_number(json *j, const char *key, double value);

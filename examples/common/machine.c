@@ -16,13 +16,9 @@ static double seconds_of(clockid_t which) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double machine_seconds(void) {
-    return seconds_of(CLOCK_MONOTONIC);
-}
+double machine_seconds(void) { return seconds_of(CLOCK_MONOTONIC); }
 
-double machine_processor_seconds(void) {
-    return seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-}
+double machine_processor_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
 double machine_peak_memory_bytes(void) {
     struct rusage usage;

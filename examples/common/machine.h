@@ -5,10 +5,11 @@
 double machine_seconds(void);           /* monotonic wall clock [s], origin arbitrary */
 double machine_processor_seconds(void); /* processor time of the whole process so far [s] */
 double machine_peak_memory_bytes(void); /* largest resident memory so far [B] */
-int    machine_cores(void);             /* processors this process may run on, at least 1 */
+int machine_cores(void);                /* processors this process may run on, at least 1 */
 
 /* Runs job(i, user) for i = 0 .. n-1 on up to `threads` threads (the caller's counts as one; one case per core). Jobs are handed out in
-   order; none is begun after Ctrl-C. Returns the number of jobs that returned nonzero or were not begun. Each job must write only to its own slot of *user. */
+   order; none is begun after Ctrl-C. Returns the number of jobs that returned nonzero or were not begun. Each job must write only to
+   its own slot of *user. */
 int jobs_run(int n, int threads, int (*job)(int index, void *user), void *user);
 
 #endif

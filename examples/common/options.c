@@ -20,9 +20,7 @@ static option make(option_kind kind, const char *name, const char *metavar, void
     return o;
 }
 
-option option_flag(const char *name, bool *value, const char *help) {
-    return make(OPTION_FLAG, name, NULL, value, help);
-}
+option option_flag(const char *name, bool *value, const char *help) { return make(OPTION_FLAG, name, NULL, value, help); }
 
 option option_int(const char *name, const char *metavar, int *value, int low, int high, const char *help) {
     option o = make(OPTION_INT, name, metavar, value, help);
@@ -213,7 +211,8 @@ static void print_help(const char *name, const char *about, const option *const 
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-static int refuse(char *message, int size, const char *format, ...) {
+static int
+refuse(char *message, int size, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, (size_t)size, format, arguments);

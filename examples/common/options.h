@@ -12,12 +12,12 @@ typedef struct option {
     const char *name;    /* without the dashes */
     const char *metavar; /* what --help calls the value; NULL for a flag */
     option_kind kind;
-    void       *value;
-    double      low, high; /* allowed, both ends included; infinite: no bound */
-    bool        above;     /* low itself is not allowed */
-    const char *choices;   /* "linear|hertz" */
-    const char *help;      /* one sentence with the unit in brackets */
-    bool        given;     /* out: stood on the command line */
+    void *value;
+    double low, high;    /* allowed, both ends included; infinite: no bound */
+    bool above;          /* low itself is not allowed */
+    const char *choices; /* "linear|hertz" */
+    const char *help;    /* one sentence with the unit in brackets */
+    bool given;          /* out: stood on the command line */
 } option;
 
 option option_flag(const char *name, bool *value, const char *help);
@@ -31,12 +31,12 @@ option option_choice(const char *name, int *value, const char *choices, const ch
 /* What every program has. Strings live as long as argv. */
 typedef struct program {
     const char *name;
-    const char *out;     /* folder that exists and can be written to; default out/<name> */
-    const char *json;    /* file for the one JSON object, or NULL */
-    int         threads; /* default: number of cores */
-    uint64_t    seed;    /* default 1 */
-    bool        quiet, quick;
-    double      started; /* machine_seconds() at the start */
+    const char *out;  /* folder that exists and can be written to; default out/<name> */
+    const char *json; /* file for the one JSON object, or NULL */
+    int threads;      /* default: number of cores */
+    uint64_t seed;    /* default 1 */
+    bool quiet, quick;
+    double started; /* machine_seconds() at the start */
 } program;
 
 /* Reads the command line. Prints the help and leaves with 0, or one line naming option, value and what is allowed and leaves with 2

@@ -13,10 +13,10 @@
 #include <unistd.h>
 
 struct output {
-    FILE   *stream;
-    char   *path;      /* as it will be called */
-    char   *temporary; /* as it is called now; NULL: written directly */
-    int     error;     /* errno of the first failure */
+    FILE *stream;
+    char *path;      /* as it will be called */
+    char *temporary; /* as it is called now; NULL: written directly */
+    int error;       /* errno of the first failure */
     output *next;
 };
 
@@ -75,9 +75,7 @@ const char *output_path(char *buffer, size_t size, const char *folder, const cha
     return buffer;
 }
 
-static bool is_standard_output(const char *path) {
-    return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
-}
+static bool is_standard_output(const char *path) { return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0; }
 
 /* A new file beside `path`, or `path` itself where it is a device or a pipe. */
 static FILE *open_beside(const char *path, char **temporary) {

@@ -16,41 +16,41 @@ typedef enum { LINE, POINTS, BAND, ERROR_BARS, BARS, HEAT, HORIZONTAL, VERTICAL,
 
 typedef struct {
     series_kind kind;
-    char       *label;
-    double     *x, *y, *z; /* z: upper edge of a band, half-length of an error bar */
-    int         n;
-    char      **names;         /* of the groups of bars */
-    int         columns, rows; /* of a heat map in y, its corners in x[4] */
-    int         colour, flags;
+    char *label;
+    double *x, *y, *z; /* z: upper edge of a band, half-length of an error bar */
+    int n;
+    char **names;      /* of the groups of bars */
+    int columns, rows; /* of a heat map in y, its corners in x[4] */
+    int colour, flags;
 } series;
 
 typedef struct {
     double low, high;
-    bool   log, fixed_range;
-    char  *label;
+    bool log, fixed_range;
+    char *label;
 } axis;
 
 typedef struct {
-    double x, y, width, height; /* the data area in the figure */
+    double x, y, width, height;      /* the data area in the figure */
     double left, right, top, bottom; /* room for what stands around it */
     double legend_x, legend_y, legend_width, legend_height;
 } layout;
 
 typedef struct {
-    bool    used, equal, legend_outside;
-    char   *title;
-    axis    x, y;
+    bool used, equal, legend_outside;
+    char *title;
+    axis x, y;
     series *all;
-    int     n, capacity, next_colour;
-    layout  at;
+    int n, capacity, next_colour;
+    layout at;
 } panel;
 
 struct plot {
-    char  *title;
-    int    rows, columns, current;
+    char *title;
+    int rows, columns, current;
     double width, height;
     panel *panels;
-    bool   failed; /* out of memory */
+    bool failed; /* out of memory */
 };
 
 /* Okabe & Ito (2008), colour-blind safe; their yellow is too pale for a line, a brown stands for it. */
@@ -221,13 +221,9 @@ static series *add_coloured(plot *p, series_kind kind, const char *label, const 
     return s;
 }
 
-void plot_line(plot *p, const char *label, const double *x, const double *y, int n) {
-    add_coloured(p, LINE, label, x, y, NULL, n);
-}
+void plot_line(plot *p, const char *label, const double *x, const double *y, int n) { add_coloured(p, LINE, label, x, y, NULL, n); }
 
-void plot_points(plot *p, const char *label, const double *x, const double *y, int n) {
-    add_coloured(p, POINTS, label, x, y, NULL, n);
-}
+void plot_points(plot *p, const char *label, const double *x, const double *y, int n) { add_coloured(p, POINTS, label, x, y, NULL, n); }
 
 void plot_band(plot *p, const char *label, const double *x, const double *low, const double *high, int n) {
     add_coloured(p, BAND, label, x, low, high, n);
@@ -276,27 +272,17 @@ static void add_at(plot *p, series_kind kind, const char *label, double x, doubl
     if (!s->x || !s->y) s->n = 0;
 }
 
-void plot_horizontal(plot *p, const char *label, double y) {
-    add_at(p, HORIZONTAL, label, 0.0, y);
-}
+void plot_horizontal(plot *p, const char *label, double y) { add_at(p, HORIZONTAL, label, 0.0, y); }
 
-void plot_vertical(plot *p, const char *label, double x) {
-    add_at(p, VERTICAL, label, x, 0.0);
-}
+void plot_vertical(plot *p, const char *label, double x) { add_at(p, VERTICAL, label, x, 0.0); }
 
-void plot_text(plot *p, double x, double y, const char *text) {
-    add_at(p, TEXT, text, x, y);
-}
+void plot_text(plot *p, double x, double y, const char *text) { add_at(p, TEXT, text, x, y); }
 
-void plot_text_share(plot *p, double x_share, double y_share, const char *text) {
-    add_at(p, TEXT_SHARE, text, x_share, y_share);
-}
+void plot_text_share(plot *p, double x_share, double y_share, const char *text) { add_at(p, TEXT_SHARE, text, x_share, y_share); }
 
 /* ---- axes ---- */
 
-static bool can_show(const axis *a, double v) {
-    return v - v == 0.0 && (!a->log || v > 0.0);
-}
+static bool can_show(const axis *a, double v) { return v - v == 0.0 && (!a->log || v > 0.0); }
 
 static void include(const axis *a, double v, double *low, double *high) {
     if (!can_show(a, v)) return;
@@ -335,9 +321,9 @@ static double share(const axis *a, double v) {
 
 typedef struct {
     double at;
-    bool   major;
-    char   text[60]; /* SVG, with a raised exponent where needed */
-    int    letters;
+    bool major;
+    char text[60]; /* SVG, with a raised exponent where needed */
+    int letters;
 } tick;
 
 enum { MOST_TICKS = 120 };
@@ -476,35 +462,27 @@ static const char *colour_of(const series *s) {
 
 /* viridis (van der Walt & Smith 2015) at nine places */
 static void heat_colour(double share01, int rgb[3]) {
-    static const int map[9][3] = {{68, 1, 84},    {71, 44, 122},  {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
-                                  {39, 173, 129}, {92, 200, 99},  {170, 220, 50}, {253, 231, 37}};
+    static const int map[9][3] = {{68, 1, 84},    {71, 44, 122}, {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
+                                  {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
     double s = share01 < 0.0 ? 0.0 : share01 > 1.0 ? 8.0 : 8.0 * share01;
     int k = s >= 8.0 ? 7 : (int)s;
     for (int i = 0; i < 3; i++) rgb[i] = (int)(map[k][i] + (s - k) * (map[k + 1][i] - map[k][i]) + 0.5);
 }
 
-static double px(const panel *a, double x) {
-    return a->at.x + a->at.width * share(&a->x, x);
-}
+static double px(const panel *a, double x) { return a->at.x + a->at.width * share(&a->x, x); }
 
-static double py(const panel *a, double y) {
-    return a->at.y + a->at.height * (1.0 - share(&a->y, y));
-}
+static double py(const panel *a, double y) { return a->at.y + a->at.height * (1.0 - share(&a->y, y)); }
 
-static bool visible(const panel *a, double x, double y) {
-    return can_show(&a->x, x) && can_show(&a->y, y);
-}
+static bool visible(const panel *a, double x, double y) { return can_show(&a->x, x) && can_show(&a->y, y); }
 
 /* Far-away points stay within what a renderer can take. */
-static double limited(double v) {
-    return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v;
-}
+static double limited(double v) { return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v; }
 
 static void draw_path(output *f, const panel *a, const series *s) {
     const char *dash = s->flags & PLOT_DASHED ? " stroke-dasharray=\"8 5\"" : s->flags & PLOT_DOTTED ? " stroke-dasharray=\"2 4\"" : "";
     double width = s->flags & PLOT_THIN ? 1.1 : 2.4;
-    output_print(f, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" stroke-linejoin=\"round\" stroke-linecap=\"round\"%s%s d=\"", colour_of(s),
-                 width, dash, s->flags & PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
+    output_print(f, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" stroke-linejoin=\"round\" stroke-linecap=\"round\"%s%s d=\"",
+                 colour_of(s), width, dash, s->flags & PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
     bool pen_down = false;
     double last_x = 0.0, last_y = 0.0;
     for (int i = 0; i < s->n; i++) {
@@ -527,11 +505,13 @@ static void draw_path(output *f, const panel *a, const series *s) {
 /* A shape for each colour, for those who do not see the colours. */
 static void draw_marker(output *f, const series *s, double x, double y, double r) {
     switch (s->colour < 0 ? 0 : s->colour % 4) {
-    case 1: output_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>\n", x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r); break;
+    case 1:
+        output_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>\n", x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+        break;
     case 2: output_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fh%.2fz\"/>\n", x, y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r); break;
     case 3:
-        output_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fl%.2f %.2fl%.2f %.2fz\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r,
-                     -1.3 * r);
+        output_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fl%.2f %.2fl%.2f %.2fz\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r,
+                     -1.3 * r, -1.3 * r);
         break;
     default: output_print(f, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\"/>\n", x, y, r);
     }
@@ -550,9 +530,7 @@ static void draw_points(output *f, const panel *a, const series *s) {
     output_print(f, "</g>\n");
 }
 
-static double floor_of(const axis *a, double v) {
-    return a->log && !(v > 0.0) ? a->low : v;
-}
+static double floor_of(const axis *a, double v) { return a->log && !(v > 0.0) ? a->low : v; }
 
 static void draw_band(output *f, const panel *a, const series *s) {
     for (int i = 0; i < s->n;) {
@@ -560,7 +538,8 @@ static void draw_band(output *f, const panel *a, const series *s) {
         while (end < s->n && visible(a, s->x[end], s->z[end]) && s->y[end] - s->y[end] == 0.0) end++;
         if (end - i > 1) {
             output_print(f, "<path fill=\"%s\" fill-opacity=\"0.22\" d=\"", colour_of(s));
-            for (int k = i; k < end; k++) output_print(f, "%s%.2f %.2f", k == i ? "M" : "L", limited(px(a, s->x[k])), limited(py(a, s->z[k])));
+            for (int k = i; k < end; k++)
+                output_print(f, "%s%.2f %.2f", k == i ? "M" : "L", limited(px(a, s->x[k])), limited(py(a, s->z[k])));
             for (int k = end - 1; k >= i; k--)
                 output_print(f, "L%.2f %.2f", limited(px(a, s->x[k])), limited(py(a, floor_of(&a->y, s->y[k]))));
             output_print(f, "Z\"/>\n");
@@ -569,15 +548,14 @@ static void draw_band(output *f, const panel *a, const series *s) {
     }
 }
 
-static bool has_length(const series *s, int i) {
-    return s->z[i] >= 0.0 && s->z[i] < HUGE_VAL;
-}
+static bool has_length(const series *s, int i) { return s->z[i] >= 0.0 && s->z[i] < HUGE_VAL; }
 
 static void draw_error_bars(output *f, const panel *a, const series *s) {
     output_print(f, "<g stroke=\"%s\" stroke-width=\"1.6\">\n", colour_of(s));
     for (int i = 0; i < s->n; i++) {
         if (!visible(a, s->x[i], s->y[i]) || !has_length(s, i)) continue;
-        double x = limited(px(a, s->x[i])), top = limited(py(a, s->y[i] + s->z[i])), base = limited(py(a, floor_of(&a->y, s->y[i] - s->z[i])));
+        double x = limited(px(a, s->x[i])), top = limited(py(a, s->y[i] + s->z[i])),
+               base = limited(py(a, floor_of(&a->y, s->y[i] - s->z[i])));
         output_print(f, "<path d=\"M%.2f %.2fh8m-4 0V%.2fm-4 0h8\"/>\n", x - 4.0, top, base);
     }
     output_print(f, "</g>\n");
@@ -608,8 +586,8 @@ static void draw_bars(output *f, const panel *a, const series *s) {
         if (!can_show(&a->y, s->y[i])) continue;
         bar_edges(a, s, i, &left, &right);
         double y0 = limited(py(a, base)), y1 = limited(py(a, s->y[i])), top = fmin(y0, y1);
-        output_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", px(a, left), top, px(a, right) - px(a, left),
-                     fabs(y1 - y0), colour_of(s));
+        output_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", px(a, left), top,
+                     px(a, right) - px(a, left), fabs(y1 - y0), colour_of(s));
     }
 }
 
@@ -627,9 +605,7 @@ static void heat_range(const series *s, double *low, double *high) {
     if (!(*high > *low)) *high = *low + (*low != 0.0 ? fabs(*low) : 1.0);
 }
 
-static double between(double from, double to, int i, int n) {
-    return from * (1.0 - (double)i / n) + to * ((double)i / n);
-}
+static double between(double from, double to, int i, int n) { return from * (1.0 - (double)i / n) + to * ((double)i / n); }
 
 /* 0 .. 160, or -1 where there is no number */
 static int heat_level(double v, double low, double high) {
@@ -670,20 +646,22 @@ static void draw_colour_bar(output *f, const panel *a, const series *s) {
     for (int i = 0; i < 64; i++) {
         int rgb[3];
         heat_colour((i + 0.5) / 64.0, rgb);
-        output_print(f, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", x, y + height * (63 - i) / 64.0,
-                     height / 64.0 + 0.4, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
+        output_print(f, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", x,
+                     y + height * (63 - i) / 64.0, height / 64.0 + 0.4, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
     }
     output_print(f, "</g>\n");
     for (int i = 0; i < n; i++) {
         if (!ticks[i].major) continue;
         double at = y + height * (1.0 - share(&scale, ticks[i].at));
-        output_print(f, "<path d=\"M%.1f %.1fh5\" stroke=\"#333\"/><text x=\"%.1f\" y=\"%.1f\" class=\"tick\">%s</text>\n", x + 14.0, at, x + 23.0,
-                     at + 5.0, ticks[i].text);
+        output_print(f, "<path d=\"M%.1f %.1fh5\" stroke=\"#333\"/><text x=\"%.1f\" y=\"%.1f\" class=\"tick\">%s</text>\n", x + 14.0, at,
+                     x + 23.0, at + 5.0, ticks[i].text);
         widest = fmax(widest, 0.58 * TICK_SIZE * ticks[i].letters);
     }
     if (exponent)
-        output_print(f, "<text x=\"%.1f\" y=\"%.1f\" class=\"tick\">\xC3\x97" "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n", x, y - 7.0,
-                     exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
+        output_print(f,
+                     "<text x=\"%.1f\" y=\"%.1f\" class=\"tick\">\xC3\x97"
+                     "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n",
+                     x, y - 7.0, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
     if (s->label && *s->label) {
         double lx = x + 23.0 + widest + 16.0, ly = y + 0.5 * height;
         output_print(f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\">", lx, ly);
@@ -700,14 +678,14 @@ static void draw_reference(output *f, const panel *a, const series *s) {
     const char *dash = s->flags & PLOT_DOTTED ? "2 4" : "6 4";
     if (horizontal) {
         double y = py(a, v);
-        output_print(f, "<path d=\"M%.1f %.2fh%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", a->at.x, y, a->at.width, colour_of(s),
-                     dash);
+        output_print(f, "<path d=\"M%.1f %.2fh%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", a->at.x, y,
+                     a->at.width, colour_of(s), dash);
         text_at(f, a->at.x + a->at.width - 6.0, y - 5.0, "end", "note", s->label);
     } else {
         double x = px(a, v), width = s->label ? text_width(s->label, TICK_SIZE) : 0.0;
         bool right = x + width + 8.0 < a->at.x + a->at.width;
-        output_print(f, "<path d=\"M%.2f %.1fv%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", x, a->at.y, a->at.height, colour_of(s),
-                     dash);
+        output_print(f, "<path d=\"M%.2f %.1fv%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", x, a->at.y,
+                     a->at.height, colour_of(s), dash);
         text_at(f, right ? x + 5.0 : x - 5.0, a->at.y + 16.0, right ? "start" : "end", "note", s->label);
     }
 }
@@ -746,9 +724,7 @@ static void draw_series(output *f, const panel *a, const series *s) {
 
 /* ---- layout ---- */
 
-static bool in_legend(const series *s) {
-    return s->label && *s->label && (s->kind <= BARS);
-}
+static bool in_legend(const series *s) { return s->label && *s->label && (s->kind <= BARS); }
 
 static const series *first_of(const panel *a, series_kind kind) {
     for (int i = 0; i < a->n; i++)
@@ -772,7 +748,8 @@ static void find_ranges(panel *a) {
             continue;
         }
         for (int i = 0; i < s->n; i++) {
-            if (s->x && s->kind != HORIZONTAL && (!s->y || s->kind == VERTICAL || can_show(&a->y, s->y[i]))) include(&a->x, s->x[i], &x0, &x1);
+            if (s->x && s->kind != HORIZONTAL && (!s->y || s->kind == VERTICAL || can_show(&a->y, s->y[i])))
+                include(&a->x, s->x[i], &x0, &x1);
             if (s->kind == VERTICAL || (s->x && s->kind != HORIZONTAL && !can_show(&a->x, s->x[i]))) continue;
             if (a->x.fixed_range && s->x && s->kind != HORIZONTAL && (s->x[i] < a->x.low || s->x[i] > a->x.high)) continue;
             include(&a->y, s->y[i], &y0, &y1);
@@ -962,11 +939,13 @@ static void draw_axes(output *f, const panel *a) {
     if (!bars) {
         n = make_ticks(&a->x, ticks_along(at->width, 78.0), ticks, &exponent);
         for (int i = 0; i < n; i++)
-            output_print(f, "<path%s d=\"M%.2f %.1fv%.1f\"/>\n", ticks[i].major ? "" : " class=\"minor\"", px(a, ticks[i].at), at->y, at->height);
+            output_print(f, "<path%s d=\"M%.2f %.1fv%.1f\"/>\n", ticks[i].major ? "" : " class=\"minor\"", px(a, ticks[i].at), at->y,
+                         at->height);
     }
     n = make_ticks(&a->y, ticks_along(at->height, 48.0), ticks, &exponent);
     for (int i = 0; i < n; i++)
-        output_print(f, "<path%s d=\"M%.1f %.2fh%.1f\"/>\n", ticks[i].major ? "" : " class=\"minor\"", at->x, py(a, ticks[i].at), at->width);
+        output_print(f, "<path%s d=\"M%.1f %.2fh%.1f\"/>\n", ticks[i].major ? "" : " class=\"minor\"", at->x, py(a, ticks[i].at),
+                     at->width);
     output_print(f, "</g>\n");
 }
 
@@ -995,11 +974,14 @@ static void draw_frame(output *f, const panel *a) {
             double x = px(a, ticks[i].at), half = 0.29 * TICK_SIZE * ticks[i].letters;
             if (!ticks[i].major || x - half < free_from) continue;
             free_from = x + half + 5.0;
-            output_print(f, "<path class=\"mark\" d=\"M%.2f %.1fv5\"/><text x=\"%.2f\" y=\"%.1f\" text-anchor=\"middle\" class=\"tick\">%s</text>\n", x, base, x,
-                         base + 21.0, ticks[i].text);
+            output_print(
+                f, "<path class=\"mark\" d=\"M%.2f %.1fv5\"/><text x=\"%.2f\" y=\"%.1f\" text-anchor=\"middle\" class=\"tick\">%s</text>\n",
+                x, base, x, base + 21.0, ticks[i].text);
         }
         if (exponent)
-            output_print(f, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" class=\"tick\">\xC3\x97" "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n",
+            output_print(f,
+                         "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" class=\"tick\">\xC3\x97"
+                         "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n",
                          at->x + at->width + 14.0, base + 40.0, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
     }
     n = make_ticks(&a->y, ticks_along(at->height, 48.0), ticks, &exponent);
@@ -1009,16 +991,19 @@ static void draw_frame(output *f, const panel *a) {
         if (!ticks[i].major || y > free_below) continue;
         free_below = y - TICK_SIZE - 1.0;
         widest = fmax(widest, 0.58 * TICK_SIZE * ticks[i].letters);
-        output_print(f, "<path class=\"mark\" d=\"M%.1f %.2fh-5\"/><text x=\"%.1f\" y=\"%.2f\" text-anchor=\"end\" class=\"tick\">%s</text>\n", at->x, y,
-                     at->x - 9.0, y + 5.0, ticks[i].text);
+        output_print(f,
+                     "<path class=\"mark\" d=\"M%.1f %.2fh-5\"/><text x=\"%.1f\" y=\"%.2f\" text-anchor=\"end\" class=\"tick\">%s</text>\n",
+                     at->x, y, at->x - 9.0, y + 5.0, ticks[i].text);
     }
     if (exponent)
-        output_print(f, "<text x=\"%.1f\" y=\"%.1f\" class=\"tick\">\xC3\x97" "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n", at->x - 8.0,
-                     at->y - 7.0, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
+        output_print(f,
+                     "<text x=\"%.1f\" y=\"%.1f\" class=\"tick\">\xC3\x97"
+                     "10<tspan class=\"up\" dy=\"-6\">%s%d</tspan></text>\n",
+                     at->x - 8.0, at->y - 7.0, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
     text_at(f, at->x + 0.5 * at->width, base + 28.0 + LABEL_SIZE + names_height, "middle", "label", a->x.label);
     if (a->y.label && *a->y.label) {
-        output_print(f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\">", at->x - 14.0 - widest - 8.0,
-                     at->y + 0.5 * at->height);
+        output_print(f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\">",
+                     at->x - 14.0 - widest - 8.0, at->y + 0.5 * at->height);
         escaped(f, a->y.label);
         output_print(f, "</text>\n");
     }
@@ -1032,24 +1017,25 @@ static void draw_legend(output *f, const panel *a) {
     for (int k = 0; k < a->n; k++) entries += in_legend(&a->all[k]);
     if (!entries) return;
     if (!a->legend_outside)
-        output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"white\" fill-opacity=\"0.85\"/>\n", at->legend_x,
-                     at->legend_y, at->legend_width, at->legend_height);
+        output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"white\" fill-opacity=\"0.85\"/>\n",
+                     at->legend_x, at->legend_y, at->legend_width, at->legend_height);
     for (int k = 0; k < a->n; k++) {
         const series *s = &a->all[k];
         if (!in_legend(s)) continue;
         double x = at->legend_x + PAD, middle = y + LEGEND_ROW / 2.0;
         const char *dash = s->flags & PLOT_DASHED ? " stroke-dasharray=\"8 5\"" : s->flags & PLOT_DOTTED ? " stroke-dasharray=\"2 4\"" : "";
         if (s->kind == LINE && !(s->flags & PLOT_NO_LINE))
-            output_print(f, "<path d=\"M%.1f %.1fh%d\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x, middle, SWATCH, colour_of(s),
-                         s->flags & PLOT_THIN ? "1.1" : "2.4", dash, s->flags & PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
+            output_print(f, "<path d=\"M%.1f %.1fh%d\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x, middle,
+                         SWATCH, colour_of(s), s->flags & PLOT_THIN ? "1.1" : "2.4", dash,
+                         s->flags & PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
         if (s->kind == POINTS || s->kind == ERROR_BARS || (s->kind == LINE && s->flags & PLOT_MARKED)) {
             output_print(f, "<g fill=\"%s\">", colour_of(s));
             draw_marker(f, s, x + SWATCH / 2.0, middle, 4.0);
             output_print(f, "</g>");
         }
         if (s->kind == BAND || s->kind == BARS)
-            output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"12\" fill=\"%s\"%s/>\n", x, middle - 6.0, SWATCH, colour_of(s),
-                         s->kind == BAND ? " fill-opacity=\"0.22\"" : "");
+            output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"12\" fill=\"%s\"%s/>\n", x, middle - 6.0, SWATCH,
+                         colour_of(s), s->kind == BAND ? " fill-opacity=\"0.22\"" : "");
         text_at(f, x + SWATCH + PAD, middle + 5.0, "start", "note", s->label);
         y += LEGEND_ROW;
     }
@@ -1057,8 +1043,8 @@ static void draw_legend(output *f, const panel *a) {
 
 static void draw_panel(output *f, const panel *a, int number) {
     const series *heat = first_of(a, HEAT);
-    output_print(f, "<clipPath id=\"c%d\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n", number, a->at.x, a->at.y, a->at.width,
-                 a->at.height);
+    output_print(f, "<clipPath id=\"c%d\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n", number, a->at.x,
+                 a->at.y, a->at.width, a->at.height);
     if (!heat) draw_axes(f, a);
     /* markers on the edge are drawn whole, what can leave the panel is cut */
     output_print(f, "<g clip-path=\"url(#c%d)\">\n", number);
@@ -1115,7 +1101,8 @@ int plot_write(plot *p, const char *folder, const char *name) {
         plot_free(p);
         return -1;
     }
-    output_print(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\">\n", width, height, width, height);
+    output_print(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\">\n", width, height,
+                 width, height);
     output_print(f, "%s<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n", style);
     if (p->title) text_at(f, 16.0, 27.0, "start", "head", p->title);
     for (int i = 0; i < p->rows * p->columns; i++)

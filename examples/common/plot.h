@@ -1,4 +1,4 @@
-/* plot.h: SVG figures for slides: panels in rows and columns, lines, points, bands, error bars, bars, heat maps, with axes, units and a legend.
+/* plot.h: SVG figures for slides: panels in rows and columns; lines, points, bands, error bars, bars, heat maps; axes, units, a legend.
 
        plot *figure = plot_new("Batch screening, case 5", 1, 2);                // one row, two columns
        plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");           // what follows goes there
@@ -8,7 +8,7 @@
        plot_log_x(figure);
        plot_log_y(figure);
        plot_line(figure, "velocity Verlet", error, seconds, k);
-       plot_style(figure, PLOT_DASHED | PLOT_MARKED, PLOT_SAME);                // the series just added: dashed, with points, colour of the one before
+       plot_style(figure, PLOT_DASHED | PLOT_MARKED, PLOT_SAME);                // the series just added: dashed, points, colour as before
        plot_write(figure, self.out, "case.svg");                                // writes and frees
 
    Data are copied. Values that are not finite (or not positive on a log axis) are left out and break a line. Text is UTF-8 and is escaped.
@@ -18,10 +18,10 @@
 
 typedef struct plot plot;
 
-plot *plot_new(const char *title, int rows, int columns); /* title may be NULL; 1 to 6 rows and columns */
-void  plot_panel_size(plot *p, double width, double height); /* of every panel, in points; default 470 x 330 for one, smaller for several */
-int   plot_write(plot *p, const char *folder, const char *name); /* 0, or -1 after one line on stderr; frees the figure in both cases */
-void  plot_free(plot *p);
+plot *plot_new(const char *title, int rows, int columns);   /* title may be NULL; 1 to 6 rows and columns */
+void plot_panel_size(plot *p, double width, double height); /* of every panel, in points; default 540 x 360 for one, smaller for several */
+int plot_write(plot *p, const char *folder, const char *name); /* 0, or -1 after one line on stderr; frees the figure in both cases */
+void plot_free(plot *p);
 
 /* Chooses the panel that the following calls work on. */
 void plot_panel(plot *p, int row, int column, const char *x_label, const char *y_label);
@@ -30,8 +30,8 @@ void plot_log_x(plot *p);
 void plot_log_y(plot *p);
 void plot_range_x(plot *p, double low, double high); /* default: the data with a small margin */
 void plot_range_y(plot *p, double low, double high);
-void plot_equal(plot *p);                            /* same length for one unit on both axes */
-void plot_legend_outside(plot *p);                   /* right of the panel; default: inside where no data are, else outside */
+void plot_equal(plot *p);          /* same length for one unit on both axes */
+void plot_legend_outside(plot *p); /* right of the panel; default: inside where no data are, else outside */
 
 /* Series; n points. Each takes the next colour. */
 void plot_line(plot *p, const char *label, const double *x, const double *y, int n);

@@ -17,9 +17,7 @@ static bool quiet_run;
 static const char *program_name = "riddle";
 static pthread_mutex_t printing = PTHREAD_MUTEX_INITIALIZER;
 
-static void on_signal(int number) {
-    caught_signal = number;
-}
+static void on_signal(int number) { caught_signal = number; }
 
 void common_catch_interrupt(void) {
     struct sigaction action;
@@ -31,9 +29,7 @@ void common_catch_interrupt(void) {
     sigaction(SIGTERM, &action, NULL);
 }
 
-bool common_interrupted(void) {
-    return caught_signal != 0;
-}
+bool common_interrupted(void) { return caught_signal != 0; }
 
 int common_exit_status(void) {
     if (caught_signal) {
@@ -44,17 +40,11 @@ int common_exit_status(void) {
     return failed ? 1 : 0;
 }
 
-void common_set_quiet(bool quiet) {
-    quiet_run = quiet;
-}
+void common_set_quiet(bool quiet) { quiet_run = quiet; }
 
-bool common_quiet(void) {
-    return quiet_run;
-}
+bool common_quiet(void) { return quiet_run; }
 
-void common_set_name(const char *name) {
-    program_name = name;
-}
+void common_set_name(const char *name) { program_name = name; }
 
 void common_print(const char *format, ...) {
     if (quiet_run) return;
@@ -126,9 +116,7 @@ static void advance(progress *bar, double done, double more) {
     pthread_mutex_unlock(&printing);
 }
 
-void progress_update(progress *bar, double done) {
-    advance(bar, done, 0.0);
-}
+void progress_update(progress *bar, double done) { advance(bar, done, 0.0); }
 
 void progress_add(progress *bar, double more) {
     if (more != 0.0) advance(bar, 0.0, more);

@@ -27,10 +27,10 @@ int common_fail(const char *format, ...) COMMON_PRINTF(1, 2);
    Owned by the caller; safe to update from several threads. */
 typedef struct progress {
     const char *what;
-    double      total, done;    /* in any unit, progress is done / total */
-    double      began, printed; /* machine_seconds() */
-    int         quarter;
-    bool        terminal, active;
+    double total, done;    /* in any unit, progress is done / total */
+    double began, printed; /* machine_seconds() */
+    int quarter;
+    bool terminal, active;
 } progress;
 
 void progress_begin(progress *bar, const char *what, double total);

@@ -61,7 +61,7 @@ static bool is_number(const char *text) {
 }
 
 void table_end_to(table *t, FILE *stream) {
-    int  width[TABLE_COLUMNS] = {0};
+    int width[TABLE_COLUMNS] = {0};
     bool left[TABLE_COLUMNS] = {false};
     const char *at = t->text;
     for (int i = 0; i < t->cells; i++, at += strlen(at) + 1) {

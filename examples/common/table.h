@@ -14,15 +14,15 @@
 enum { TABLE_COLUMNS = 24 };
 
 typedef struct table {
-    int    columns;
-    int    cells;    /* so far, header included */
-    char  *text;     /* the cells, each ended by 0 */
+    int columns;
+    int cells;  /* so far, header included */
+    char *text; /* the cells, each ended by 0 */
     size_t used, capacity;
 } table;
 
 table table_begin(const char *header); /* at most TABLE_COLUMNS names between '|' */
-void  table_cell(table *t, const char *format, ...) COMMON_PRINTF(2, 3);
-void  table_end(table *t);             /* prints and frees. Numbers stand to the right, texts to the left */
-void  table_end_to(table *t, FILE *stream); /* the same, to a stream, --quiet or not */
+void table_cell(table *t, const char *format, ...) COMMON_PRINTF(2, 3);
+void table_end(table *t);                  /* prints and frees. Numbers stand to the right, texts to the left */
+void table_end_to(table *t, FILE *stream); /* the same, to a stream, --quiet or not */
 
 #endif

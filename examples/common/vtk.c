@@ -39,9 +39,7 @@ vtk_array vtk_vector_stride(const char *name, const double *xyz, int stride) {
     return a;
 }
 
-vtk_array vtk_vector(const char *name, const double *xyz) {
-    return vtk_vector_stride(name, xyz, 3);
-}
+vtk_array vtk_vector(const char *name, const double *xyz) { return vtk_vector_stride(name, xyz, 3); }
 
 vtk_array vtk_vector3(const char *name, const double *x, const double *y, const double *z) {
     vtk_array a = view(name, 3);
@@ -54,8 +52,8 @@ vtk_array vtk_vector3(const char *name, const double *x, const double *y, const 
 /* ---- bytes, little-endian on any machine, through one buffer ---- */
 
 typedef struct {
-    output       *file;
-    size_t        used;
+    output *file;
+    size_t used;
     unsigned char bytes[65536];
 } stream;
 
@@ -74,9 +72,7 @@ static void put_float(stream *s, double value) {
     put(s, bits, 4);
 }
 
-static uint64_t array_bytes(const vtk_array *a, int n) {
-    return 4 * (uint64_t)a->components * (uint64_t)n;
-}
+static uint64_t array_bytes(const vtk_array *a, int n) { return 4 * (uint64_t)a->components * (uint64_t)n; }
 
 static void put_array(stream *s, const vtk_array *a, int n) {
     put(s, array_bytes(a, n), 8);
@@ -117,8 +113,8 @@ static void describe_ints(output *file, const char *name, int n, uint64_t *offse
 }
 
 static void head(output *file, const char *type) {
-    output_print(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
-                 type);
+    output_print(
+        file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n", type);
 }
 
 static stream *begin_appended(output *file) {
@@ -149,8 +145,10 @@ static int polydata(const char *folder, const char *name, const char *cell_kind,
     if (!file) return -1;
     uint64_t offset = 0;
     head(file, "PolyData");
-    output_print(file, "<PolyData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n",
-                 n, vertices ? n : 0, strcmp(cell_kind, "Lines") == 0 ? n_cells : 0, strcmp(cell_kind, "Polys") == 0 ? n_cells : 0);
+    output_print(
+        file,
+        "<PolyData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n",
+        n, vertices ? n : 0, strcmp(cell_kind, "Lines") == 0 ? n_cells : 0, strcmp(cell_kind, "Polys") == 0 ? n_cells : 0);
     output_print(file, "<PointData>\n");
     for (int i = 0; i < n_arrays; i++) describe(file, &arrays[i], n, &offset);
     output_print(file, "</PointData>\n<Points>\n");
@@ -200,8 +198,8 @@ int vti_cells(const char *folder, const char *name, const int size[3], const dou
     if (!file) return -1;
     uint64_t offset = 0;
     head(file, "ImageData");
-    output_print(file, "<ImageData WholeExtent=\"0 %d 0 %d 0 %d\" Origin=\"%.9g %.9g %.9g\" Spacing=\"%.9g %.9g %.9g\">\n", size[0], size[1],
-                 size[2], origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
+    output_print(file, "<ImageData WholeExtent=\"0 %d 0 %d 0 %d\" Origin=\"%.9g %.9g %.9g\" Spacing=\"%.9g %.9g %.9g\">\n", size[0],
+                 size[1], size[2], origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
     output_print(file, "<Piece Extent=\"0 %d 0 %d 0 %d\">\n<CellData>\n", size[0], size[1], size[2]);
     for (int i = 0; i < n_arrays; i++) describe(file, &arrays[i], n, &offset);
     output_print(file, "</CellData>\n</Piece>\n</ImageData>\n");
@@ -217,11 +215,11 @@ int vti_cells(const char *folder, const char *name, const int size[3], const dou
 /* ---- time series ---- */
 
 struct pvd {
-    char   *folder, *stem;
+    char *folder, *stem;
     double *times;
-    char  (*extensions)[8];
-    int     n, capacity;
-    char    current[400];
+    char (*extensions)[8];
+    int n, capacity;
+    char current[400];
 };
 
 static char *copy(const char *text, size_t length) {
@@ -241,7 +239,8 @@ static int write_index(const pvd *series) {
     snprintf(name, sizeof name, "%s.pvd", series->stem);
     output *file = output_open(series->folder, name);
     if (!file) return -1;
-    output_print(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
+    output_print(file,
+                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
     for (int i = 0; i < series->n; i++) {
         frame_name(series, i, name, sizeof name);
         output_print(file, "<DataSet timestep=\"%.9g\" part=\"0\" file=\"", series->times[i]);
@@ -293,9 +292,7 @@ const char *pvd_name_as(pvd *series, double time, const char *extension) {
     return series->current;
 }
 
-const char *pvd_name(pvd *series, double time) {
-    return pvd_name_as(series, time, "vtp");
-}
+const char *pvd_name(pvd *series, double time) { return pvd_name_as(series, time, "vtp"); }
 
 int pvd_close(pvd *series) {
     if (!series) return -1;

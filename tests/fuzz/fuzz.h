@@ -1,9 +1,10 @@
 /* fuzz.h: a fuzz target is one function LLVMFuzzerTestOneInput(bytes, size). With clang and libFuzzer:
 
-       clang -g -fsanitize=fuzzer,address,undefined -DFUZZ_LIBRARY -Iexamples/common tests/fuzz/fuzz_csv.c examples/common/[c-v]*.c -lm -lpthread
+       clang -g -fsanitize=fuzzer,address,undefined -DFUZZ_LIBRARY -Iexamples/common tests/fuzz/fuzz_csv.c \
+           examples/common/*.c -lm -lpthread
 
-   Without, this header adds a main that runs it over files named on the command line, or over inputs mixed from the target's own samples:
-   that is the regression test. Crashes and sanitizers are the judges, and whatever the target asserts. */
+   Without, this header adds a main that runs it over files named on the command line, or over inputs mixed from the target's own
+   samples: that is the regression test. Crashes and sanitizers are the judges, and whatever the target asserts. */
 #ifndef RIDDLE_FUZZ_H
 #define RIDDLE_FUZZ_H
 
@@ -43,7 +44,7 @@ static size_t fuzz_mix(uint64_t *state, const char *const *samples, int n, uint8
         size_t at = fuzz_random(state) % size;
         switch (fuzz_random(state) % 4) {
         case 0: bytes[at] = (uint8_t)fuzz_random(state); break;
-        case 1: bytes[at] = (uint8_t)",\n\r\"#- =.e0"[fuzz_random(state) % 11]; break;
+        case 1: bytes[at] = (uint8_t) ",\n\r\"#- =.e0"[fuzz_random(state) % 11]; break;
         case 2: size = at; break;
         default: {
             const char *other = samples[fuzz_random(state) % (uint32_t)n];

@@ -23,7 +23,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
 }
 
 static const char *const samples[] = {
-    "a,b,c\n1,2,3\n4,5,6\n", "# comment\n\nx , y # note\r\n1e-300,-2\r\n,\n", "name,\"a, b\"\n\"x, y\",2\nz,3\n", "t\n1\n2\nnan\ninf\n", "a,b\n1,2,3\n", "",
+    "a,b,c\n1,2,3\n4,5,6\n",
+    "# comment\n\nx , y # note\r\n1e-300,-2\r\n,\n",
+    "name,\"a, b\"\n\"x, y\",2\nz,3\n",
+    "t\n1\n2\nnan\ninf\n",
+    "a,b\n1,2,3\n",
+    "",
 };
 
 FUZZ_MAIN(samples, 6, 200000)

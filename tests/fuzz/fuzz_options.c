@@ -41,8 +41,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
 }
 
 static const char *const samples[] = {
-    "--case\n3\n--time=0.5\n--angle\n-45", "--wet\n--law\nhertz\n--input\nfile.csv", "--threads\n4\n--seed\n18446744073709551615\n--quiet\n--quick",
-    "--out\ndir\n--json\n-\n--help", "--tiem\n3", "--time\nnan\n--angle=1e999\n--case=0x10", "--other=-1", "--=\n-\n--\n-h",
+    "--case\n3\n--time=0.5\n--angle\n-45",
+    "--wet\n--law\nhertz\n--input\nfile.csv",
+    "--threads\n4\n--seed\n18446744073709551615\n--quiet\n--quick",
+    "--out\ndir\n--json\n-\n--help",
+    "--tiem\n3",
+    "--time\nnan\n--angle=1e999\n--case=0x10",
+    "--other=-1",
+    "--=\n-\n--\n-h",
 };
 
 FUZZ_MAIN(samples, 8, 200000)
