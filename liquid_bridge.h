@@ -1,0 +1,1561 @@
+/* liquid_bridge.h: forces of pendular liquid bridges between spheres, plates and wires, and the books of their liquid.
+
+       #include "liquid_bridge.h"
+
+       bridge_pair_def def = bridge_pair_default_def();          // water on 5 mm glass; every field has a documented default
+       def.radius_i = def.radius_j = 2.5e-3;                     // [m]; radius_j = INFINITY: a plate or a wire
+       bridge_pair pair;                                         // once per kind of pair: Young-Laplace, solved and tabulated
+       if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK) return 1;
+       bridge b;                                                 // at contact: a struct of twelve doubles
+       bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-10, 1e-10, 0, &b);  // liquid given by i and by j [m3]
+       bridge_forces f = bridge_evaluate(&b, &def.liquid, gap, velocity);   // every step: + - * / sqrt only
+       if (bridge_is_ruptured(&b, &def.liquid, gap, velocity)) to_i = bridge_split_volume(&b, quantum);
+
+   What is in it: volume shares (Shi & McCarthy 2008; Elskamp & Kruggel-Emden 2019, eqs 7-11), capillary force (energy form; Willett et al.
+   2000, full and simple; Young-Laplace, solved), viscous force (Pitois et al. 2000 normal; bridge-limited Couette tangential; Goldman et
+   al. 1967), rupture (Willett/Pitois static and dynamic; unequal contact angles; Young-Laplace), the neck split of the liquid, books
+   with exact conservation, and the laws of eqs 12-20 word for word as printed in the 2019 paper (bridge_printed_*), which are wrong in
+   places: docs/liquid_bridge.md says where.
+
+   How: the meniscus without gravity is a Delaunay curve, known in closed form along its arc. bridge_pair_prepare solves it for ten volumes,
+   each from contact to rupture, and keeps force, rupture distance and neck split as Chebyshev series in ln V. bridge_form contracts them
+   to seven coefficients: F = X(S) (c0 + c1 tau + ... + c6 tau^6), tau = sqrt(S_rupture - S), X = a/(h (h + S)), h = sqrt(S^2 + a).
+   Within 0.1 % of Young-Laplace; bridge_pair.deviation says what was measured for this very pair.
+
+   Conventions: SI units, angles in radians. gap S = centre distance minus both radii; S < 0 is overlap, where capillary forces are those
+   of contact (S = 0). velocity = rate of change of the gap, > 0 separating. Forces are positive when they pull the two solids together.
+   Two effective radii, never mixed: harmonic R_h = 2 ri rj/(ri + rj) (capillarity), reduced R_s = R_h/2 (viscosity); plate or wire:
+   R_h = 2 ri, R_s = ri. a = 2 V/(pi R_h) [m2] is the only volume group in the neck laws.
+   n points from j to i. Arms ai = bridge_arm(ri, rj, S), aj = D - ai. Slip v_s = v_t + n x (ai wi + aj wj) (with the arms, not the radii:
+   a rigidly turning pair then slips not at all). Force on i: -n * normal - tangential * v_s; on j its opposite. Moments: on i
+   -ai n x F_t, on j -aj n x F_t. So linear and angular momentum are kept to round-off and the viscous power is never positive.
+
+   Memory: none is allocated. Threads: no state is shared; films are changed by bridge_allocate and bridge_release only. Determinism:
+   + - * / sqrt, frexp, ldexp and the portable block; same bits on every machine with -ffp-contract=off.
+   Not in it: gravity in the meniscus, evaporation kinetics, bridges that touch each other (bridge_pair.pendular_volume says when they
+   do), contact-angle hysteresis, formation at a distance. */
+#ifndef RIDDLE_LIQUID_BRIDGE_H
+#define RIDDLE_LIQUID_BRIDGE_H
+
+#include <math.h>
+#include <stddef.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "liquid_bridge.h needs NaN and signed zero: compile without -ffast-math"
+#endif
+#ifndef BRIDGE_API
+#define BRIDGE_API static inline
+#define BRIDGE__BODIES
+#elif defined(BRIDGE_IMPLEMENTATION)
+#define BRIDGE__BODIES
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define BRIDGE_SERIES                                                                                                                      \
+    7 /* terms in tau of a bridge's force: 6 leave 0.25 %, 7 leave 0.09 %, 8 leave 0.07 % (V* >= 1e-7, angles to 45 degrees) */
+#define BRIDGE_NODES 10 /* volumes solved per pair kind: five decades of V* to 0.01 % */
+
+/* >>status ------------------------------------------------------------------------------------------------------------------------- */
+
+#define BRIDGE_STATUSES(X)                                                                                                                 \
+    X(BRIDGE_OK, "ok")                                                                                                                     \
+    X(BRIDGE_INVALID, "a parameter is outside its documented range")                                                                       \
+    X(BRIDGE_NO_SOLUTION, "no pendular bridge solves the Young-Laplace equation here")                                                     \
+    X(BRIDGE_RUPTURED, "the gap is beyond the rupture distance")                                                                           \
+    X(BRIDGE_VOLUME, "the volume is outside the range that the pair was prepared for")
+
+typedef enum bridge_status {
+#define BRIDGE__ENUM(name, text) name,
+    BRIDGE_STATUSES(BRIDGE__ENUM)
+#undef BRIDGE__ENUM
+        BRIDGE_STATUS_COUNT
+} bridge_status;
+
+/* A short English text; "unknown status" for a number that is none. Never NULL; not to be freed. */
+static inline const char *bridge_status_text(bridge_status status);
+
+/* >>types -------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct bridge_liquid {
+    double surface_tension; /* sigma [N/m], > 0; default 0.07275 (water, 20 C) */
+    double viscosity;       /* eta, dynamic [Pa s], >= 0; default 1.002e-3 (water, 20 C); 0 switches viscous forces off */
+    double roughness;       /* smallest gap of the viscous laws over R_s [-], S_min = roughness * R_s, 2e-4 .. 0.1; default 0.001 */
+} bridge_liquid;
+
+typedef enum bridge_split {
+    BRIDGE_SPLIT_NECK,  /* cut at the neck of the meniscus at rupture, by Young-Laplace (default) */
+    BRIDGE_SPLIT_HALF,  /* half each */
+    BRIDGE_SPLIT_RETURN /* each solid takes back what it gave */
+} bridge_split;
+
+typedef struct bridge_pair_def {
+    double radius_i;      /* [m], > 0; default 2.5e-3 */
+    double radius_j;      /* [m], > 0, INFINITY for a plate or a wire; default 2.5e-3. radius_i/radius_j from 1e-6 to 1e6 or 0. Spheres
+                                 within 1 % of each other with equal angles over 30 degrees may not solve: prepare them as equal */
+    double angle_i;       /* contact angle on i [rad], 0 .. 1.05 (60 degrees); default 0.2618 (glass, 15 degrees) */
+    double angle_j;       /* contact angle on j [rad], 0 .. 1.05; default 0.2618. Equal spheres of equal angle are solved as symmetric */
+    double volume_min;    /* smallest V/R_h^3 of the table [-], 1e-8 .. volume_max/2; default 1e-6. Drier: no bridge is formed */
+    double volume_max;    /* largest V/R_h^3 of the table [-], <= 0.15; default 0.1 (beyond about 0.06 bridges meet: pendular_volume) */
+    bridge_liquid liquid; /* only its surface tension enters the table */
+    bridge_split split;   /* what a rupture leaves where; default BRIDGE_SPLIT_NECK */
+    unsigned cookie;      /* set by bridge_pair_default_def; leave it alone */
+} bridge_pair_def;
+
+/* One kind of pair, prepared. Plain data, 1 kB: copy it, keep as many as the scene has kinds. Read it, do not write it. */
+typedef struct bridge_pair {
+    bridge_pair_def def;      /* what it was made of */
+    double radius;            /* harmonic radius R_h of the def [m] */
+    double pendular_volume;   /* V/R_h^3 at which the larger half-filling angle in contact reaches 30 degrees, so that the bridges of
+                                        three touching spheres meet [-]; INFINITY if it stays below in the table's range */
+    double deviation;         /* largest |series/Young-Laplace - 1| of the force found while preparing, gaps to 0.9 of rupture [-] */
+    double rupture_deviation; /* the same for the rupture gap [-]. Solids of very different wetting have a volume (plate, 15 and
+                                          45 degrees: V/R_h^3 = 0.025) at which the neck moves from one to the other; a table across it errs
+                                          by 2 to 4 % in the rupture gap there, one that ends below (volume_max 0.02) by 0.01 % */
+    double ln_min, ln_max;    /* range of ln(V/R_h^3) */
+    double table[BRIDGE_SERIES + 2][BRIDGE_NODES]; /* Chebyshev coefficients in ln V: force series, ln(S_rup/V^(1/3)), neck split */
+    unsigned cookie;
+} bridge_pair;
+
+/* One bridge: 12 doubles that the caller keeps with the pair. volume = 0: no bridge. */
+typedef struct bridge {
+    double volume;                /* V [m3] */
+    double width;                 /* sqrt(a) = sqrt(2 V/(pi R_h)) [m] */
+    double rupture_gap;           /* static rupture distance [m] */
+    double radius;                /* harmonic radius R_h of this very pair [m] */
+    double split;                 /* fraction of V that goes to i at rupture [-], 0 .. 1 */
+    double series[BRIDGE_SERIES]; /* c_k [N/m^(k/2)]: F = X(S) sum c_k tau^k, tau = sqrt(max(0, rupture_gap - S)) */
+} bridge;
+
+typedef struct bridge_forces {
+    double normal;     /* capillary attraction plus viscous resistance [N], > 0 pulls together */
+    double tangential; /* resistance to the translation part v_t of the slip [N s/m] */
+    double spin; /* resistance to the rotation part n x (ai wi + aj wj) of the slip [N s/m]; equal to `tangential` in bridge_evaluate */
+} bridge_forces;
+
+/* One Young-Laplace solution. */
+typedef struct bridge_shape {
+    double force;                /* attraction [N], the same at every section of the liquid */
+    double pressure;             /* in the liquid minus outside [Pa]; negative: suction */
+    double gap;                  /* [m] */
+    double neck;                 /* radius of the meniscus where it is parallel to the axis [m] */
+    double ring_i, ring_j;       /* radius of the wetted circle on i, on j [m] */
+    double filling_i, filling_j; /* half-filling angle on i, on j [rad]; 0 on a plate */
+    double share_i;              /* volume on i's side of the neck over V [-], 0 .. 1 (0 or 1: the thinnest section is at a solid) */
+    double energy;               /* free surface energy against the dry solids [J]; force = d energy/d gap at constant volume */
+    int stable;                  /* 0 for the symmetric solution of two equal spheres beyond its first instability, else 1 */
+} bridge_shape;
+
+/* >>laws-list: pure functions of scalars; NaN outside the stated domain ------------------------------------------------------------- */
+
+/* R_h = 2 ri rj/(ri + rj) [m]; ri, rj > 0, INFINITY allowed for one (plate, wire: 2 ri). */
+static inline double bridge_harmonic_radius(double ri, double rj);
+/* R_s = ri rj/(ri + rj) [m] = R_h/2. */
+static inline double bridge_reduced_radius(double ri, double rj);
+/* a = 2 V/(pi R_h) [m2], V >= 0 [m3], R_h > 0 [m]. */
+static inline double bridge_neck_area(double volume, double harmonic_radius);
+/* X = 1 - S/sqrt(S^2 + a) [-], 0 .. 1, without cancellation; gap S >= 0 [m], a >= 0 [m2]; 0 without liquid. */
+static inline double bridge_neck_factor(double gap, double neck_area);
+/* Lever arm of i [m]: ri D/(ri + rj) = ri (1 + S/(ri + rj)); that of j is bridge_arm(rj, ri, S); they add up to D. On a plate: ri. */
+static inline double bridge_arm(double ri, double rj, double gap);
+
+/* Liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that sees j (Shi & McCarthy 2008;
+   eq 7). */
+static inline double bridge_share_sphere(double film_i, double ri, double rj);
+/* Liquid [m3] that a sphere gives to a bridge with a plate (eq 8): the share of an equal sphere, not the limit rj -> infinity, which is
+   L/2. */
+static inline double bridge_share_wall(double film_i);
+/* Liquid [m3] that a wall's film of thickness W [m] gives to a sphere (eq 9). */
+static inline double bridge_share_wall_film(double thickness, double ri);
+/* Liquid [m3] that a sphere gives to a wire of radius rw [m] (eq 10), rw <= 6 ri. */
+static inline double bridge_share_wire(double film_i, double ri, double rw);
+/* Liquid [m3] that a wire's film of thickness W [m] gives to a sphere (eq 11). */
+static inline double bridge_share_wire_film(double thickness, double ri, double rw);
+
+/* Half-filling angle between spheres (eq 14) [rad], by the parabolic gap; meant for angles below 0.5. S >= 0, V >= 0. */
+static inline double bridge_filling_angle(double gap, double volume, double harmonic_radius);
+/* Half-filling angle of a sphere on a plate (eq 15, corrected) [rad]. */
+static inline double bridge_filling_angle_plate(double gap, double volume, double radius);
+/* Angle whose cosine is the mean of both cosines [rad]: the right mean for the force of unequal contact angles (not for rupture). */
+static inline double bridge_effective_angle(double angle_i, double angle_j);
+
+/* Capillary force [N], energy form pi sigma R_h (cos i + cos j) X (eq 12 without its tension term; Derjaguin). S >= 0. Plate: R_h = 2 r.
+   Too strong at contact (4 .. 30 %), too weak near rupture (-30 %): for estimates. */
+static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                         double surface_tension);
+/* Stiffness dF/dS of bridge_force_energy [N/m], <= 0; -HUGE_VAL never: V > 0. */
+static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                             double surface_tension);
+/* Work [J] to open from contact to gap S against bridge_force_energy. */
+static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                        double surface_tension);
+/* Capillary force [N], energy form plus surface tension on the wetted ring (eq 12, corrected): what the paper meant; it counts the tension
+   twice and is 20 .. 70 % too strong. Two spheres. */
+static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                          double surface_tension);
+/* The same for a sphere of `radius` on a plate (eq 13, corrected). */
+static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i, double angle_j,
+                                                double surface_tension);
+/* Capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50 degrees, 5e-5 <= V/R_h^3 <= 0.2. Error 1 .. 3
+   % to half of rupture, 10 % at 0.95. */
+static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension);
+/* Capillary force [N], simple rational fit of Willett et al. 2000. */
+static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                                 double surface_tension);
+
+/* Gap [m] that the viscous laws see: max(S, 0) + roughness * R_s. */
+static inline double bridge_viscous_gap(double gap, double reduced_radius, double roughness);
+/* Normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from bridge_viscous_gap. */
+static inline double bridge_drag_normal(double viscous_gap, double volume, double reduced_radius, double viscosity);
+/* Tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and passive. */
+static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity);
+/* Resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far: x >= 0.1 (both evaluate
+   anywhere x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t U - f_r R W), moment/R = -6 pi eta R (f_rr R W -
+   f_r U). */
+static inline double bridge_goldman_translation_near(double x);
+static inline double bridge_goldman_translation_far(double x);
+static inline double bridge_goldman_coupling_near(double x);
+static inline double bridge_goldman_coupling_far(double x);
+static inline double bridge_goldman_rotation(double x);
+
+/* Static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad], radius_ratio = small/large in 0 .. 1
+   (plate 0), R_h harmonic, V/R_h^3 <= 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
+static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j);
+/* The same with a correction fitted to Young-Laplace for unequal angles (rms 3.9 %); equal to eq 19 for equal ones. */
+static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
+                                                double angle_large);
+/* Dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0, velocity)/sigma. */
+static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension, double viscosity);
+
+/* Impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg] the reduced mass, e in (0, 1]. */
+static inline double bridge_sticking_velocity(double work, double reduced_mass, double restitution);
+/* Wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 [m/s]; liquid that is taken up only on the way out (hysteresis). */
+static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity);
+
+/* >>printed-list: eqs 12-20 of Elskamp & Kruggel-Emden 2019 as they stand in print. For comparison; they are not right. */
+
+/* Capillary force between spheres (eq 12) [N]: second term with sin(theta) where the ring angle belongs. */
+static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                          double surface_tension);
+/* Capillary force of a sphere on a wall (eq 13) [N]. */
+static inline double bridge_printed_force_wall(double gap, double volume, double radius, double angle_i, double angle_w,
+                                               double surface_tension);
+/* Half-filling angle of a sphere on a wall (eq 15) [rad], without the "-1 +". (Eq 14 is right: bridge_filling_angle.) */
+static inline double bridge_printed_filling_angle_wall(double gap, double volume, double radius);
+/* Tangential resistance to v_t [N s/m] (eqs 17, 18): the same near-field term in both; negative beyond 6.036 R_s. S_v > 0. */
+static inline double bridge_printed_drag_translation(double viscous_gap, double reduced_radius, double viscosity);
+/* Tangential resistance to n x (ri wi + rj wj) [N s/m] (eqs 17, 18), for the n (j to i) of eqs 4 and 12: negative, the sign erratum. */
+static inline double bridge_printed_drag_spin(double viscous_gap, double reduced_radius, double viscosity);
+
+/* >>pair-list ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Legal defaults: two 5 mm glass spheres, water. */
+BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
+/* BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
+BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
+/* Solves and tabulates one kind of pair (a few milliseconds). BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no
+   bridge in contact; *pair is then unusable. */
+BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
+
+/* Young-Laplace, solved: bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative error
+   about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. */
+BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape);
+/* The last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold, whichever comes first.
+   *fold_gap (may be NULL) gets the fold [m]. */
+BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap);
+
+/* Forms a bridge of the liquid given by i and j [m3] between solids of these radii [m]. The radii may differ from the def's: lengths scale
+   with R_h (error: docs/liquid_bridge.md, 0.1 % for 2 %). swapped: nonzero if the caller's i is the def's j. BRIDGE_VOLUME if the
+   volume is outside the table (drier: no bridge; wetter: bridge_allocate caps it); then b->volume = 0. */
+BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
+                                     bridge *b);
+/* The same for the paper's printed laws: rupture gap by eq 19 (bridge_evaluate_printed needs no series). */
+BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
+                                             int swapped, bridge *b);
+/* Volumes [m3] that bridge_form takes for these radii. */
+BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest);
+/* 1 while the liquid is pendular (see pendular_volume), 0 beyond: forces are then those of an isolated bridge, an overestimate. */
+BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
+
+/* >>step-list: what a time step calls ----------------------------------------------------------------------------------------------- */
+
+/* Capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture, X falls
+   on. */
+static inline double bridge_attraction(const bridge *b, double gap);
+/* Everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to 1e-5). */
+static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
+/* 1 if the gap is beyond the dynamic rupture distance (eq 20). */
+static inline int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
+/* bridge_evaluate for eqs 12-18 as printed, with gap -> max(gap, 0): without it eq 14 is not real in contact. Not for speed: it takes
+   sines. */
+static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity);
+
+/* Work [J] that the capillary force takes from the pair while the gap opens from `from` to `to` (either may be below 0 or beyond
+   rupture). */
+BRIDGE_API double bridge_work(const bridge *b, double from, double to);
+/* The bridge's stiffness -dF/dS at contact [N/m] and its largest resistances [N s/m] (at S <= 0), for the choice of a time step:
+   explicit steps need dt < m_eff/normal and dt < 0.4 m_eff/tangential (solid spheres), and |velocity| dt well below the bridge's width. */
+typedef struct bridge_stiffness {
+    double capillary, normal, tangential;
+} bridge_stiffness;
+BRIDGE_API bridge_stiffness bridge_contact_stiffness(const bridge *b, const bridge_liquid *liquid);
+
+/* >>books-list: who has which liquid ------------------------------------------------------------------------------------------------- */
+
+/* Films. The caller owns every array. All volumes are kept as multiples of `quantum`, a power of two: sums and differences are then
+   exact, in any order, and liquid is conserved to the last bit, not only to round-off. */
+typedef struct bridge_films {
+    double *particle;         /* free film on each particle [m3], shape [n_particles], multiples of quantum */
+    size_t n_particles;
+    double *patch;            /* film on each wall patch [m3], shape [n_patches], multiples of quantum */
+    const double *patch_area; /* [m2], > 0, shape [n_patches] */
+    size_t n_patches;         /* 0: patch and patch_area may be NULL */
+    double *scratch;          /* [n_particles + n_patches], used by bridge_allocate, content irrelevant */
+    double quantum;           /* [m3], from bridge_quantum */
+    double added;             /* liquid that came in by bridge_add [m3] */
+    double evaporated;        /* liquid that left by bridge_evaporate [m3] */
+} bridge_films;
+
+typedef enum bridge_partner { BRIDGE_SPHERE, BRIDGE_WALL, BRIDGE_WIRE } bridge_partner;
+
+/* One new contact that asks for a bridge. */
+typedef struct bridge_contact {
+    size_t i;                      /* particle */
+    size_t j;                      /* particle (BRIDGE_SPHERE) or patch (BRIDGE_WALL, BRIDGE_WIRE) */
+    bridge_partner partner;        /* decides the shares: eq 7; 8 and 9; 10 and 11 */
+    double radius_i, radius_j;     /* [m]; radius_j: the sphere's or the wire's, not read for a wall */
+    double volume_min, volume_max; /* [m3], from bridge_volume_range: below it no bridge, above it the rest stays in the films */
+    double given_i, given_j;       /* answer [m3]: what i and j have given; both 0: no bridge */
+} bridge_contact;
+
+/* A quantum for `total` [m3] > 0, all the liquid there will ever be: 2^-51 of it or less. */
+BRIDGE_API double bridge_quantum(double total);
+/* `volume` rounded down to a multiple of the quantum. */
+static inline double bridge_quantised(double volume, double quantum);
+/* Gives liquid to all new contacts of a step: each asks by eqs 7-11 from the films as they are at the call; where a film is asked for
+   more than it has, all who asked get the same fraction. Films are reduced. The result depends on the set of contacts, not on their order
+   (but for the last quantum of an exhausted film). BRIDGE_INVALID, and nothing changed, for an index or a size out of range. Time: n. */
+BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n);
+/* What i gets of the bridge's liquid at rupture [m3], a multiple of quantum; j gets b->volume minus it, exactly. */
+static inline double bridge_split_volume(const bridge *b, double quantum);
+/* Rupture: the liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad index. */
+BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
+/* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film; returns what was added. NaN and nothing done for a bad amount. */
+BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount);
+/* Takes `amount` >= 0 [m3] (rounded down), at most all, from a film; returns what was taken. */
+BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount);
+/* Takes liquid from a living bridge and contracts its series anew (its split stays). What would leave it below the table's range is not
+   taken: 0 is returned. */
+BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount);
+/* Compensated sum of n doubles `stride` doubles apart (Neumaier). */
+BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
+/* Liquid in all films [m3]. */
+BRIDGE_API double bridge_films_total(const bridge_films *films);
+
+/* clang-format off */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
+   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+#ifndef RIDDLE_PORTABLE_MATH
+#define RIDDLE_PORTABLE_MATH
+#define RIDDLE_PI 3.14159265358979323846
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_LO 1.9082149292705877e-10
+
+/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+static inline double riddle__expm1_small(double r) {
+    double p = 1.0 / 87178291200.0;
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+static inline double riddle_exp(double x) {
+    if (!(x > -745.2)) return x != x ? x : 0.0;
+    if (x > 709.79) return HUGE_VAL;
+    double k = floor(x * 1.4426950408889634 + 0.5);
+    double r = (x - k * RIDDLE_LN2_HI) - k * RIDDLE_LN2_LO;
+    return ldexp(1.0 + riddle__expm1_small(r), (int)k);
+}
+
+static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
+
+/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+static inline double riddle__log1p_small(double f) {
+    double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
+    p = p * z + 2.0 / 21.0;
+    p = p * z + 2.0 / 19.0;
+    p = p * z + 2.0 / 17.0;
+    p = p * z + 2.0 / 15.0;
+    p = p * z + 2.0 / 13.0;
+    p = p * z + 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    return f - s * (f - z * p);
+}
+
+static inline double riddle_log(double x) {
+    if (!(x > 0.0)) return x == 0.0 ? -HUGE_VAL : (double)NAN;
+    if (x > 1.7976931348623157e308) return x;
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2.0;
+        e -= 1;
+    }
+    return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
+}
+
+static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+
+/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+static inline double riddle_pow(double x, double y) {
+    if (y == 0.0 || x == 1.0) return 1.0;
+    return riddle_exp(y * riddle_log(x));
+}
+
+static inline double riddle_cbrt(double x) {
+    if (x == 0.0 || !(fabs(x) <= 1.7976931348623157e308)) return x;
+    int e;
+    double m = frexp(fabs(x), &e); /* in [0.5, 1) */
+    int third = (e + 3000) / 3 - 1000, rest = e - 3 * third;
+    m = ldexp(m, rest); /* in [0.5, 4) */
+    double y = 0.65 + 0.25 * m;
+    for (int i = 0; i < 5; i++) y -= (y * y * y - m) / (3.0 * y * y);
+    return ldexp(x < 0.0 ? -y : y, third);
+}
+
+/* sin and cos of r + quarter turns, |r| <= pi/4 */
+static inline double riddle__sin_quarter(double r, int quarter) {
+    double z = r * r, p, value;
+    if (quarter & 1) {
+        p = -1.0 / 6402373705728000.0;
+        p = p * z + 1.0 / 20922789888000.0;
+        p = p * z - 1.0 / 87178291200.0;
+        p = p * z + 1.0 / 479001600.0;
+        p = p * z - 1.0 / 3628800.0;
+        p = p * z + 1.0 / 40320.0;
+        p = p * z - 1.0 / 720.0;
+        p = p * z + 1.0 / 24.0;
+        value = 1.0 - (0.5 * z - z * z * p);
+    } else {
+        p = 1.0 / 355687428096000.0;
+        p = p * z - 1.0 / 1307674368000.0;
+        p = p * z + 1.0 / 6227020800.0;
+        p = p * z - 1.0 / 39916800.0;
+        p = p * z + 1.0 / 362880.0;
+        p = p * z - 1.0 / 5040.0;
+        p = p * z + 1.0 / 120.0;
+        p = p * z - 1.0 / 6.0;
+        value = r + r * z * p;
+    }
+    return quarter & 2 ? -value : value;
+}
+
+static inline double riddle__sin_shifted(double x, int quarters) {
+    if (!(fabs(x) <= 1e6)) return (double)NAN;
+    double n = floor(x * 0.63661977236758134 + 0.5);
+    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+}
+
+/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
+static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
+
+static inline double riddle_atan(double x) {
+    double t = fabs(x), base = 0.0, sign = 1.0;
+    if (t > 1.0) {
+        t = 1.0 / t;
+        base = 0.5 * RIDDLE_PI;
+        sign = -1.0;
+    }
+    if (t > 0.26794919243112270) {
+        base += sign * (RIDDLE_PI / 6.0);
+        t = (1.7320508075688773 * t - 1.0) / (t + 1.7320508075688773);
+    }
+    double z = t * t, p = 0.0;
+    for (int k = 15; k > 0; k--) p = z * (1.0 / (2 * k + 1) - p);
+    double value = base + sign * (t - t * p);
+    return x < 0.0 ? -value : value;
+}
+
+static inline double riddle_atan2(double y, double x) {
+    if (x == 0.0 && y == 0.0) return 0.0;
+    if (x != x || y != y) return (double)NAN;
+    if (fabs(y) > fabs(x)) return (y > 0.0 ? 0.5 : -0.5) * RIDDLE_PI - riddle_atan(x / y);
+    return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
+}
+
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
+
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
+#endif /* RIDDLE_PORTABLE_MATH */
+/* <<portable-math */
+/* clang-format on */
+
+/* >>laws ---------------------------------------------------------------------------------------------------------------------------- */
+
+static inline const char *bridge_status_text(bridge_status status) {
+    switch (status) {
+#define BRIDGE__CASE(name, text)                                                                                                           \
+    case name: return text;
+        BRIDGE_STATUSES(BRIDGE__CASE)
+#undef BRIDGE__CASE
+    case BRIDGE_STATUS_COUNT: break;
+    }
+    return "unknown status";
+}
+
+static inline double bridge__nan(void) { return (double)NAN; }
+
+static inline int bridge__is_finite(double x) { return fabs(x) <= 1.7976931348623157e308; }
+
+static inline int bridge__is_angle(double angle) { return angle >= 0.0 && angle <= 0.5 * RIDDLE_PI; }
+
+static inline double bridge_harmonic_radius(double ri, double rj) {
+    if (!(ri > 0.0 && rj > 0.0)) return bridge__nan();
+    return ri < rj ? 2.0 * ri / (1.0 + ri / rj) : 2.0 * rj / (1.0 + rj / ri);
+}
+
+static inline double bridge_reduced_radius(double ri, double rj) { return 0.5 * bridge_harmonic_radius(ri, rj); }
+
+static inline double bridge_neck_area(double volume, double harmonic_radius) {
+    if (!(volume >= 0.0 && harmonic_radius > 0.0)) return bridge__nan();
+    return 2.0 / RIDDLE_PI * volume / harmonic_radius;
+}
+
+static inline double bridge_neck_factor(double gap, double neck_area) {
+    if (!(gap >= 0.0 && neck_area >= 0.0)) return bridge__nan();
+    if (neck_area == 0.0) return 0.0;
+    double h = sqrt(gap * gap + neck_area);
+    return neck_area / h / (h + gap);
+}
+
+static inline double bridge_arm(double ri, double rj, double gap) { return ri * (1.0 + gap / (ri + rj)); }
+
+static inline double bridge_share_sphere(double film_i, double ri, double rj) {
+    if (!(film_i >= 0.0 && ri > 0.0 && rj > 0.0 && bridge__is_finite(ri))) return bridge__nan();
+    double p = rj / ri, q = ri / rj; /* the smaller of the two keeps its digits */
+    double sine = p < 1.0 ? p / (1.0 + p) : 1.0 / (1.0 + q);
+    double cosine = p < 1.0 ? sqrt(1.0 + 2.0 * p) / (1.0 + p) : sqrt(q * (q + 2.0)) / (1.0 + q);
+    return film_i * sine * sine / (2.0 * (1.0 + cosine));
+}
+
+static inline double bridge_share_wall(double film_i) { return film_i >= 0.0 ? film_i * 0.066987298107780677 : bridge__nan(); }
+
+static inline double bridge_share_wall_film(double thickness, double ri) {
+    return thickness >= 0.0 && ri > 0.0 ? thickness * (0.25 * RIDDLE_PI) * ri * ri : bridge__nan();
+}
+
+static inline double bridge_share_wire(double film_i, double ri, double rw) {
+    return film_i >= 0.0 && ri > 0.0 && rw > 0.0 && rw <= 6.0 * ri ? film_i * rw / (6.0 * ri) : bridge__nan();
+}
+
+static inline double bridge_share_wire_film(double thickness, double ri, double rw) {
+    return thickness >= 0.0 && ri > 0.0 && rw > 0.0 ? 2.0 * thickness * ri * rw : bridge__nan();
+}
+
+static inline double bridge_filling_angle(double gap, double volume, double harmonic_radius) {
+    double a = bridge_neck_area(volume, harmonic_radius);
+    if (!(gap >= 0.0 && a >= 0.0)) return bridge__nan();
+    return a == 0.0 ? 0.0 : sqrt(a / harmonic_radius / (gap + sqrt(gap * gap + a)));
+}
+
+static inline double bridge_filling_angle_plate(double gap, double volume, double radius) {
+    return 2.0 * bridge_filling_angle(gap, volume, 2.0 * radius);
+}
+
+static inline double bridge_effective_angle(double angle_i, double angle_j) {
+    if (!(bridge__is_angle(angle_i) && bridge__is_angle(angle_j))) return bridge__nan();
+    /* 1 - cos in place of cos: no digits are lost near 0 */
+    double si = riddle_sin(0.5 * angle_i), sj = riddle_sin(0.5 * angle_j);
+    return 2.0 * riddle_asin(sqrt(0.5 * (si * si + sj * sj)));
+}
+
+/* pi sigma R_h (cos i + cos j) [N]; NaN outside the domain that all the capillary laws share */
+static inline double bridge__scale(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                   double surface_tension) {
+    if (!(gap >= 0.0 && volume > 0.0 && harmonic_radius > 0.0 && surface_tension > 0.0)) return bridge__nan();
+    if (!(bridge__is_angle(angle_i) && bridge__is_angle(angle_j))) return bridge__nan();
+    return RIDDLE_PI * surface_tension * harmonic_radius * (riddle_cos(angle_i) + riddle_cos(angle_j));
+}
+
+static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                         double surface_tension) {
+    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) *
+           bridge_neck_factor(gap, bridge_neck_area(volume, harmonic_radius));
+}
+
+static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                             double surface_tension) {
+    double a = bridge_neck_area(volume, harmonic_radius), h = sqrt(gap * gap + a);
+    return -bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) * (a / h / h / h);
+}
+
+static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                        double surface_tension) {
+    double a = bridge_neck_area(volume, harmonic_radius), w = sqrt(a), h = sqrt(gap * gap + a);
+    /* sqrt(a) + S - h as a product */
+    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) * (gap * 2.0 * w / (w + gap + h));
+}
+
+static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                          double surface_tension) {
+    double filling = bridge_filling_angle(gap, volume, harmonic_radius);
+    return bridge_force_energy(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) +
+           2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_sin(filling) * riddle_sin(0.5 * (angle_i + angle_j) + filling);
+}
+
+static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i, double angle_j,
+                                                double surface_tension) {
+    double filling = bridge_filling_angle_plate(gap, volume, radius);
+    return bridge_force_energy(gap, volume, 2.0 * radius, angle_i, angle_j, surface_tension) +
+           2.0 * RIDDLE_PI * surface_tension * radius * riddle_sin(filling) * riddle_sin(0.5 * (angle_i + angle_j) + filling);
+}
+
+static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension) {
+    double v = volume / (harmonic_radius * harmonic_radius * harmonic_radius), t = angle, u = t * t;
+    if (!(gap >= 0.0 && harmonic_radius > 0.0 && surface_tension > 0.0 && v >= 5e-5 && v <= 0.2 && t >= 0.0 && t <= 0.8727))
+        return bridge__nan();
+    double L = riddle_log(v), p = 0.5 * gap * sqrt(harmonic_radius / volume);
+    double f1 = (-0.44507 + 0.050832 * t - 1.1466 * u) + (-0.1119 - 0.000411 * t - 0.1490 * u) * L +
+                (-0.012101 - 0.0036456 * t - 0.01255 * u) * L * L + (-0.0005 - 0.0003505 * t - 0.00029076 * u) * L * L * L;
+    double f2 =
+        (1.9222 - 0.57473 * t - 1.2918 * u) + (-0.0668 - 0.1201 * t - 0.22574 * u) * L + (-0.0013375 - 0.0068988 * t - 0.01137 * u) * L * L;
+    double f3 = (1.268 - 0.01396 * t - 0.23566 * u) + (0.198 + 0.092 * t - 0.06418 * u) * L +
+                (0.02232 + 0.02238 * t - 0.009853 * u) * L * L + (0.0008585 + 0.001318 * t - 0.00053 * u) * L * L * L;
+    double f4 = (-0.010703 + 0.073776 * t - 0.34742 * u) + (0.03345 + 0.04543 * t - 0.09056 * u) * L +
+                (0.0018574 + 0.004456 * t - 0.006257 * u) * L * L;
+    /* exp(f3 l + f4 l^2) -> 0 as p -> 0 where f4 < 0; below p = 1e-6 it is left at that limit */
+    double l = p > 1e-6 ? riddle_log(p) : 0.0, decay = p > 1e-6 ? riddle_exp(f3 * l + f4 * l * l) : 0.0;
+    return 2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_exp(f1 - f2 * decay);
+}
+
+static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                                 double surface_tension) {
+    double s = gap * sqrt(harmonic_radius / volume);
+    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) / (1.0 + (1.05 + 2.5 * s) * s);
+}
+
+static inline double bridge_viscous_gap(double gap, double reduced_radius, double roughness) {
+    return (gap > 0.0 ? gap : 0.0) + roughness * reduced_radius + 0.0 * gap; /* 0 * gap: NaN stays NaN */
+}
+
+static inline double bridge_drag_normal(double viscous_gap, double volume, double reduced_radius, double viscosity) {
+    if (!(viscous_gap > 0.0 && viscosity >= 0.0)) return bridge__nan();
+    double x = bridge_neck_factor(viscous_gap, bridge_neck_area(volume, 2.0 * reduced_radius));
+    return 6.0 * RIDDLE_PI * viscosity * reduced_radius * (reduced_radius / viscous_gap) * x * x;
+}
+
+static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity) {
+    if (!(viscous_gap > 0.0 && viscosity >= 0.0)) return bridge__nan();
+    double a = bridge_neck_area(volume, 2.0 * reduced_radius);
+    return RIDDLE_PI * viscosity * reduced_radius * riddle_log1p(a / viscous_gap / viscous_gap);
+}
+
+static inline double bridge_goldman_translation_near(double x) { return x > 0.0 ? 0.9588 - 8.0 / 15.0 * riddle_log(x) : bridge__nan(); }
+
+static inline double bridge_goldman_translation_far(double x) {
+    if (!(x > 0.0)) return bridge__nan();
+    double q = 1.0 / (1.0 + x), q3 = q * q * q;
+    return 1.0 / (1.0 - 9.0 / 16.0 * q + q3 * (1.0 / 8.0 - q * (45.0 / 256.0 + q / 16.0)));
+}
+
+static inline double bridge_goldman_coupling_near(double x) { return x > 0.0 ? -0.2526 - 2.0 / 15.0 * riddle_log(x) : bridge__nan(); }
+
+static inline double bridge_goldman_coupling_far(double x) {
+    if (!(x > 0.0)) return bridge__nan();
+    double q = 1.0 / (1.0 + x);
+    return 0.125 * q * q * q * q * (1.0 - 0.375 * q);
+}
+
+static inline double bridge_goldman_rotation(double x) {
+    if (!(x > 0.0)) return bridge__nan();
+    double q = 1.0 / (1.0 + x);
+    return x < 0.1 ? 0.50893 - 8.0 / 15.0 * riddle_log(x) : 4.0 / 3.0 * (1.0 + 5.0 / 16.0 * q * q * q);
+}
+
+static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j) {
+    if (!(volume >= 0.0 && harmonic_radius > 0.0 && radius_ratio >= 0.0 && radius_ratio <= 1.0)) return bridge__nan();
+    if (!(bridge__is_angle(angle_i) && bridge__is_angle(angle_j))) return bridge__nan();
+    double v = riddle_cbrt(volume) / harmonic_radius;
+    if (!(v * v * v <= 15.0)) return bridge__nan();
+    return harmonic_radius * (1.0 + 0.125 * (angle_i + angle_j) * (1.0 + radius_ratio)) * (v + (0.5 * radius_ratio - 0.4) * v * v);
+}
+
+static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
+                                                double angle_large) {
+    double gap = bridge_rupture_gap(volume, harmonic_radius, radius_ratio, angle_small, angle_large);
+    double q = angle_large - angle_small, d = fabs(q), v = riddle_cbrt(volume) / harmonic_radius, d13 = riddle_cbrt(d);
+    return gap * riddle_exp(0.24425 * d13 * d13 - 0.2552 * d + 0.08114 * d * d - 0.61612 * 0.5 * (angle_small + angle_large) * d +
+                            1.12058 * q * v - 1.25297 * q * v * radius_ratio - 0.27607 * radius_ratio * d);
+}
+
+static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension, double viscosity) {
+    if (!(rupture_gap >= 0.0 && surface_tension > 0.0 && viscosity >= 0.0 && velocity == velocity)) return bridge__nan();
+    return rupture_gap * (1.0 + sqrt(viscosity * (velocity > 0.0 ? velocity : 0.0) / surface_tension));
+}
+
+static inline double bridge_sticking_velocity(double work, double reduced_mass, double restitution) {
+    if (!(work >= 0.0 && reduced_mass > 0.0 && restitution > 0.0 && restitution <= 1.0)) return bridge__nan();
+    return sqrt(2.0 * work / reduced_mass) / restitution;
+}
+
+static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity) {
+    if (!(work >= 0.0 && reduced_mass > 0.0 && restitution >= 0.0 && restitution <= 1.0 && velocity > 0.0)) return bridge__nan();
+    double left = restitution * restitution - 2.0 * work / reduced_mass / velocity / velocity;
+    return left > 0.0 ? sqrt(left) : 0.0;
+}
+
+/* >>printed ------------------------------------------------------------------------------------------------------------------------- */
+
+static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
+                                          double surface_tension) {
+    double mean = 0.5 * (angle_i + angle_j);
+    return bridge_force_energy(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) +
+           2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_sin(mean) *
+               riddle_sin(mean + bridge_filling_angle(gap, volume, harmonic_radius));
+}
+
+static inline double bridge_printed_force_wall(double gap, double volume, double radius, double angle_i, double angle_w,
+                                               double surface_tension) {
+    double mean = 0.5 * (angle_i + angle_w);
+    return bridge__scale(gap, volume, 2.0 * radius, angle_i, angle_w, surface_tension) / (1.0 + gap * sqrt(RIDDLE_PI * radius / volume)) +
+           2.0 * RIDDLE_PI * surface_tension * radius * riddle_sin(mean) *
+               riddle_sin(mean + bridge_printed_filling_angle_wall(gap, volume, radius));
+}
+
+static inline double bridge_printed_filling_angle_wall(double gap, double volume, double radius) {
+    if (!(gap >= 0.0 && volume >= 0.0 && radius > 0.0)) return bridge__nan();
+    return sqrt(2.0 / radius * sqrt(gap * gap + volume / (RIDDLE_PI * radius)));
+}
+
+static inline double bridge_printed_drag_translation(double viscous_gap, double reduced_radius, double viscosity) {
+    return 6.0 * RIDDLE_PI * viscosity * reduced_radius * bridge_goldman_translation_near(viscous_gap / reduced_radius);
+}
+
+static inline double bridge_printed_drag_spin(double viscous_gap, double reduced_radius, double viscosity) {
+    double x = viscous_gap / reduced_radius;
+    return -6.0 * RIDDLE_PI * viscosity * reduced_radius * (x < 0.1 ? bridge_goldman_coupling_near(x) : bridge_goldman_coupling_far(x));
+}
+
+/* >>step ---------------------------------------------------------------------------------------------------------------------------- */
+
+static inline double bridge_attraction(const bridge *b, double gap) {
+    if (!(b->volume > 0.0)) return 0.0;
+    double s = gap > 0.0 ? gap : 0.0, left = b->rupture_gap - s, a = b->width * b->width;
+    double h = sqrt(s * s + a), tau = sqrt(left > 0.0 ? left : 0.0);
+    const double *c = b->series;
+    double sum = c[0] + tau * (c[1] + tau * (c[2] + tau * (c[3] + tau * (c[4] + tau * (c[5] + tau * c[6])))));
+    return sum * a / (h * (h + s));
+}
+
+static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
+    bridge_forces f = {bridge_attraction(b, gap), 0.0, 0.0};
+    if (!(b->volume > 0.0 && liquid->viscosity > 0.0)) return f;
+    double s = (gap > 0.0 ? gap : 0.0) + liquid->roughness * 0.5 * b->radius, a = b->width * b->width;
+    double h = sqrt(s * s + a), d = h * (h + s), inverse = 1.0 / (d * s), x = a * s * inverse,
+           scale = RIDDLE_PI * liquid->viscosity * b->radius;
+    /* ln(h/s) = 8 atanh(m) without a logarithm; the polynomial is atanh(m)/m to 1e-5 for m < 0.74, h/s < 1975 */
+    double p = sqrt(sqrt(s * s * (h + s) * inverse)), m = (1.0 - p) / (1.0 + p), z = m * m;
+    double atanh_m = m * (0.9999934690324775 +
+                          z * (0.3341824470020608 +
+                               z * (0.1826248540012343 + z * (0.2679914354781539 + z * (-0.270293623649462 + z * 0.5476559727637373)))));
+    f.normal += 1.5 * scale * b->radius * x * x * d * inverse * velocity;
+    f.tangential = f.spin = 8.0 * scale * atanh_m;
+    return f;
+}
+
+static inline int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
+    double beyond = gap - b->rupture_gap; /* S > S_rup (1 + sqrt(Ca)) without the root */
+    return beyond > 0.0 && beyond * beyond * liquid->surface_tension >
+                               b->rupture_gap * b->rupture_gap * liquid->viscosity * (velocity > 0.0 ? velocity : 0.0);
+}
+
+static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity) {
+    bridge_forces f = {0.0, 0.0, 0.0};
+    if (!(b->volume > 0.0)) return f;
+    const bridge_liquid *liquid = &pair->def.liquid;
+    double s = gap > 0.0 ? gap : 0.0, rs = 0.5 * b->radius, sv = bridge_viscous_gap(gap, rs, liquid->roughness);
+    f.normal = bridge__is_finite(pair->def.radius_j)
+                   ? bridge_printed_force(s, b->volume, b->radius, pair->def.angle_i, pair->def.angle_j, liquid->surface_tension)
+                   : bridge_printed_force_wall(s, b->volume, rs, pair->def.angle_i, pair->def.angle_j, liquid->surface_tension);
+    f.normal += bridge_drag_normal(sv, b->volume, rs, liquid->viscosity) * velocity;
+    f.tangential = bridge_printed_drag_translation(sv, rs, liquid->viscosity);
+    f.spin = bridge_printed_drag_spin(sv, rs, liquid->viscosity);
+    return f;
+}
+
+static inline double bridge_quantised(double volume, double quantum) { return floor(volume / quantum) * quantum; }
+
+static inline double bridge_split_volume(const bridge *b, double quantum) { return bridge_quantised(b->split * b->volume, quantum); }
+
+#ifdef BRIDGE__BODIES
+
+/* >>solver: Young-Laplace without gravity, lengths in R_h --------------------------------------------------------------------------- */
+
+/* The meridian of the liquid is a Delaunay curve. With neck radius y0, K = pressure/sigma and u = (2/K) tan(K s/2), s the arc from the
+   neck, it is algebraic: y^2 = y0^2 + (1 - K y0) u^2 e, ds = e du, e = 1/(1 + K^2 u^2/4), and n = y cos(psi) = C + K y^2/2 with
+   C = y0 - K y0^2/2 the force over 2 pi sigma. It meets a sphere of curvature rho at contact angle theta where
+       g = w (rho w - K cos(theta)/2) u^2 + sin(theta) (1 - K y0) u - y0 (cos(theta) - rho y0) = 0,   w = 1 - K y0/2.
+   Nothing is singular for K of either sign, at K = 0, for a plate (rho = 0), or where the neck lies inside a solid (u < 0). */
+
+typedef struct bridge__solid {
+    double curvature, cosine, sine;
+} bridge__solid;
+
+/* One side of the neck; [0] value, [1..3] derivatives by y0, K, u. */
+typedef struct bridge__half {
+    double x[4], v[4], g[4]; /* height of the solid's apex over the neck, volume between, contact condition */
+    double ring2, area;      /* squared radius of the wetted circle, area of the meniscus */
+} bridge__half;
+
+typedef struct bridge__problem {
+    bridge__solid solid[2];
+    int symmetric; /* solved with both halves equal */
+    double step;   /* in ln y0 while the family is followed */
+    double volume;
+} bridge__problem;
+
+/* z = ln(u_i + u_j), ln y0, ln(1 - K y0), u_i/(u_i + u_j) - 1/2. Along a bridge that opens, ln y0 falls all the way, through the fold. */
+typedef struct bridge__meniscus {
+    double z[4], neck, pressure, force, gap;
+    double slope; /* d gap/d ln y0 at constant volume: 0 at the fold, < 0 before it */
+    bridge__half half[2];
+} bridge__meniscus;
+
+static const double bridge__gauss[16][2] = {/* Gauss-Legendre, 32 points on 0 .. 1: abscissa (and its mirror), weight */
+                                            {0.0013680690752592182, 0.0035093050047350483}, {0.0071942442273658323, 0.0081371973654528353},
+                                            {0.017618872206246785, 0.01269603265463103},    {0.032546962031130155, 0.017136931456510717},
+                                            {0.051839422116973938, 0.02141794901111334},    {0.075316193133715015, 0.025499029631188088},
+                                            {0.1027581020160288, 0.029342046739267774},     {0.13390894062985516, 0.032911111388180923},
+                                            {0.1684778665348924, 0.036172897054424253},     {0.20614212137961884, 0.039096947893535153},
+                                            {0.2465500455338853, 0.041655962113473378},     {0.28932436193468233, 0.043826046502201906},
+                                            {0.33406569885893618, 0.045586939347881942},    {0.38035631887393146, 0.046922199540402283},
+                                            {0.42776401920860175, 0.04781936003963743},     {0.47584616715613084, 0.0482700442573639}};
+
+static inline int bridge__half_solve(const bridge__solid *solid, double y0, double K, double u, bridge__half *half) {
+    double kappa = 1.0 - K * y0, C = y0 * (1.0 - 0.5 * K * y0);
+    double x = 0.0, xy = 0.0, xk = 0.0, v = 0.0, vy = 0.0, vk = 0.0, area = 0.0, Y = 0.0, Yy = 0.0, Yk = 0.0, e = 0.0, y = 0.0, n = 0.0;
+    for (int i = 0; i <= 32; i++) { /* the 33rd point is the end itself */
+        const double *node = bridge__gauss[(i < 16 ? i : 31 - i) & 15];
+        double t = i == 32 ? u : u * (i < 16 ? node[0] : 1.0 - node[0]), weight = i == 32 ? 0.0 : u * node[1];
+        e = 1.0 / (1.0 + 0.25 * K * K * t * t);
+        double z = t * t * e, ek = -0.5 * e * z * K;
+        Y = y0 * y0 + kappa * z;
+        if (!(Y > 0.0)) return 0;
+        Yy = 2.0 * y0 - K * z;
+        Yk = -y0 * z + kappa * t * t * ek;
+        y = sqrt(Y);
+        n = C + 0.5 * K * Y;
+        double ny = kappa + 0.5 * K * Yy, nk = 0.5 * (Y - y0 * y0 + K * Yk), inverse = 1.0 / y, f = n * inverse, p = n * y;
+        double r = 0.5 * inverse * inverse;
+        x += weight * e * f;
+        xy += weight * e * (ny * inverse - f * Yy * r);
+        xk += weight * (e * (nk * inverse - f * Yk * r) + f * ek);
+        v += weight * e * p;
+        vy += weight * e * (ny * y + p * Yy * r);
+        vk += weight * (e * (nk * y + p * Yk * r) + p * ek);
+        area += weight * e * y;
+    }
+    double rho = solid->curvature, cosine2 = 1.0 - rho * rho * Y;
+    if (!(cosine2 > 0.0)) return 0;
+    double Yu = 2.0 * kappa * u * e * e, cosine = sqrt(cosine2), cap = rho * Y / (1.0 + cosine), capY = 0.5 * rho / cosine;
+    double lens = cap * (3.0 * Y + cap * cap) / 6.0, lensY = 0.5 * (capY * (Y + cap * cap) + cap);
+    double w = 1.0 - 0.5 * K * y0, c = solid->cosine, s = solid->sine, m = rho * w - 0.5 * K * c;
+    half->x[0] = x - cap;
+    half->x[1] = xy - capY * Yy;
+    half->x[2] = xk - capY * Yk;
+    half->x[3] = e * n / y - capY * Yu;
+    half->v[0] = RIDDLE_PI * (v - lens);
+    half->v[1] = RIDDLE_PI * (vy - lensY * Yy);
+    half->v[2] = RIDDLE_PI * (vk - lensY * Yk);
+    half->v[3] = RIDDLE_PI * (e * n * y - lensY * Yu);
+    half->g[0] = w * m * u * u + s * kappa * u - y0 * (c - rho * y0);
+    half->g[1] = -0.5 * K * (m + w * rho) * u * u - s * K * u - c + 2.0 * rho * y0;
+    half->g[2] = -0.5 * (y0 * m + w * (rho * y0 + c)) * u * u - s * y0 * u;
+    half->g[3] = 2.0 * w * m * u + s * kappa;
+    half->ring2 = Y;
+    half->area = 2.0 * RIDDLE_PI * area;
+    return 1;
+}
+
+/* a[n][columns]: n equations, columns - n right-hand sides, which become the solutions. Gauss-Jordan, partial pivoting. 0: singular. */
+static inline int bridge__solve(double *a, int n, int columns) {
+    for (int c = 0; c < n; c++) {
+        int pivot = c;
+        for (int i = c + 1; i < n; i++)
+            if (fabs(a[i * columns + c]) > fabs(a[pivot * columns + c])) pivot = i;
+        if (!(fabs(a[pivot * columns + c]) > 0.0)) return 0;
+        for (int j = 0; j < columns; j++) {
+            double swap = a[c * columns + j];
+            a[c * columns + j] = a[pivot * columns + j];
+            a[pivot * columns + j] = swap;
+        }
+        for (int i = 0; i < n; i++) {
+            double factor = i == c ? 0.0 : a[i * columns + c] / a[c * columns + c];
+            for (int j = c; j < columns && factor != 0.0; j++) a[i * columns + j] -= factor * a[c * columns + j];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = n; j < columns; j++) a[i * columns + j] /= a[i * columns + i];
+    return 1;
+}
+
+static inline int bridge__meniscus_update(const bridge__problem *problem, bridge__meniscus *m) {
+    double length = riddle_exp(m->z[0]), neck = riddle_exp(m->z[1]), K = (1.0 - riddle_exp(m->z[2])) / neck;
+    m->neck = neck;
+    m->pressure = K;
+    m->force = neck * (1.0 - 0.5 * K * neck);
+    double ui = length * (problem->symmetric ? 0.5 : 0.5 + m->z[3]);
+    if (!bridge__half_solve(&problem->solid[0], neck, K, ui, &m->half[0])) return 0;
+    if (problem->symmetric) m->half[1] = m->half[0];
+    else if (!bridge__half_solve(&problem->solid[1], neck, K, length - ui, &m->half[1])) return 0;
+    m->gap = m->half[0].x[0] + m->half[1].x[0];
+    return 1;
+}
+
+/* Derivatives by z of p + q, p a quantity of half 0 and q of half 1 (NULL: none). */
+static inline void bridge__row(const bridge__meniscus *m, const double *p, const double *q, double *row) {
+    double length = riddle_exp(m->z[0]), kappa = 1.0 - m->pressure * m->neck;
+    double dy = (p ? p[1] : 0.0) + (q ? q[1] : 0.0), dk = (p ? p[2] : 0.0) + (q ? q[2] : 0.0), pu = p ? p[3] : 0.0, qu = q ? q[3] : 0.0;
+    row[0] = length * ((0.5 + m->z[3]) * pu + (0.5 - m->z[3]) * qu);
+    row[1] = m->neck * dy - m->pressure * dk;
+    row[2] = -kappa / m->neck * dk;
+    row[3] = length * (pu - qu);
+}
+
+typedef enum bridge__aim { BRIDGE__AT_GAP, BRIDGE__AT_NECK } bridge__aim;
+
+/* Newton: the bridge of the problem's volume that has this gap, or this ln y0, from m as a first guess. */
+static inline int bridge__newton(const bridge__problem *problem, bridge__meniscus *m, bridge__aim aim, double target) {
+    int n = problem->symmetric ? 3 : 4, columns = n + 2;
+    double last = HUGE_VAL;
+    for (int iteration = 0; iteration < 60; iteration++) {
+        if (!bridge__meniscus_update(problem, m)) return 0;
+        const bridge__half *i = &m->half[0], *j = &m->half[1];
+        double row[4][4], gap[4], a[4 * 6];
+        double residual[4] = {aim == BRIDGE__AT_GAP ? target - m->gap : target - m->z[1], problem->volume - i->v[0] - j->v[0], -i->g[0],
+                              -j->g[0]};
+        bridge__row(m, i->x, j->x, gap);
+        bridge__row(m, i->v, j->v, row[1]);
+        bridge__row(m, i->g, NULL, row[2]);
+        bridge__row(m, NULL, j->g, row[3]);
+        for (int k = 0; k < 4; k++) row[0][k] = aim == BRIDGE__AT_GAP ? gap[k] : (k == 1 ? 1.0 : 0.0);
+        for (int r = 0; r < n; r++) {
+            for (int k = 0; k < n; k++) a[r * columns + k] = row[r][k];
+            a[r * columns + n] = residual[r];
+            a[r * columns + n + 1] = r == 0 ? 1.0 : 0.0; /* second right-hand side: the direction of the family */
+        }
+        if (!bridge__solve(a, n, columns)) return 0;
+        double largest = 0.0;
+        m->slope = 0.0;
+        for (int k = 0; k < n; k++) {
+            double step = fabs(a[k * columns + n]) / (k == 3 ? 0.2 : 0.5);
+            if (!(step < 1e6)) return 0;
+            if (step > largest) largest = step;
+            m->slope += gap[k] * a[k * columns + n + 1] / a[columns + n + 1];
+        }
+        for (int k = 0; k < n; k++) m->z[k] += a[k * columns + n] / (largest > 1.0 ? largest : 1.0);
+        if (largest < 1e-13 || (largest < 1e-9 && largest >= 0.5 * last)) return bridge__meniscus_update(problem, m);
+        last = largest;
+    }
+    return 0;
+}
+
+/* The bridge in contact. Small volumes start from the parabolic gap; large ones are grown from a small one. */
+static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus *m) {
+    double wanted = problem->volume;
+    int ok = 0;
+    for (double volume = wanted < 1e-3 ? wanted : 1e-3;; volume = volume * 2.0 < wanted ? volume * 2.0 : wanted) {
+        problem->volume = volume;
+        if (!ok) {
+            double h = sqrt(2.0 / RIDDLE_PI * volume), ring = sqrt(h), psi[2], K = 0.0, sag = 0.0;
+            for (int k = 0; k < 2; k++) {
+                double sine = ring * problem->solid[k].curvature;
+                psi[k] =
+                    0.5 * RIDDLE_PI - riddle_atan2(problem->solid[k].sine, problem->solid[k].cosine) - riddle_asin(sine < 0.9 ? sine : 0.9);
+                K += riddle_sin(psi[k]) / h;
+            }
+            double u[2], length;
+            for (int k = 0; k < 2; k++) {
+                u[k] = 2.0 * riddle_sin(0.5 * psi[k]) / riddle_cos(0.5 * psi[k]) / K;
+                sag += 0.5 * (1.0 - riddle_cos(psi[k])) / K;
+            }
+            double neck = ring - sag > 0.3 * ring ? ring - sag : 0.3 * ring;
+            length = u[0] + u[1];
+            if (!(length > 0.0 && K > 0.0)) break;
+            m->z[0] = riddle_log(length);
+            m->z[1] = riddle_log(neck);
+            m->z[2] = riddle_log(1.0 + K * neck);
+            m->z[3] = problem->symmetric ? 0.0 : u[0] / length - 0.5;
+        }
+        ok = bridge__newton(problem, m, BRIDGE__AT_GAP, 0.0);
+        if (!ok || !(volume < wanted)) break;
+    }
+    problem->volume = wanted;
+    return ok && m->slope < 0.0 && m->force > 0.0;
+}
+
+/* Newton to another ln y0 of the same family, in as many steps as it takes not to lose the branch: near the instability of equal spheres
+   the neck of unequal ones wanders off to one side, and a long step lands on another solution, with g'(u) < 0 at both solids. */
+static inline int bridge__advance(const bridge__problem *problem, bridge__meniscus *m, double target) {
+    double part = 1.0;
+    while (m->z[1] != target) {
+        bridge__meniscus trial = *m;
+        double next = part < 1.0 ? m->z[1] + part * (target - m->z[1]) : target;
+        int ok = bridge__newton(problem, &trial, BRIDGE__AT_NECK, next) && fabs(trial.z[3] - m->z[3]) < 0.06;
+        if (ok && (problem->symmetric || trial.half[0].g[3] > 0.0 || trial.half[1].g[3] > 0.0)) {
+            trial.z[1] = next;
+            *m = trial;
+            part = 2.0 * part < 1.0 ? 2.0 * part : 1.0;
+        } else {
+            part *= 0.5;
+            if (part < 1e-3) return 0;
+        }
+    }
+    return 1;
+}
+
+/* What ends a stable family: the slope at the fold, the contact condition's derivative at the first instability of a symmetric bridge. */
+static inline double bridge__event(const bridge__meniscus *m, int fold) { return fold ? m->slope : -m->half[0].g[3]; }
+
+/* The meniscus between a (event < 0) and b (event > 0) at which the event is 0: regula falsi with bisection. */
+static inline int bridge__locate(const bridge__problem *problem, const bridge__meniscus *a, const bridge__meniscus *b, int fold,
+                                 bridge__meniscus *m) {
+    double za = a->z[1], zb = b->z[1], ea = bridge__event(a, fold), eb = bridge__event(b, fold);
+    *m = *a;
+    for (int i = 0; i < 80 && fabs(za - zb) > 1e-14; i++) {
+        double z = i % 3 == 2 ? 0.5 * (za + zb) : (za * eb - zb * ea) / (eb - ea);
+        if (!bridge__advance(problem, m, z)) return 0;
+        double e = bridge__event(m, fold);
+        if (e < 0.0) {
+            za = z;
+            ea = e;
+        } else {
+            zb = z;
+            eb = e;
+        }
+        if (fabs(e) < 1e-15) break;
+    }
+    return 1;
+}
+
+/* Follows the family from contact: *rupture, its last stable member, and *fold. Either may be NULL. */
+static inline int bridge__follow(const bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
+                                 bridge__meniscus *fold) {
+    bridge__meniscus m = *contact;
+    int unstable = 0;
+    for (int i = 0; i < 400; i++) {
+        bridge__meniscus before = m;
+        if (!bridge__advance(problem, &m, m.z[1] - problem->step)) return 0;
+        if (problem->symmetric && !unstable && m.half[0].g[3] < 0.0) {
+            bridge__meniscus first;
+            if (!bridge__locate(problem, &before, &m, 0, &first)) return 0;
+            unstable = first.slope < 0.0;
+            if (unstable && rupture) *rupture = first;
+            if (unstable && !fold) return 1;
+        }
+        if (m.slope >= 0.0) {
+            bridge__meniscus last;
+            if (!bridge__locate(problem, &before, &m, 1, &last)) return 0;
+            if (fold) *fold = last;
+            if (rupture && !unstable) *rupture = last;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static inline bridge__problem bridge__problem_of(const bridge_pair_def *def, double reduced_volume) {
+    bridge__problem problem;
+    double radius = bridge_harmonic_radius(def->radius_i, def->radius_j);
+    problem.solid[0].curvature = radius / def->radius_i;
+    problem.solid[0].cosine = riddle_cos(def->angle_i);
+    problem.solid[0].sine = riddle_sin(def->angle_i);
+    problem.solid[1].curvature = radius / def->radius_j;
+    problem.solid[1].cosine = riddle_cos(def->angle_j);
+    problem.solid[1].sine = riddle_sin(def->angle_j);
+    problem.symmetric = def->radius_i == def->radius_j && def->angle_i == def->angle_j;
+    problem.volume = reduced_volume;
+    /* nearly equal spheres, poorly wetted: their branch passes close by the instability of equal ones */
+    double ratio = def->radius_i < def->radius_j ? def->radius_i / def->radius_j : def->radius_j / def->radius_i;
+    int close = !problem.symmetric && ratio > 0.7 && def->angle_i > 0.45 && def->angle_j > 0.45;
+    problem.step = close ? 0.01 : 0.1;
+    return problem;
+}
+
+static inline double bridge__share(const bridge__problem *problem, const bridge__meniscus *m) {
+    double share = m->half[0].v[0] / problem->volume;
+    return share > 0.0 ? (share < 1.0 ? share : 1.0) : 0.0;
+}
+
+static inline void bridge__describe(const bridge_pair_def *def, const bridge__problem *problem, const bridge__meniscus *m,
+                                    bridge_shape *shape) {
+    double R = bridge_harmonic_radius(def->radius_i, def->radius_j), sigma = def->liquid.surface_tension, ring[2], filling[2];
+    double energy = m->half[0].area + m->half[1].area;
+    for (int k = 0; k < 2; k++) {
+        ring[k] = sqrt(m->half[k].ring2);
+        filling[k] = riddle_asin(ring[k] * problem->solid[k].curvature);
+        energy -= problem->solid[k].cosine * 2.0 * RIDDLE_PI * m->half[k].ring2 / (1.0 + riddle_cos(filling[k]));
+    }
+    shape->force = 2.0 * RIDDLE_PI * sigma * R * m->force;
+    shape->pressure = sigma / R * m->pressure;
+    shape->gap = m->gap * R;
+    shape->neck = m->neck * R;
+    shape->ring_i = ring[0] * R;
+    shape->ring_j = ring[1] * R;
+    shape->filling_i = filling[0];
+    shape->filling_j = filling[1];
+    shape->share_i = bridge__share(problem, m);
+    shape->energy = energy * sigma * R * R;
+    shape->stable = !(problem->symmetric && m->half[0].g[3] < 0.0);
+}
+
+BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
+    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
+    double R = bridge_harmonic_radius(def->radius_i, def->radius_j), wanted = gap / R;
+    bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
+    bridge__meniscus m;
+    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m)) return BRIDGE_NO_SOLUTION;
+    while (m.gap < wanted) { /* open it until the gap is passed, then close in from the near side, where Newton cannot overshoot */
+        bridge__meniscus before = m, fold;
+        if (!bridge__advance(&problem, &m, m.z[1] - problem.step)) return BRIDGE_NO_SOLUTION;
+        if (m.slope >= 0.0) {
+            if (!bridge__locate(&problem, &before, &m, 1, &fold)) return BRIDGE_NO_SOLUTION;
+            if (wanted > fold.gap) return BRIDGE_RUPTURED;
+            m = before;
+            break;
+        }
+        if (m.gap >= wanted) m = before;
+        if (m.gap == before.gap) break;
+    }
+    if (!bridge__newton(&problem, &m, BRIDGE__AT_GAP, wanted)) return BRIDGE_NO_SOLUTION;
+    bridge__describe(def, &problem, &m, shape);
+    shape->gap = gap;
+    return BRIDGE_OK;
+}
+
+BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap) {
+    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0)) return BRIDGE_INVALID;
+    double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
+    bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
+    bridge__meniscus m, rupture, fold;
+    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m)) return BRIDGE_NO_SOLUTION;
+    if (!bridge__follow(&problem, &m, &rupture, &fold)) return BRIDGE_NO_SOLUTION;
+    bridge__describe(def, &problem, &rupture, shape);
+    if (fold_gap) *fold_gap = fold.gap * R;
+    return BRIDGE_OK;
+}
+
+/* >>pair: tables --------------------------------------------------------------------------------------------------------------------- */
+
+#define BRIDGE__COOKIE 0xB51D6E01u
+#define BRIDGE__SAMPLES 24 /* points of one volume's force curve, for seven coefficients */
+
+BRIDGE_API bridge_pair_def bridge_pair_default_def(void) {
+    bridge_pair_def def;
+    def.radius_i = def.radius_j = 2.5e-3;
+    def.angle_i = def.angle_j = 15.0 / 180.0 * RIDDLE_PI;
+    def.volume_min = 1e-6;
+    def.volume_max = 0.1;
+    def.liquid.surface_tension = 0.07275;
+    def.liquid.viscosity = 1.002e-3;
+    def.liquid.roughness = 1e-3;
+    def.split = BRIDGE_SPLIT_NECK;
+    def.cookie = BRIDGE__COOKIE;
+    return def;
+}
+
+BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field) {
+    const bridge_liquid *liquid = &def->liquid;
+    const char *bad = NULL;
+    if (def->cookie != BRIDGE__COOKIE) bad = "cookie";
+    else if (!(def->radius_i > 0.0 && bridge__is_finite(def->radius_i))) bad = "radius_i";
+    else if (!(def->radius_j > 0.0)) bad = "radius_j";
+    else if (!(def->radius_i / def->radius_j <= 1e6 && (def->radius_i / def->radius_j >= 1e-6 || !bridge__is_finite(def->radius_j))))
+        bad = "radius_j";
+    else if (!(def->angle_i >= 0.0 && def->angle_i <= 1.05)) bad = "angle_i";
+    else if (!(def->angle_j >= 0.0 && def->angle_j <= 1.05)) bad = "angle_j";
+    else if (!(def->volume_min >= 1e-8)) bad = "volume_min";
+    else if (!(def->volume_max >= 2.0 * def->volume_min && def->volume_max <= 0.15)) bad = "volume_max";
+    else if (!(liquid->surface_tension > 0.0 && bridge__is_finite(liquid->surface_tension))) bad = "liquid.surface_tension";
+    else if (!(liquid->viscosity >= 0.0 && bridge__is_finite(liquid->viscosity))) bad = "liquid.viscosity";
+    else if (!(liquid->roughness >= 2e-4 && liquid->roughness <= 0.1)) bad = "liquid.roughness";
+    else if (def->split != BRIDGE_SPLIT_NECK && def->split != BRIDGE_SPLIT_HALF && def->split != BRIDGE_SPLIT_RETURN) bad = "split";
+    if (field) *field = bad;
+    return bad ? BRIDGE_INVALID : BRIDGE_OK;
+}
+
+/* Force over 2 pi sigma R_h and tau/sqrt(S_rup) at the samples from contact (k = 0) towards rupture of one volume. */
+typedef struct bridge__curve {
+    double gap[BRIDGE__SAMPLES], force[BRIDGE__SAMPLES], tau[BRIDGE__SAMPLES], rupture_gap, share;
+} bridge__curve;
+
+static inline int bridge__curve_solve(bridge__problem *problem, bridge__curve *curve) {
+    bridge__meniscus m, rupture;
+    if (!bridge__in_contact(problem, &m) || !bridge__follow(problem, &m, &rupture, NULL)) return 0;
+    double start = m.z[1];
+    curve->rupture_gap = rupture.gap;
+    curve->share = bridge__share(problem, &rupture);
+    for (int k = 0; k < BRIDGE__SAMPLES; k++) { /* Chebyshev points in ln y0: dense at both ends */
+        double at = 0.5 - 0.5 * riddle_cos(RIDDLE_PI * (k + 0.5) / BRIDGE__SAMPLES);
+        if (!bridge__advance(problem, &m, start + (rupture.z[1] - start) * at)) return 0;
+        if (k > 0 && !(m.gap > curve->gap[k - 1] && m.force > 0.0)) return 0;
+        curve->gap[k] = m.gap;
+        curve->force[k] = m.force;
+        curve->tau[k] = sqrt(1.0 - m.gap / rupture.gap);
+    }
+    return 1;
+}
+
+/* Least relative squares of force/X by a polynomial in tau: coefficients of tau^k. */
+static inline int bridge__curve_fit(const bridge__problem *problem, const bridge__curve *curve, double *series) {
+    enum { N = BRIDGE_SERIES };
+    double a[N * (N + 1)], area = 2.0 / RIDDLE_PI * problem->volume;
+    for (int i = 0; i < N * (N + 1); i++) a[i] = 0.0;
+    for (int k = 0; k < BRIDGE__SAMPLES; k++) {
+        double weight = riddle_sin(RIDDLE_PI * (k + 0.5) / BRIDGE__SAMPLES), x = 2.0 * curve->tau[k] - 1.0, t[N];
+        double scale = bridge_neck_factor(curve->gap[k], area) / curve->force[k];
+        t[0] = scale;
+        t[1] = scale * x;
+        for (int i = 2; i < N; i++) t[i] = 2.0 * x * t[i - 1] - t[i - 2];
+        for (int i = 0; i < N; i++) {
+            for (int j = 0; j < N; j++) a[i * (N + 1) + j] += weight * t[i] * t[j];
+            a[i * (N + 1) + N] += weight * t[i];
+        }
+    }
+    if (!bridge__solve(a, N, N + 1)) return 0;
+    double p[N], q[N]; /* T_(i-1) and T_i(2 tau - 1) in powers of tau */
+    for (int j = 0; j < N; j++) {
+        p[j] = j == 0 ? 1.0 : 0.0;
+        q[j] = j == 0 ? -1.0 : (j == 1 ? 2.0 : 0.0);
+        series[j] = a[N] * p[j] + a[(N + 1) + N] * q[j];
+    }
+    for (int i = 2; i < N; i++)
+        for (int j = N - 1; j >= 0; j--) {
+            double next = 4.0 * (j > 0 ? q[j - 1] : 0.0) - 2.0 * q[j] - p[j];
+            p[j] = q[j]; /* q[j - 1], read next, is still the old one: j falls */
+            q[j] = next;
+            series[j] += a[i * (N + 1) + N] * next;
+        }
+    return 1;
+}
+
+/* Series of b for its volume, from the table. */
+static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
+    double R = b->radius, reduced = b->volume / R / R / R, value[BRIDGE_SERIES + 2];
+    double u = (2.0 * riddle_log(reduced) - pair->ln_min - pair->ln_max) / (pair->ln_max - pair->ln_min);
+    for (int r = 0; r < BRIDGE_SERIES + 2; r++) { /* Clenshaw */
+        double next = 0.0, after = 0.0;
+        for (int k = BRIDGE_NODES - 1; k > 0; k--) {
+            double now = pair->table[r][k] + 2.0 * u * next - after;
+            after = next;
+            next = now;
+        }
+        value[r] = pair->table[r][0] + u * next - after;
+    }
+    b->width = sqrt(bridge_neck_area(b->volume, R));
+    b->rupture_gap = riddle_cbrt(b->volume) * riddle_exp(value[BRIDGE_SERIES]);
+    double share = value[BRIDGE_SERIES + 1], scale = 2.0 * RIDDLE_PI * pair->def.liquid.surface_tension * R,
+           inverse = 1.0 / sqrt(b->rupture_gap);
+    b->split = share > 0.0 ? (share < 1.0 ? share : 1.0) : 0.0;
+    for (int k = 0; k < BRIDGE_SERIES; k++, scale *= inverse) b->series[k] = value[k] * scale;
+}
+
+/* ln of the reduced volume whose larger half-filling angle in contact is 30 degrees */
+static inline double bridge__pendular_limit(const bridge_pair_def *def) {
+    double lo = riddle_log(1e-3), hi = riddle_log(def->volume_max);
+    if (!(hi > lo)) return HUGE_VAL;
+    for (int i = 0; i < 28; i++) {
+        double at = i == 0 ? hi : 0.5 * (lo + hi);
+        bridge__problem problem = bridge__problem_of(def, riddle_exp(at));
+        bridge__meniscus m;
+        if (!bridge__in_contact(&problem, &m)) return HUGE_VAL;
+        double si = sqrt(m.half[0].ring2) * problem.solid[0].curvature, sj = sqrt(m.half[1].ring2) * problem.solid[1].curvature;
+        if ((si > sj ? si : sj) < 0.5) {
+            if (i == 0) return HUGE_VAL;
+            lo = at;
+        } else {
+            hi = at;
+        }
+    }
+    return hi;
+}
+
+BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def) {
+    pair->cookie = 0;
+    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK) return BRIDGE_INVALID;
+    pair->def = *def;
+    pair->radius = bridge_harmonic_radius(def->radius_i, def->radius_j);
+    pair->ln_min = riddle_log(def->volume_min);
+    pair->ln_max = riddle_log(def->volume_max);
+    for (int r = 0; r < BRIDGE_SERIES + 2; r++)
+        for (int k = 0; k < BRIDGE_NODES; k++) pair->table[r][k] = 0.0;
+    for (int m = 0; m < BRIDGE_NODES; m++) {
+        double u = riddle_cos(RIDDLE_PI * (m + 0.5) / BRIDGE_NODES), value[BRIDGE_SERIES + 2];
+        bridge__problem problem =
+            bridge__problem_of(def, riddle_exp(0.5 * (pair->ln_min + pair->ln_max + u * (pair->ln_max - pair->ln_min))));
+        bridge__curve curve;
+        if (!bridge__curve_solve(&problem, &curve) || !bridge__curve_fit(&problem, &curve, value)) return BRIDGE_NO_SOLUTION;
+        value[BRIDGE_SERIES] = riddle_log(curve.rupture_gap / riddle_cbrt(problem.volume));
+        value[BRIDGE_SERIES + 1] = curve.share;
+        for (int k = 0; k < BRIDGE_NODES; k++) {
+            double weight = (k == 0 ? 1.0 : 2.0) / BRIDGE_NODES * riddle_cos(RIDDLE_PI * k * (m + 0.5) / BRIDGE_NODES);
+            for (int r = 0; r < BRIDGE_SERIES + 2; r++) pair->table[r][k] += weight * value[r];
+        }
+    }
+    pair->cookie = BRIDGE__COOKIE;
+    pair->deviation = pair->rupture_deviation = 0.0;
+    for (int check = 1; check < BRIDGE_NODES; check += 4) { /* between the nodes, where interpolation is worst */
+        double u = riddle_cos(RIDDLE_PI * check / BRIDGE_NODES);
+        bridge__problem problem =
+            bridge__problem_of(def, riddle_exp(0.5 * (pair->ln_min + pair->ln_max + u * (pair->ln_max - pair->ln_min))));
+        bridge__curve curve;
+        bridge b;
+        b.volume = problem.volume;
+        b.radius = 1.0;
+        if (!bridge__curve_solve(&problem, &curve)) return BRIDGE_NO_SOLUTION;
+        bridge__contract(pair, &b);
+        for (int k = 0; k < BRIDGE__SAMPLES && curve.gap[k] <= 0.9 * curve.rupture_gap; k++) {
+            double deviation =
+                fabs(bridge_attraction(&b, curve.gap[k]) / (2.0 * RIDDLE_PI * def->liquid.surface_tension * curve.force[k]) - 1.0);
+            if (deviation > pair->deviation) pair->deviation = deviation;
+        }
+        double deviation = fabs(b.rupture_gap / curve.rupture_gap - 1.0);
+        if (deviation > pair->rupture_deviation) pair->rupture_deviation = deviation;
+    }
+    pair->pendular_volume = riddle_exp(bridge__pendular_limit(def));
+    return BRIDGE_OK;
+}
+
+static inline void bridge__clear(bridge *b) {
+    b->volume = b->width = b->rupture_gap = b->radius = b->split = 0.0;
+    for (int k = 0; k < BRIDGE_SERIES; k++) b->series[k] = 0.0;
+}
+
+BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest) {
+    double R = bridge_harmonic_radius(radius_i, radius_j);
+    *smallest = pair->def.volume_min * R * R * R;
+    *largest = pair->def.volume_max * R * R * R;
+}
+
+BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
+                                     bridge *b) {
+    double smallest, largest, volume = given_i + given_j;
+    bridge__clear(b);
+    bridge_volume_range(pair, radius_i, radius_j, &smallest, &largest);
+    if (pair->cookie != BRIDGE__COOKIE || !(given_i >= 0.0 && given_j >= 0.0 && smallest > 0.0)) return BRIDGE_INVALID;
+    if (!(volume >= smallest && volume <= largest)) return BRIDGE_VOLUME;
+    b->volume = volume;
+    b->radius = bridge_harmonic_radius(radius_i, radius_j);
+    bridge__contract(pair, b);
+    if (swapped) b->split = 1.0 - b->split;
+    if (pair->def.split == BRIDGE_SPLIT_HALF) b->split = 0.5;
+    if (pair->def.split == BRIDGE_SPLIT_RETURN) b->split = given_i / volume;
+    return BRIDGE_OK;
+}
+
+BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
+                                             int swapped, bridge *b) {
+    bridge_status status = bridge_form(pair, radius_i, radius_j, given_i, given_j, swapped, b);
+    if (status != BRIDGE_OK) return status;
+    double ratio = radius_i < radius_j ? radius_i / radius_j : radius_j / radius_i;
+    b->rupture_gap = bridge_rupture_gap(b->volume, b->radius, ratio, pair->def.angle_i, pair->def.angle_j);
+    return BRIDGE_OK;
+}
+
+BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b) {
+    return b->volume <= pair->pendular_volume * b->radius * b->radius * b->radius;
+}
+
+BRIDGE_API double bridge_work(const bridge *b, double from, double to) {
+    if (!(b->volume > 0.0) || from != from || to != to) return from == from && to == to ? 0.0 : bridge__nan();
+    if (from > to) return -bridge_work(b, to, from);
+    double work = 0.0, a = b->width * b->width;
+    if (from < 0.0) work += ((to < 0.0 ? to : 0.0) - from) * bridge_attraction(b, 0.0);
+    double lo = from > 0.0 ? from : 0.0, hi = to < b->rupture_gap ? to : b->rupture_gap;
+    if (lo < hi) { /* dS = 2 tau dtau removes the root at rupture; four panels for the layer of thin bridges at contact */
+        double top = sqrt(b->rupture_gap - lo), bottom = sqrt(b->rupture_gap - hi), step = 0.25 * (top - bottom);
+        for (int panel = 0; panel < 4; panel++)
+            for (int i = 0; i < 32; i++) {
+                const double *node = bridge__gauss[i < 16 ? i : 31 - i];
+                double tau = bottom + step * (panel + (i < 16 ? node[0] : 1.0 - node[0]));
+                work += step * node[1] * 2.0 * tau * bridge_attraction(b, b->rupture_gap - tau * tau);
+            }
+    }
+    if (to > b->rupture_gap) { /* c0 times the integral of X, S - h = -a/(S + h) */
+        double start = from > b->rupture_gap ? from : b->rupture_gap;
+        work += b->series[0] * (a / (start + sqrt(start * start + a)) - a / (to + sqrt(to * to + a)));
+    }
+    return work;
+}
+
+BRIDGE_API bridge_stiffness bridge_contact_stiffness(const bridge *b, const bridge_liquid *liquid) {
+    bridge_stiffness stiffness = {0.0, 0.0, 0.0};
+    if (!(b->volume > 0.0)) return stiffness;
+    /* F = X P(tau) at S = 0: X = 1, dX/dS = -1/sqrt(a), dtau/dS = -1/(2 tau) */
+    double tau = sqrt(b->rupture_gap), p = 0.0, dp = 0.0;
+    for (int k = BRIDGE_SERIES - 1; k >= 0; k--) {
+        dp = dp * tau + p;
+        p = p * tau + b->series[k];
+    }
+    bridge_forces moving = bridge_evaluate(b, liquid, 0.0, 1.0);
+    stiffness.capillary = p / b->width + 0.5 * dp / tau;
+    stiffness.normal = moving.normal - bridge_attraction(b, 0.0);
+    stiffness.tangential = moving.tangential;
+    return stiffness;
+}
+
+/* >>books ---------------------------------------------------------------------------------------------------------------------------- */
+
+BRIDGE_API double bridge_quantum(double total) {
+    int exponent;
+    if (!(total > 0.0 && bridge__is_finite(total))) return bridge__nan();
+    frexp(total, &exponent);
+    return ldexp(1.0, exponent - 52);
+}
+
+/* Index of the partner's film in `scratch`; n_particles + n_patches if it has none. */
+static inline size_t bridge__slot(const bridge_films *films, size_t j, bridge_partner partner) {
+    size_t none = films->n_particles + films->n_patches;
+    if (partner == BRIDGE_SPHERE) return j < films->n_particles ? j : none;
+    return j < films->n_patches ? films->n_particles + j : none;
+}
+
+static inline double *bridge__film(const bridge_films *films, size_t slot) {
+    return slot < films->n_particles ? &films->particle[slot] : &films->patch[slot - films->n_particles];
+}
+
+BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n) {
+    size_t none = films->n_particles + films->n_patches;
+    if (!(films->quantum > 0.0)) return BRIDGE_INVALID;
+    for (size_t k = 0; k < n; k++) {
+        const bridge_contact *c = &contacts[k];
+        if (c->i >= films->n_particles || bridge__slot(films, c->j, c->partner) == none) return BRIDGE_INVALID;
+        if (!(c->radius_i > 0.0 && bridge__is_finite(c->radius_i) && c->volume_min >= 0.0 && c->volume_max >= c->volume_min))
+            return BRIDGE_INVALID;
+        if (c->partner != BRIDGE_WALL && !(c->radius_j > 0.0)) return BRIDGE_INVALID;
+        if (c->partner == BRIDGE_SPHERE && (c->i == c->j || !bridge__is_finite(c->radius_j))) return BRIDGE_INVALID;
+        if (c->partner == BRIDGE_WIRE && !(c->radius_j <= 6.0 * c->radius_i)) return BRIDGE_INVALID;
+    }
+    for (size_t k = 0; k < n; k++)
+        films->scratch[contacts[k].i] = films->scratch[bridge__slot(films, contacts[k].j, contacts[k].partner)] = 0.0;
+    for (size_t k = 0; k < n; k++) { /* first pass: what each would like, as multiples of the quantum, so that the sums know no order */
+        bridge_contact *c = &contacts[k];
+        size_t j = bridge__slot(films, c->j, c->partner);
+        double film = films->particle[c->i], other = *bridge__film(films, j);
+        if (c->partner == BRIDGE_SPHERE) {
+            c->given_i = bridge_share_sphere(film, c->radius_i, c->radius_j);
+            c->given_j = bridge_share_sphere(other, c->radius_j, c->radius_i);
+        } else {
+            double thickness = other / films->patch_area[c->j];
+            int wall = c->partner == BRIDGE_WALL;
+            c->given_i = wall ? bridge_share_wall(film) : bridge_share_wire(film, c->radius_i, c->radius_j);
+            c->given_j =
+                wall ? bridge_share_wall_film(thickness, c->radius_i) : bridge_share_wire_film(thickness, c->radius_i, c->radius_j);
+        }
+        double volume = c->given_i + c->given_j, cap = volume > c->volume_max ? c->volume_max / volume : 1.0;
+        c->given_i = bridge_quantised(c->given_i * cap, films->quantum);
+        c->given_j = bridge_quantised(c->given_j * cap, films->quantum);
+        films->scratch[c->i] += c->given_i;
+        films->scratch[j] += c->given_j;
+    }
+    for (size_t k = 0; k < n; k++) { /* demand becomes the fraction that can be met, marked as done by its sign */
+        size_t slot[2] = {contacts[k].i, bridge__slot(films, contacts[k].j, contacts[k].partner)};
+        for (int side = 0; side < 2; side++) {
+            double demand = films->scratch[slot[side]], film = *bridge__film(films, slot[side]);
+            if (demand >= 0.0) films->scratch[slot[side]] = demand > film ? -(film / demand) : -1.0;
+        }
+    }
+    for (size_t k = 0; k < n; k++) { /* second pass: give */
+        bridge_contact *c = &contacts[k];
+        size_t j = bridge__slot(films, c->j, c->partner);
+        double *film_i = &films->particle[c->i], *film_j = bridge__film(films, j);
+        double give_i = bridge_quantised(-films->scratch[c->i] * c->given_i, films->quantum);
+        double give_j = bridge_quantised(-films->scratch[j] * c->given_j, films->quantum);
+        give_i = give_i < *film_i ? give_i : *film_i; /* film/demand may round up: never below an empty film */
+        give_j = give_j < *film_j ? give_j : *film_j;
+        if (!(give_i + give_j > 0.0 && give_i + give_j >= c->volume_min)) give_i = give_j = 0.0;
+        c->given_i = give_i;
+        c->given_j = give_j;
+        *film_i -= give_i;
+        *film_j -= give_j;
+    }
+    return BRIDGE_OK;
+}
+
+BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner) {
+    size_t slot = bridge__slot(films, j, partner);
+    if (i >= films->n_particles || slot == films->n_particles + films->n_patches || !(films->quantum > 0.0)) return BRIDGE_INVALID;
+    double to_i = bridge_split_volume(b, films->quantum);
+    films->particle[i] += to_i;
+    *bridge__film(films, slot) += b->volume - to_i;
+    bridge__clear(b);
+    return BRIDGE_OK;
+}
+
+BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount) {
+    double added = bridge_quantised(amount, films->quantum);
+    if (!(added >= 0.0 && bridge__is_finite(added))) return bridge__nan();
+    *film += added;
+    films->added += added;
+    return added;
+}
+
+BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount) {
+    double taken = bridge_quantised(amount < *film ? amount : *film, films->quantum);
+    if (!(amount >= 0.0 && taken >= 0.0)) return bridge__nan();
+    *film -= taken;
+    films->evaporated += taken;
+    return taken;
+}
+
+BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount) {
+    double left = b->volume - bridge_quantised(amount, films->quantum), taken = b->volume - left, split = b->split, R = b->radius;
+    if (!(amount >= 0.0)) return bridge__nan();
+    if (!(b->volume > 0.0 && left >= pair->def.volume_min * R * R * R)) return 0.0;
+    b->volume = left;
+    bridge__contract(pair, b);
+    b->split = split;
+    films->evaporated += taken;
+    return taken;
+}
+
+BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride) {
+    double sum = 0.0, lost = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        double value = values[k * stride], next = sum + value;
+        lost += fabs(sum) >= fabs(value) ? (sum - next) + value : (value - next) + sum;
+        sum = next;
+    }
+    return sum + lost;
+}
+
+BRIDGE_API double bridge_films_total(const bridge_films *films) {
+    return bridge_sum(films->particle, films->n_particles, 1) + bridge_sum(films->patch, films->n_patches, 1);
+}
+
+#endif /* BRIDGE__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* RIDDLE_LIQUID_BRIDGE_H */
