@@ -1,0 +1,2936 @@
+/* granulation.h: wet granulation in a high-shear mixer: coalescence laws, a discrete simulation, population balances.
+
+   #include "granulation.h"
+   int main(void) {
+       granulation_def def = granulation_default_def();
+       granulation_sim sim;
+       if (granulation_sim_init(&sim, &def)) return 1;
+       granulation_granule nucleus = {0.52e-12, 0.33e-12, 0.15e-12};           // solid, liquid, air [m3]
+       for (int i = 0; i < 200; i++) granulation_sim_add(&sim, &nucleus, 1);
+       granulation_status status = granulation_sim_run(&sim, 100);             // 100 steps
+       printf("%d granules, d43 %g m\n", sim.n, granulation_sim_mean(&sim, 4, 3));
+       granulation_sim_free(&sim);
+       return status;
+   }
+
+   Models. State of a granule, film, consolidation, breakage, critical size: Gantt and Gatzke (discrete element granulation, "the paper",
+   equations (1) to (41)); coalescence: Liu, Tapia and Litster (2000), Liu and Litster (2002); viscous Stokes number: Ennis (1991);
+   strength: Rumpf (1962), Hertz; rebound of a yielding sphere: Johnson (1985); saturation kernel: Pouw et al. (2002); population
+   balance: fixed pivot, Kumar and Ramkrishna (1996), cell average, Kumar et al. (2006); constant-number Monte Carlo: Smith and
+   Matsoukas (1998). The paper mixes two conventions of reduced mass and diameter and has misprints: GRANULATION_CONSISTENT is the
+   corrected set, GRANULATION_PRINTED the printed prefactors. docs/granulation.md lists every difference.
+
+   Find your way: >>laws (pure functions), >>simulation, >>balance (population balance), >>montecarlo; bodies have the same tags.
+
+   Units: SI. Angles [rad]. Fractions and numbers without unit [-].
+
+   Memory: through def.memory; nothing is allocated in a step unless the number of granules or of contacts grows. A call that runs
+   out of memory returns GRANULATION_NO_MEMORY; the object can be used on and must be freed as ever.
+
+   Threads: no object is shared; use one a thread. There is no thread inside.
+
+   Determinism: same def, same calls, same bits on every machine and compiler (without fused multiply-add: -ffp-contract=off).
+
+   Which order: a step consolidates, breaks, stirs, moves and collides. Indices of granules hold until the next step.
+
+   What it does not do: no contact forces and no rotation (collisions are instantaneous), no attrition, no layering, no drying, no flow
+   field: velocities come from distributions. A granule is a sphere with a mean composition; its film has one thickness.
+
+   Shared copy instead of static inline: #define GRANULATION_API extern everywhere and GRANULATION_IMPLEMENTATION in one file. */
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "granulation.h needs NaN and signed zero: compile without -ffast-math"
+#endif
+#ifndef RIDDLE_GRANULATION_H
+#define RIDDLE_GRANULATION_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef GRANULATION_API
+#define GRANULATION_API static inline
+#define GRANULATION__BODIES
+#elif defined(GRANULATION_IMPLEMENTATION)
+#define GRANULATION__BODIES
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- status ---- */
+/* clang-format off */
+#define GRANULATION_STATUSES(X)                                                                       \
+    X(GRANULATION_OK, "ok")                                                                           \
+    X(GRANULATION_BAD_ARGUMENT, "an argument is outside its range")                                   \
+    X(GRANULATION_BAD_DEF, "a field of the definition is outside its range")                          \
+    X(GRANULATION_NO_MEMORY, "out of memory")                                                         \
+    X(GRANULATION_NO_ROOM, "no place without overlap was found for a granule")                        \
+    X(GRANULATION_TOO_LARGE, "a granule has outgrown half the box")                                   \
+    X(GRANULATION_POPULATION, "breakage reached the largest number of granules allowed")              \
+    X(GRANULATION_EVENTS, "too many collisions in one step")                                          \
+    X(GRANULATION_GEL, "the population has gelled: volume is lost above the last pivot")              \
+    X(GRANULATION_STEP, "the time step became too small, or too many steps were needed")              \
+    X(GRANULATION_KERNEL, "a kernel or a rate is negative, infinite or not a number")
+#define GRANULATION__ENUM(name, text) name,
+typedef enum granulation_status { GRANULATION_STATUSES(GRANULATION__ENUM) GRANULATION_STATUS_COUNT } granulation_status;
+
+/* What became of a collision, and why. */
+#define GRANULATION_REASONS(X)                                                                        \
+    X(GRANULATION_NONE, "the granules do not approach each other")                                    \
+    X(GRANULATION_TYPE_I, "Type I: the film stopped them before the surfaces met (11)")               \
+    X(GRANULATION_TYPE_II_PLASTIC, "Type II: held by the film after permanent deformation (21)")      \
+    X(GRANULATION_TYPE_II_ELASTIC, "Type II: held by the film after an elastic contact (23)")         \
+    X(GRANULATION_TYPE_II_DRY, "Type II: held by binder pressed out of dry surfaces (25)")            \
+    X(GRANULATION_REBOUND_PLASTIC, "rebound: the film could not hold a deforming contact")            \
+    X(GRANULATION_REBOUND_ELASTIC, "rebound: elastic contact")                                        \
+    X(GRANULATION_REBOUND_DRY, "rebound: dry surfaces, too little binder pressed out")                \
+    X(GRANULATION_REBOUND_SIZE, "rebound: the granule would exceed the critical size (39)")
+typedef enum granulation_reason { GRANULATION_REASONS(GRANULATION__ENUM) GRANULATION_REASON_COUNT } granulation_reason;
+/* clang-format on */
+
+GRANULATION_API const char *granulation_status_text(granulation_status status); /* never NULL; static storage */
+GRANULATION_API const char *granulation_reason_text(granulation_reason reason); /* never NULL; static storage */
+
+/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, else grows. fn NULL: malloc, realloc, free. */
+typedef struct granulation_memory {
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
+    void *user;
+} granulation_memory;
+
+/* ==== >>laws: the state of a granule ==== */
+
+/* Volumes of one granule (1). */
+typedef struct granulation_granule {
+    double s; /* solid [m3], > 0 */
+    double l; /* liquid binder [m3], >= 0 */
+    double a; /* air [m3], >= 0 */
+} granulation_granule;
+
+static inline double granulation_volume(const granulation_granule *g);          /* (2) V = s + l + a [m3] */
+static inline double granulation_diameter(double volume);                       /* D = (6 V / pi)^(1/3) [m]; volume >= 0 [m3] */
+static inline double granulation_sphere(double diameter);                       /* volume of a sphere [m3]; diameter >= 0 [m] */
+static inline double granulation_porosity(const granulation_granule *g);        /* (3) (l + a) / V [-], 0 .. 1 */
+static inline double granulation_saturation(const granulation_granule *g);      /* (3) l / (l + a) [-]; 1 without pores */
+static inline double granulation_liquid_fraction(const granulation_granule *g); /* (3) l / V [-] */
+static inline double granulation_moisture(const granulation_granule *g);        /* (3) l / s, by volume as printed [-] */
+static inline double granulation_least_porosity(const granulation_granule *g);  /* porosity with all air gone, l / (s + l) [-] */
+/* (4) mass [kg]; densities of solid, liquid and air [kg/m3] */
+static inline double granulation_mass(const granulation_granule *g, double solid, double liquid, double air);
+/* (5) thickness of the binder film [m], 0 for a dry surface; critical saturation 0 < s_crit <= 1. Written as
+   (l (1 - s_crit) - s_crit a) / (pi D^2), which is D (L - eps s_crit) / 6 without its cancellation. */
+static inline double granulation_film(const granulation_granule *g, double s_crit);
+static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit); /* negative before the film appears */
+static inline double granulation_asperity(double factor, double grain_diameter); /* (34) height of asperities A Dp [m]; both > 0 */
+
+/* ==== consolidation (26), (27) ==== */
+/* Rate of (27), da/dt [m3/s]; rate constant [1/s]. */
+static inline double granulation_consolidation_rate(const granulation_granule *g, double rate_constant);
+/* Air volume after a time, exact: the air fraction a / V decays as exp(-k t). kt = k t >= 0 [-]. [m3] */
+static inline double granulation_consolidate(const granulation_granule *g, double kt);
+/* k t until the film appears [-]; 0 if it is there; infinite without liquid, or with s_crit 1 */
+static inline double granulation_film_time(const granulation_granule *g, double s_crit);
+
+/* ==== strength (13) to (17) ==== */
+/* (13) Hertz: largest contact pressure [Pa] of a force [N], effective modulus [Pa], reduced diameter [m]. */
+static inline double granulation_hertz_pressure(double force, double modulus, double diameter);
+/* (14) as it must be, 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2 [Pa]; moduli > 0 [Pa], Poisson ratios -1 .. 0.5. */
+static inline double granulation_effective_modulus(double e1, double nu1, double e2, double nu2);
+/* (14) as printed: the same sum, which is a compliance [1/Pa]. */
+static inline double granulation_contact_compliance(double e1, double nu1, double e2, double nu2);
+static inline double granulation_edge_tension(double pressure, double poisson); /* (15) tensile stress at the contact's edge [Pa] */
+/* (16) Rumpf: static tensile strength [Pa]; 0 < porosity < 1, saturation 0 .. 1, shape factor (6 for spheres), surface tension [N/m],
+   contact angle [rad], grain diameter [m]. */
+static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension, double angle,
+                                                double grain);
+static inline double granulation_yield_stress(double strength, double poisson); /* (17) 2 sigma / (3 - 6 nu) [Pa]; nu < 0.5 */
+
+/* ==== a collision: Liu, Tapia and Litster ==== */
+/* Prefactors. CONSISTENT: those that belong to the reduced m, D of (9), (10), with the total approach of the centres. PRINTED: those of
+   the paper's (8), (20), (40), which belong to harmonic means of twice the size. u0 and viscosity, missing in (18) and
+   (20), are restored in both. */
+typedef enum granulation_convention { GRANULATION_CONSISTENT, GRANULATION_PRINTED } granulation_convention;
+#define GRANULATION_JOHNSON 2.46              /* of (18) as printed; Johnson's restitution exactly: 2.427218 */
+#define GRANULATION_RECOVERY 7.36423562897306 /* (9 pi / 4) (3 pi / 8)^(1/4): the 7.36 of (24) */
+#define GRANULATION_FIRST_YIELD 1.65625       /* first yield at St_def / (Y/E*)^4 = 53/32 */
+
+/* (9), (10) reduced mass or diameter a b / (a + b); b infinite (a wall, the impeller) gives a. Both > 0. */
+static inline double granulation_reduced(double a, double b);
+/* (8) viscous Stokes number [-]: reduced mass [kg], u0 = half the relative speed [m/s], viscosity > 0 [Pa s], reduced diameter [m]. */
+static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity, double d);
+/* (22) Stokes deformation number [-]; yield stress > 0 [Pa]. */
+static inline double granulation_deformation_stokes(double m, double u0, double d, double yield);
+/* ln(h0 / ha), and 0 for a film no thicker than the asperities: a film never accelerates. h0 >= 0, ha > 0 [m]. */
+static inline double granulation_film_logarithm(double h0, double ha);
+/* (7) half the relative speed [m/s] when the asperities meet, may be negative; log_film from granulation_film_logarithm */
+static inline double granulation_approach_speed(double u0, double st_v, double log_film);
+static inline bool granulation_is_type_one(double st_v, double log_film); /* (11); false without a film */
+/* (12) largest contact area [m2] at u1 >= 0 [m/s]; reduced mass, diameter; yield stress. */
+static inline double granulation_contact_area(double u1, double m, double d, double yield);
+/* (19) permanent deformation [m] of a contact area; negative: the contact stayed elastic. yield_ratio = Y / E* >= 0 [-]. */
+static inline double granulation_deformation(double area, double d, double yield_ratio);
+/* (19), (24) the same over d, of St_def and B = u1 / u0 >= 0 [-]. */
+static inline double granulation_relative_deformation(double st_def, double b, double yield_ratio);
+/* (18) half the relative speed [m/s] when the surfaces part, never above u1 = B u0. */
+static inline double granulation_rebound_speed(double u0, double b, double yield_ratio, double st_def);
+/* (20) half the relative speed [m/s] when the bridge would break; not above 0: it holds. deformation >= 0 [m], h0 >= ha [m], or equal
+   to the deformation for dry granules. Only the sign has a meaning below -u0. */
+static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
+                                                  double h0, double ha);
+/* (25) made consistent: the same for dry surfaces, whose film is the deformation. */
+static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
+                                                      double ha);
+static inline bool granulation_is_elastic_type_two(double st_v, double log_film); /* (23) St_v < 2 ln(h0 / ha) */
+/* (21) as printed, both sides; left < right: Type II. It reports Type II also for a negative deformation (its square hides the sign), so
+   nothing here decides by it. b = u1 / u0 > 0 [-]; d, deformation (not 0), h0 >= ha [m]. */
+static inline double granulation_printed_left(double yield_ratio, double st_def);
+static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d, double deformation,
+                                               double h0, double ha);
+
+/* ==== critical size (39) to (41), velocities (33), breakage (28) to (36) ==== */
+/* (40) force of the film [N] at u [m/s] (half the relative speed) and gap 2h [m]. */
+static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u, double gap);
+static inline double granulation_bond_area(double d, double deformation); /* (41) pi D delta [m2] */
+/* (39) critical diameter A1 (K^(3/2) sigma)^a1; K = area / force [1/Pa] >= 0, strength sigma [Pa]. Unit of A1: [m Pa^(a1/2)]. */
+static inline double granulation_critical_diameter(double a1_factor, double exponent, double k, double strength);
+/* (33) tip speed [m/s] of an impeller, turns [1/s], diameter [m]: pi n D. The paper's 120 rpm -> 1 m/s is n D / 2: PRINTED. */
+static inline double granulation_tip_speed(granulation_convention c, double turns, double diameter);
+/* (22), (28) for one granule, its own m and D: pi rho u^2 / (12 Y) [-], independent of size; density [kg/m3], speed [m/s]. */
+static inline double granulation_breakage_stokes(double density, double speed, double yield);
+/* (30) Herschel-Bulkley stress Y + k gamma^n [Pa]; consistency [Pa s^n], shear rate [1/s], index n [-]; all >= 0. */
+static inline double granulation_herschel_bulkley(double yield, double consistency, double shear_rate, double index);
+/* (31) strain of Kenningley, of the Kozeny-Carmen equation [-]; d32: Sauter mean of the constituent grains [m]. */
+static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32, double viscosity);
+static inline granulation_granule granulation_half(const granulation_granule *g);                              /* (36) */
+static inline granulation_granule granulation_sum(const granulation_granule *a, const granulation_granule *b); /* (38) */
+/* Arrhenius viscosity [Pa s]: mu0 exp(E/R (1/T - 1/T0)); mu0 > 0, activation E/R >= 0 [K], temperatures > 0 [K]. */
+static inline double granulation_arrhenius(double viscosity, double activation, double temperature, double reference);
+
+/* ==== the outcome of a collision as one pure function ==== */
+
+/* How the yield stresses of two granules make that of the pair. */
+typedef enum granulation_pair_yield { GRANULATION_YIELD_MEAN, GRANULATION_YIELD_WEAKER } granulation_pair_yield;
+/* Y / E* fixed (yield_ratio), or E* fixed (modulus). */
+typedef enum granulation_stiffness { GRANULATION_FIXED_RATIO, GRANULATION_FIXED_MODULUS } granulation_stiffness;
+/* The critical diameter: none; limit_diameter (w / limit_moisture)^(1/4); (39) to (41) with A1 = limit_diameter as it stands. */
+typedef enum granulation_limit { GRANULATION_NO_LIMIT, GRANULATION_LIMIT_MOISTURE, GRANULATION_LIMIT_PRINTED } granulation_limit;
+
+/* Material and rules of a collision. Defaults: the documented set G1 of docs/granulation.md. */
+typedef struct granulation_laws {
+    granulation_convention convention; /* default CONSISTENT */
+    double viscosity;                  /* binder [Pa s], > 0; 0.035 (fitted to the paper's tables) */
+    double solid_density;              /* [kg/m3], > 0; 1700 */
+    double liquid_density;             /* [kg/m3], >= 0; 1000 */
+    double air_density;                /* [kg/m3], >= 0; 1.2 */
+    double surface_tension;            /* [N/m], >= 0; 0.048 */
+    double contact_angle;              /* [rad], 0 .. pi/2; 0 */
+    double grain_diameter;             /* of the constituent powder [m], > 0; 1e-6 */
+    double shape_factor;               /* C of (16) [-], > 0; 6 */
+    double asperity_factor;            /* A of (34) [-], > 0; 0.1 */
+    double poisson;                    /* [-], -1 .. below 0.5; 0.3 */
+    double critical_saturation;        /* S* [-], above 0 .. 1; 0.85 */
+    granulation_stiffness stiffness;   /* default FIXED_RATIO */
+    double yield_ratio;                /* Y / E* [-], >= 0; 0.04 (fitted) */
+    double modulus;                    /* E* [Pa], > 0; 1e7; used with FIXED_MODULUS */
+    granulation_pair_yield pair_yield; /* default MEAN */
+    bool elastic_rule;                 /* an elastic contact (deformation <= 0) may be held by (23); false: it rebounds; default false */
+    bool dry_rule;                     /* dry surfaces may be held by (25); false: they rebound; default false */
+    bool deep_film;                    /* separation starts from a film max(h0, deformation): no jump at h0 = ha; default false */
+    granulation_limit limit;           /* default LIMIT_MOISTURE */
+    double limit_diameter;             /* [m] with LIMIT_MOISTURE, A1 [m Pa^(a1/2)] with LIMIT_PRINTED, > 0; 2.30e-4 (fitted) */
+    double limit_moisture;   /* moisture l / s of limit_diameter [-], > 0; 33/52; with LIMIT_PRINTED: A1 (w / limit_moisture)^(1/4) */
+    double limit_exponent;   /* a1 of (39) [-], > 0; 0.5; used with LIMIT_PRINTED */
+    bool limit_type_one;     /* the limit also holds for Type I; default false */
+    double breakage_stokes;  /* St_def* of (28) [-], > 0; 0.2; HUGE_VAL: nothing breaks */
+    double flow_consistency; /* (30) [Pa s^n], >= 0; 0 */
+    double flow_index;       /* (30) [-], >= 0; 1 */
+    double shear_rate;       /* (30) [1/s], >= 0; 0 */
+} granulation_laws;
+
+/* What the laws need of a granule; make it once with granulation_body_of. A wall or the impeller: granulation_wall. */
+typedef struct granulation_body {
+    granulation_granule volumes;
+    double diameter; /* [m]; infinite for a wall */
+    double mass;     /* [kg]; infinite for a wall */
+    double film;     /* h0 [m] */
+    double strength; /* Rumpf [Pa] */
+    double yield;    /* [Pa]; infinite for a wall */
+} granulation_body;
+
+/* The result of a collision. Velocities are half the relative ones, as in the paper. */
+typedef struct granulation_collision {
+    granulation_reason reason;
+    bool coalesces;
+    bool both;       /* Type I, and (21) as printed would hold a contact at full speed (B = 1) too: the "both" of the paper's figure 10 */
+    double st_v;     /* [-] */
+    double st_def;   /* [-] */
+    double log_film; /* ln(h0 / ha) [-], 0 for dry surfaces */
+    double u0, u1;   /* approach, at contact [m/s] */
+    double u2, u3;   /* at the end of contact, when the film ends [m/s]; 0 after Type I */
+    double deformation; /* permanent [m]; negative: elastic; 0 after Type I */
+    double limit;       /* critical diameter [m]; infinite: none */
+} granulation_collision;
+
+GRANULATION_API granulation_laws granulation_default_laws(void);
+/* GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), else ok. */
+GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *laws, const char **field);
+/* NaN in every derived quantity if the volumes are outside their ranges. */
+static inline granulation_body granulation_body_of(const granulation_laws *laws, const granulation_granule *g);
+/* A wall with a film [m] of its own: infinitely heavy, flat and strong. */
+static inline granulation_body granulation_wall(double film);
+/* The outcome. speed: full relative speed |v1 - v2| [m/s]; not above 0: GRANULATION_NONE. The laws must be checked. If a
+   number is NaN the reason is GRANULATION_NONE. */
+static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i, const granulation_body *j,
+                                                        double speed);
+
+/* The same in dimensionless numbers: the axes of a coalescence boundary map. Reason only; the size limit is left out.
+   st_v, st_def > 0; yield_ratio = Y/E* >= 0; film_ratio = h0 / ha >= 0 (not above 1: dry); width = D / ha > 0 with the reduced D. */
+static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def, double yield_ratio,
+                                                      double film_ratio, double width);
+/* Does one granule break (28) at this speed [m/s]? */
+static inline bool granulation_breaks(const granulation_laws *laws, const granulation_body *body, double speed);
+
+/* ==== random numbers: xoshiro256** (Blackman and Vigna 2018), seeded by splitmix64 ==== */
+typedef struct granulation_random {
+    uint64_t state[4];
+} granulation_random;
+
+static inline granulation_random granulation_random_seed(uint64_t seed);
+static inline uint64_t granulation_random_bits(granulation_random *r);
+static inline double granulation_random_uniform(granulation_random *r); /* 0 <= u < 1 */
+static inline double granulation_random_normal(granulation_random *r);  /* mean 0, deviation 1 */
+
+/* ==== >>simulation: granules in a periodic box ==== */
+
+/* When do two granules meet: at the sum of the radii, or (readings of the paper's "the radius of one particle encounters
+   another") at the larger or the smaller of them. */
+typedef enum granulation_contact { GRANULATION_CONTACT_SUM, GRANULATION_CONTACT_LARGER, GRANULATION_CONTACT_SMALLER } granulation_contact;
+/* SWEPT: every contact within a step, in the order of time. END_OF_STEP: the paper's rule, pairs that overlap after a step, by index, one
+   event a granule and step. */
+typedef enum granulation_detection { GRANULATION_SWEPT, GRANULATION_END_OF_STEP } granulation_detection;
+/* CONSERVING: impulse along the line of centres with a coefficient of restitution. REVERSAL: the paper's v -> -v of both. */
+typedef enum granulation_bounce { GRANULATION_CONSERVING, GRANULATION_REVERSAL } granulation_bounce;
+
+typedef struct granulation_event {
+    double time;                   /* [s] of the simulation */
+    int i, j;                      /* indices; after coalescence i is the new granule */
+    double speed;                  /* relative [m/s] */
+    double diameter_i, diameter_j; /* before [m] */
+    granulation_collision collision;
+} granulation_event;
+
+typedef struct granulation_def {
+    granulation_laws laws;
+    double box;                      /* edge [m], > 0; 2e-3 */
+    double step;                     /* [s], > 0; 1 */
+    double dilation;                 /* path = velocity step / dilation [-], > 0; 1e4 */
+    double velocity_mean[3];         /* of new granules [m/s]; 3, 3, 3 */
+    double velocity_deviation[3];    /* [m/s], >= 0; 1, 1, 1 */
+    bool random_signs;               /* each component of the mean takes a random sign; default false */
+    granulation_detection detection; /* default SWEPT */
+    granulation_contact contact;     /* default SUM */
+    granulation_bounce bounce;       /* default CONSERVING */
+    double restitution;              /* [-], 0 .. 1; 1; used by CONSERVING */
+    bool restitution_of_law;         /* instead: u3 / u0 of the collision, 0 .. 1; default false */
+    bool approaching_only;           /* END_OF_STEP: pairs that move apart have no event; default true */
+    double stirring;                 /* share of the granules that get a new velocity in a second [1/s], >= 0; 0 */
+    double consolidation;            /* k_c [1/s], >= 0; 0.0425 */
+    bool breakage;                   /* default true */
+    double breakage_least_volume;    /* a granule below it does not break [m3], >= 0; 1e-12 */
+    int breakage_rest;               /* steps in which a daughter does not break again, >= 0; 0 */
+    int most_granules;               /* >= 1; 4000000: above it breakage stops with GRANULATION_POPULATION */
+    int64_t most_events;             /* collisions in a step a granule (of those at its start), 1 .. 1e9; 1000 */
+    int place_attempts;              /* random places tried for a granule, >= 1; 2000 */
+    uint64_t seed;                   /* 1 */
+    void (*on_collision)(void *user, const granulation_event *event); /* may be NULL; must not change the simulation */
+    void *collision_user;
+    granulation_memory memory; /* default: malloc */
+    uint64_t cookie;           /* set by granulation_default_def; leave it */
+} granulation_def;
+
+/* Counts since the start, or since they were set to zero by the host. */
+typedef struct granulation_tally {
+    int64_t interactions; /* collisions */
+    int64_t by_reason[GRANULATION_REASON_COUNT];
+    int64_t both; /* Type I that fits the printed criterion of Type II as well */
+    int64_t breakages;
+    int64_t refused_breakages; /* by breakage_least_volume or breakage_rest */
+    double kinetic_loss;       /* by coalescence and restitution [J]; negative never */
+} granulation_tally;
+
+/* What crossed the border of the system since the start: sum over granules = placed + ledger, to round-off. */
+typedef struct granulation_ledger {
+    double solid, liquid, air; /* in [m3] */
+    double air_released;       /* by consolidation and by liquid that took its place [m3] */
+    double momentum[3];        /* brought in: placed, stirred, with liquid and air, and the defect of GRANULATION_REVERSAL [kg m/s] */
+    double reversal_defect[3]; /* that defect alone [kg m/s] */
+} granulation_ledger;
+
+typedef struct granulation_sim {
+    granulation_def def; /* may be changed between steps by granulation_sim_set; read freely */
+    int n;               /* granules */
+    int64_t steps;
+    double time;            /* [s] */
+    double *x, *y, *z;      /* centres [m], 0 <= x < box; [n] */
+    double *vx, *vy, *vz;   /* [m/s]; [n] */
+    granulation_body *body; /* [n] */
+    int64_t *broken;        /* step of the last breakage, negative: never; [n] */
+    granulation_tally tally;
+    granulation_ledger ledger;
+    granulation_random random;
+    /* below: private */
+    int capacity, cells, item_capacity, event_capacity, hit_capacity;
+    int64_t events; /* in the heap */
+    int *cell_start;
+    void *items, *heap, *hits, *motion;
+} granulation_sim;
+
+/* The paper's set-up with physically sound collisions: swept, momentum conserved, sum of radii. */
+GRANULATION_API granulation_def granulation_default_def(void);
+/* The readings under which the paper's Tables 2 and 3 come out (set G1): end of step, larger radius, reversal. */
+GRANULATION_API granulation_def granulation_paper_def(void);
+GRANULATION_API granulation_status granulation_check_def(const granulation_def *def, const char **field);
+
+/* Ready for granules, or BAD_DEF, NO_MEMORY. After an error *sim is empty and may be freed. */
+GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def);
+GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* twice does no harm */
+
+/* Places `count` granules without overlap, velocities from the distribution. BAD_ARGUMENT, TOO_LARGE, NO_ROOM, NO_MEMORY:
+   those placed before it stay. */
+GRANULATION_API granulation_status granulation_sim_add(granulation_sim *sim, const granulation_granule *g, int count);
+/* The same for an array [n] of granules, in its order; faster than one by one. */
+GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules, int n);
+/* One granule at a centre [m] (wrapped into the box) with a velocity [m/s], overlap or not. */
+GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
+                                                       const double velocity[3]);
+
+/* `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY; the state is then whole
+   (volumes, momentum), of the time of the stop, and can be used on. */
+GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps);
+
+/* Changes in mid-run. All check their arguments and change nothing if they refuse. */
+GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, const granulation_def *def); /* all but box, seed and memory */
+/* Another impeller: new mean and deviation [m/s]; every granule keeps its deviate, v' = mean' + (v - mean) deviation' / deviation
+   (a new draw where the deviation was 0), or with redraw a new velocity. */
+GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
+                                                            bool redraw);
+/* Binder sprayed on: volume [m3] >= 0 in all, shared out by granule surface; displaced 0 .. 1: share of it that enters pores
+   and drives out air. BAD_ARGUMENT, TOO_LARGE. */
+GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, double volume, double displaced);
+
+/* Mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else NaN; NaN when
+   empty. */
+GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q);
+/* Totals by class of volume: class k holds edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
+   may be NULL. Granules outside are left out; returns how many. */
+GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
+                                            double *q_l, double *q_a);
+GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3],
+                                            double *kinetic); /* any NULL */
+/* Deepest overlap of a pair over the sum of its radii [-]; 0: none. */
+GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest);
+
+/* ---- ensembles ---- */
+/* One replicate in numbers. */
+typedef struct granulation_replicate {
+    double type1, type2, rebound, both; /* share of the interactions [%]; 0 without interactions */
+    double mean_size;                   /* d43 at the end [m] */
+    double interactions, breakages, granules;
+} granulation_replicate;
+#define GRANULATION_REPLICATE_FIELDS 8 /* doubles in it, in this order */
+static inline granulation_replicate granulation_replicate_of(const granulation_sim *sim);
+/* Mean, standard deviation and half width of the 95 % confidence interval (Student) of n >= 1 numbers, `stride` apart; the latter
+   two are 0 for n = 1. */
+typedef struct granulation_estimate {
+    double mean, deviation, confidence;
+} granulation_estimate;
+static inline granulation_estimate granulation_estimate_of(const double *values, int n, int stride);
+
+/* ==== >>balance: population balances ==== */
+
+/* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. */
+typedef double (*granulation_kernel)(const granulation_granule *i, const granulation_granule *j, const void *user);
+
+/* What the kernels below read; every one is multiplied by rate (>= 0). Size u, v: whole volumes [m3]. */
+typedef struct granulation_kernel_data {
+    double rate;                  /* 1 */
+    double a, b;                  /* exponents of Kapur; CLASS: b1 and b2, shares of Type I or elastic Type II, and plastic Type II */
+    double limit;                 /* CUTOFF, SATURATION: no coalescence above this diameter [m] of the granule formed (infinite: none) */
+    double speed;                 /* CLASS, COLLISIONS: relative speed [m/s] */
+    const granulation_laws *laws; /* CLASS, SATURATION (critical_saturation) */
+    granulation_kernel inner;     /* CLASS, CUTOFF, SATURATION: times this kernel of the same data; NULL: 1 */
+} granulation_kernel_data;
+
+static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);     /* u + v */
+static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j, const void *data); /* u v */
+static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data); /* (u^1/3 + v^1/3)^3 */
+/* Equipartition of kinetic energy, Hounslow (1998): (u^1/3 + v^1/3)^2 (1/u + 1/v)^1/2 */
+static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+/* Brownian: (u^1/3 + v^1/3)(u^-1/3 + v^-1/3) */
+static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data); /* (u + v)^a / (u v)^b */
+/* Hard spheres at one relative speed: (pi / 4) (D1 + D2)^2 speed [m3/s] */
+static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+/* Adetayo and Ennis (1997): inner, 0 above the limit */
+static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+/* Pouw et al. (2002): inner where both saturations have reached the critical one, 0 above the limit */
+static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+/* Liu and Litster (2002): a inner for Type I and elastic Type II, b inner for plastic and dry Type II, 0 for rebound */
+static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+
+typedef enum granulation_scheme { GRANULATION_CELL_AVERAGE, GRANULATION_FIXED_PIVOT } granulation_scheme;
+/* Daughters: two halves (36), or two with the volume of one uniform on 0 .. u (b(v|u) = 2/u; one-component grids only). */
+typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM } granulation_daughters;
+
+typedef struct granulation_balance_def {
+    granulation_scheme scheme; /* default CELL_AVERAGE; breakage is fixed pivot in both */
+    granulation_kernel kernel; /* NULL: no coalescence; default constant */
+    const void *kernel_user;   /* default NULL: rate 1 for the kernels above that need nothing else */
+    bool kernel_changes;       /* it depends on the composition: evaluated anew before each step; default false */
+    double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none; default NULL */
+    const void *selection_user;
+    granulation_daughters daughters; /* default HALVES */
+    double consolidation;            /* k_c [1/s], >= 0; 0 */
+    double tolerance;                /* of a step, of the moments 0, 1, 2 of its error [-], > 0; 1e-6 */
+    double longest_step;             /* [s], > 0; infinite */
+    double most_lost;                /* share of the solid volume above the last pivot at which it stops with GEL, 0 .. 1; 1e-3 */
+    int most_steps;                  /* in a run, >= 1; 1000000 */
+    granulation_memory memory;
+    uint64_t cookie;
+} granulation_balance_def;
+
+/* One component: the key of a granule is its volume without air, s + l; liquid and air are carried as totals of the cell, so
+   consolidation does not move granules. Two components: the keys are s and l; air is carried. */
+typedef struct granulation_balance {
+    granulation_balance_def def;
+    int components;         /* 1 or 2 */
+    int size[2];            /* cells along each key; size[1] is 1 with one component */
+    int n;                  /* cells: cell i + size[0] j has the keys pivot[0][i], pivot[1][j] */
+    double *edge[2];        /* [size+1] [m3] */
+    double *pivot[2];       /* [size] [m3] */
+    double *number;         /* granules in a cell [1/m3 of the vessel, or any unit that the kernel matches]; [n] */
+    double *liquid;         /* total liquid of the cell, in number times m3; [n]; NULL with two components: see granulation_balance_cell */
+    double *air;            /* total air; [n] */
+    double time;            /* [s] */
+    int64_t steps, refused; /* of the integrator */
+    double lost_number;     /* granules that grew beyond the last pivot */
+    granulation_granule lost, total; /* their volumes; all volumes ever added */
+    double air_released;
+    double next_step; /* [s] the integrator's next try; 0: it chooses */
+    /* below: private */
+    int64_t pairs;
+    int *target;
+    double *share, *kernel, *state, *work;
+    size_t bytes[8];
+} granulation_balance;
+
+GRANULATION_API granulation_balance_def granulation_balance_default_def(void);
+GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *def, const char **field);
+/* edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells, increasing, > 0 (the first of the liquid may be 0),
+   [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL): one component. At most 100000 cells in all. Copies all. After an
+   error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28 with the fixed pivot). */
+GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
+                                                            const double *edges, const double *pivots, int l_cells, const double *l_edges,
+                                                            const double *l_pivots);
+GRANULATION_API void granulation_balance_free(granulation_balance *b);
+/* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A granule on a pivot
+   goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
+GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number);
+/* To the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. */
+GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration);
+GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b,
+                                                           const granulation_balance_def *def); /* a change in mid-run; not the memory */
+/* Mean granule of a cell; of an empty one its keys (and no liquid with one component). */
+static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell);
+/* sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
+GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q);
+GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b);
+GRANULATION_API double granulation_balance_mean(const granulation_balance *b, int p, int q); /* mean diameter [m] as granulation_sim_mean */
+
+/* ==== >>montecarlo: constant-number Monte Carlo ==== */
+/* n sample granules in a volume; after each coalescence one of them is doubled and the volume grows by n / (n - 1). Volumes are kept in the
+   mean only. */
+typedef struct granulation_montecarlo {
+    int n;
+    granulation_granule *granules; /* [n] */
+    double volume;                 /* that the sample stands for [m3] */
+    double time;
+    int64_t events, raised; /* coalescences; times the bound of the kernel was found too small (a bias, if often) */
+    granulation_kernel kernel;
+    const void *user;
+    granulation_random random;
+    granulation_memory memory;
+    double bound;                          /* of the kernel over all pairs */
+    granulation_granule smallest, largest; /* ever seen: the pairs that the bound is taken from */
+} granulation_montecarlo;
+
+/* sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY, KERNEL. */
+GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
+                                                               double volume, granulation_kernel kernel, const void *user, uint64_t seed,
+                                                               const granulation_memory *memory);
+GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
+GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
+/* Moment sum V^p / volume. */
+GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
+
+/* clang-format off */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
+   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+#ifndef RIDDLE_PORTABLE_MATH
+#define RIDDLE_PORTABLE_MATH
+#define RIDDLE_PI 3.14159265358979323846
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_LO 1.9082149292705877e-10
+
+/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+static inline double riddle__expm1_small(double r) {
+    double p = 1.0 / 87178291200.0;
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+static inline double riddle_exp(double x) {
+    if (!(x > -745.2)) return x != x ? x : 0.0;
+    if (x > 709.79) return HUGE_VAL;
+    double k = floor(x * 1.4426950408889634 + 0.5);
+    double r = (x - k * RIDDLE_LN2_HI) - k * RIDDLE_LN2_LO;
+    return ldexp(1.0 + riddle__expm1_small(r), (int)k);
+}
+
+static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
+
+/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+static inline double riddle__log1p_small(double f) {
+    double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
+    p = p * z + 2.0 / 21.0;
+    p = p * z + 2.0 / 19.0;
+    p = p * z + 2.0 / 17.0;
+    p = p * z + 2.0 / 15.0;
+    p = p * z + 2.0 / 13.0;
+    p = p * z + 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    return f - s * (f - z * p);
+}
+
+static inline double riddle_log(double x) {
+    if (!(x > 0.0)) return x == 0.0 ? -HUGE_VAL : (double)NAN;
+    if (x > 1.7976931348623157e308) return x;
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2.0;
+        e -= 1;
+    }
+    return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
+}
+
+static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+
+/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+static inline double riddle_pow(double x, double y) {
+    if (y == 0.0 || x == 1.0) return 1.0;
+    return riddle_exp(y * riddle_log(x));
+}
+
+static inline double riddle_cbrt(double x) {
+    if (x == 0.0 || !(fabs(x) <= 1.7976931348623157e308)) return x;
+    int e;
+    double m = frexp(fabs(x), &e); /* in [0.5, 1) */
+    int third = (e + 3000) / 3 - 1000, rest = e - 3 * third;
+    m = ldexp(m, rest); /* in [0.5, 4) */
+    double y = 0.65 + 0.25 * m;
+    for (int i = 0; i < 5; i++) y -= (y * y * y - m) / (3.0 * y * y);
+    return ldexp(x < 0.0 ? -y : y, third);
+}
+
+/* sin and cos of r + quarter turns, |r| <= pi/4 */
+static inline double riddle__sin_quarter(double r, int quarter) {
+    double z = r * r, p, value;
+    if (quarter & 1) {
+        p = -1.0 / 6402373705728000.0;
+        p = p * z + 1.0 / 20922789888000.0;
+        p = p * z - 1.0 / 87178291200.0;
+        p = p * z + 1.0 / 479001600.0;
+        p = p * z - 1.0 / 3628800.0;
+        p = p * z + 1.0 / 40320.0;
+        p = p * z - 1.0 / 720.0;
+        p = p * z + 1.0 / 24.0;
+        value = 1.0 - (0.5 * z - z * z * p);
+    } else {
+        p = 1.0 / 355687428096000.0;
+        p = p * z - 1.0 / 1307674368000.0;
+        p = p * z + 1.0 / 6227020800.0;
+        p = p * z - 1.0 / 39916800.0;
+        p = p * z + 1.0 / 362880.0;
+        p = p * z - 1.0 / 5040.0;
+        p = p * z + 1.0 / 120.0;
+        p = p * z - 1.0 / 6.0;
+        value = r + r * z * p;
+    }
+    return quarter & 2 ? -value : value;
+}
+
+static inline double riddle__sin_shifted(double x, int quarters) {
+    if (!(fabs(x) <= 1e6)) return (double)NAN;
+    double n = floor(x * 0.63661977236758134 + 0.5);
+    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+}
+
+/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
+static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
+
+static inline double riddle_atan(double x) {
+    double t = fabs(x), base = 0.0, sign = 1.0;
+    if (t > 1.0) {
+        t = 1.0 / t;
+        base = 0.5 * RIDDLE_PI;
+        sign = -1.0;
+    }
+    if (t > 0.26794919243112270) {
+        base += sign * (RIDDLE_PI / 6.0);
+        t = (1.7320508075688773 * t - 1.0) / (t + 1.7320508075688773);
+    }
+    double z = t * t, p = 0.0;
+    for (int k = 15; k > 0; k--) p = z * (1.0 / (2 * k + 1) - p);
+    double value = base + sign * (t - t * p);
+    return x < 0.0 ? -value : value;
+}
+
+static inline double riddle_atan2(double y, double x) {
+    if (x == 0.0 && y == 0.0) return 0.0;
+    if (x != x || y != y) return (double)NAN;
+    if (fabs(y) > fabs(x)) return (y > 0.0 ? 0.5 : -0.5) * RIDDLE_PI - riddle_atan(x / y);
+    return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
+}
+
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
+
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
+#endif /* RIDDLE_PORTABLE_MATH */
+/* <<portable-math */
+/* clang-format on */
+
+/* ---- >>laws, bodies: inline in every mode ---- */
+
+static inline double granulation_volume(const granulation_granule *g) { return g->s + g->l + g->a; }
+static inline double granulation_diameter(double volume) { return volume >= 0.0 ? riddle_cbrt(volume * (6.0 / RIDDLE_PI)) : (double)NAN; }
+static inline double granulation_sphere(double diameter) {
+    return diameter >= 0.0 ? RIDDLE_PI / 6.0 * (diameter * diameter * diameter) : (double)NAN;
+}
+
+static inline bool granulation__is_granule(const granulation_granule *g) {
+    return g->s > 0.0 && g->l >= 0.0 && g->a >= 0.0 && g->s + g->l + g->a < HUGE_VAL;
+}
+
+static inline double granulation_porosity(const granulation_granule *g) {
+    return granulation__is_granule(g) ? (g->l + g->a) / granulation_volume(g) : (double)NAN;
+}
+static inline double granulation_saturation(const granulation_granule *g) {
+    if (!granulation__is_granule(g)) return (double)NAN;
+    return g->l + g->a > 0.0 ? g->l / (g->l + g->a) : 1.0;
+}
+static inline double granulation_liquid_fraction(const granulation_granule *g) {
+    return granulation__is_granule(g) ? g->l / granulation_volume(g) : (double)NAN;
+}
+static inline double granulation_moisture(const granulation_granule *g) { return granulation__is_granule(g) ? g->l / g->s : (double)NAN; }
+static inline double granulation_least_porosity(const granulation_granule *g) {
+    return granulation__is_granule(g) ? g->l / (g->s + g->l) : (double)NAN;
+}
+static inline double granulation_mass(const granulation_granule *g, double solid, double liquid, double air) {
+    return granulation__is_granule(g) && solid >= 0.0 && liquid >= 0.0 && air >= 0.0 ? solid * g->s + liquid * g->l + air * g->a
+                                                                                     : (double)NAN;
+}
+
+static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit) {
+    if (!granulation__is_granule(g) || !(s_crit > 0.0 && s_crit <= 1.0)) return (double)NAN;
+    double d = granulation_diameter(granulation_volume(g));
+    return (g->l * (1.0 - s_crit) - s_crit * g->a) / (RIDDLE_PI * d * d);
+}
+static inline double granulation_film(const granulation_granule *g, double s_crit) {
+    double h = granulation_film_unclipped(g, s_crit);
+    return h < 0.0 ? 0.0 : h;
+}
+static inline double granulation_asperity(double factor, double grain_diameter) {
+    return factor > 0.0 && grain_diameter > 0.0 ? factor * grain_diameter : (double)NAN;
+}
+
+static inline double granulation_consolidation_rate(const granulation_granule *g, double rate_constant) {
+    if (!granulation__is_granule(g) || !(rate_constant >= 0.0)) return (double)NAN;
+    double v = granulation_volume(g);
+    return -rate_constant * ((g->l + g->a) * v / g->s - granulation_least_porosity(g) * v * v / g->s);
+}
+
+/* a decay w / (w + a (1 - decay)), w = s + l: the solution of (27) without a difference of nearly equal numbers */
+static inline double granulation__consolidated(double wet, double air, double decay) {
+    return air * decay * (wet / (wet + air * (1.0 - decay)));
+}
+
+static inline double granulation_consolidate(const granulation_granule *g, double kt) {
+    if (!granulation__is_granule(g) || !(kt >= 0.0)) return (double)NAN;
+    return granulation__consolidated(g->s + g->l, g->a, riddle_exp(-kt));
+}
+
+static inline double granulation_film_time(const granulation_granule *g, double s_crit) {
+    if (!granulation__is_granule(g) || !(s_crit > 0.0 && s_crit <= 1.0)) return (double)NAN;
+    double wet = g->s + g->l, critical = g->l * (1.0 / s_crit - 1.0); /* air left when the film appears */
+    if (g->a <= critical) return 0.0;
+    if (!(critical > 0.0)) return HUGE_VAL;
+    return riddle_log((g->a / (g->a + wet)) / (critical / (critical + wet)));
+}
+
+static inline double granulation_hertz_pressure(double force, double modulus, double diameter) {
+    if (!(force >= 0.0 && modulus > 0.0 && diameter > 0.0)) return (double)NAN;
+    double stiff = modulus / diameter;
+    return riddle_cbrt(24.0 * force * stiff * stiff) / RIDDLE_PI;
+}
+static inline double granulation_contact_compliance(double e1, double nu1, double e2, double nu2) {
+    if (!(e1 > 0.0 && e2 > 0.0 && nu1 >= -1.0 && nu1 <= 0.5 && nu2 >= -1.0 && nu2 <= 0.5)) return (double)NAN;
+    return (1.0 - nu1 * nu1) / e1 + (1.0 - nu2 * nu2) / e2;
+}
+static inline double granulation_effective_modulus(double e1, double nu1, double e2, double nu2) {
+    return 1.0 / granulation_contact_compliance(e1, nu1, e2, nu2);
+}
+static inline double granulation_edge_tension(double pressure, double poisson) {
+    return pressure >= 0.0 && poisson >= -1.0 && poisson <= 0.5 ? (1.0 - 2.0 * poisson) * pressure / 3.0 : (double)NAN;
+}
+static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension, double angle,
+                                                double grain) {
+    if (!(porosity > 0.0 && porosity < 1.0 && saturation >= 0.0 && saturation <= 1.0 && shape > 0.0 && tension >= 0.0 && grain > 0.0 &&
+          angle >= 0.0 && angle <= 0.5 * RIDDLE_PI))
+        return (double)NAN;
+    return (1.0 - porosity) / porosity * (saturation * shape * tension / grain) * riddle_cos(angle);
+}
+static inline double granulation_yield_stress(double strength, double poisson) {
+    return strength >= 0.0 && poisson >= -1.0 && poisson < 0.5 ? 2.0 * strength / (3.0 - 6.0 * poisson) : (double)NAN;
+}
+
+static inline double granulation_reduced(double a, double b) {
+    if (!(a > 0.0 && b > 0.0)) return (double)NAN;
+    return a < b ? a / (1.0 + a / b) : b < HUGE_VAL ? b / (1.0 + b / a) : HUGE_VAL;
+}
+static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity, double d) {
+    if (!(m > 0.0 && u0 >= 0.0 && viscosity > 0.0 && d > 0.0)) return (double)NAN;
+    return (c == GRANULATION_PRINTED ? 8.0 : 4.0) * m * u0 / (3.0 * RIDDLE_PI * viscosity * d * d);
+}
+static inline double granulation_deformation_stokes(double m, double u0, double d, double yield) {
+    if (!(m > 0.0 && u0 >= 0.0 && d > 0.0 && yield > 0.0)) return (double)NAN;
+    return m * u0 * u0 / (2.0 * (d * d * d) * yield);
+}
+static inline double granulation_film_logarithm(double h0, double ha) {
+    if (!(h0 >= 0.0 && ha > 0.0)) return (double)NAN;
+    return h0 > ha ? riddle_log(h0 / ha) : 0.0;
+}
+static inline double granulation_approach_speed(double u0, double st_v, double log_film) {
+    return st_v > 0.0 && log_film >= 0.0 ? u0 * (1.0 - log_film / st_v) : (double)NAN;
+}
+static inline bool granulation_is_type_one(double st_v, double log_film) { return log_film > 0.0 && st_v <= log_film; }
+static inline double granulation_contact_area(double u1, double m, double d, double yield) {
+    if (!(u1 >= 0.0 && m > 0.0 && d > 0.0 && yield > 0.0)) return (double)NAN;
+    return 2.0 * u1 * sqrt(RIDDLE_PI * m * d / (3.0 * yield));
+}
+static inline double granulation_deformation(double area, double d, double yield_ratio) {
+    if (!(area >= 0.0 && d > 0.0 && yield_ratio >= 0.0)) return (double)NAN;
+    return area / (RIDDLE_PI * d) - 2.25 * yield_ratio * sqrt(RIDDLE_PI * area);
+}
+static inline double granulation_relative_deformation(double st_def, double b, double yield_ratio) {
+    if (!(st_def >= 0.0 && b >= 0.0 && yield_ratio >= 0.0)) return (double)NAN;
+    double root = sqrt(b * sqrt(st_def * (8.0 / (3.0 * RIDDLE_PI)))); /* of the largest compression over d */
+    return root * (root - 2.25 * RIDDLE_PI * yield_ratio);
+}
+static inline double granulation_rebound_speed(double u0, double b, double yield_ratio, double st_def) {
+    if (!(u0 >= 0.0 && b >= 0.0 && yield_ratio >= 0.0 && st_def >= 0.0)) return (double)NAN;
+    double u1 = b * u0, b_half = sqrt(b);
+    double u2 = GRANULATION_JOHNSON * u0 * sqrt(yield_ratio) / sqrt(sqrt(sqrt(st_def))) * (b_half * sqrt(b_half));
+    return u2 < u1 ? u2 : u1;
+}
+static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
+                                                  double h0, double ha) {
+    if (!(st_v > 0.0 && deformation >= 0.0 && ha > 0.0 && h0 >= ha)) return (double)NAN;
+    double one = c == GRANULATION_PRINTED ? 0.5 : 0.125, two = c == GRANULATION_PRINTED ? 1.0 : 0.5;
+    double near_end = deformation / ha, far_end = deformation / h0;
+    double loss = one * (near_end - far_end) * (near_end + far_end) + two * (near_end - far_end) + granulation_film_logarithm(h0, ha);
+    return u2 - u0 / st_v * loss;
+}
+static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
+                                                      double ha) {
+    if (!(st_v > 0.0 && ha > 0.0) || deformation != deformation) return (double)NAN;
+    double ratio = deformation / ha;
+    if (ratio <= 1.0) return u2;
+    return u2 - u0 / st_v * (c == GRANULATION_PRINTED ? 0.5 : 0.125) * (ratio - 1.0) * (ratio + 1.0);
+}
+static inline bool granulation_is_elastic_type_two(double st_v, double log_film) { return log_film > 0.0 && st_v < 2.0 * log_film; }
+
+static inline double granulation_printed_left(double yield_ratio, double st_def) {
+    if (!(yield_ratio >= 0.0 && st_def > 0.0)) return (double)NAN;
+    return sqrt(yield_ratio) / (st_def * sqrt(sqrt(sqrt(st_def))));
+}
+static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d, double deformation,
+                                               double h0, double ha) {
+    double log_film = granulation_film_logarithm(h0, ha);
+    if (!(st_v > 0.0 && b > 0.0 && st_def > 0.0 && yield_ratio >= 0.0 && d > 0.0 && h0 >= ha) || deformation == 0.0) return (double)NAN;
+    double q = h0 / ha, p = h0 / deformation, w = d / h0;
+    double held = 1.0 - 7.36 * yield_ratio / sqrt(sqrt(st_def)) / sqrt(b);
+    return 0.172 / st_v * w * w * (b * sqrt(sqrt(b))) * (q * q - 1.0 + 2.0 * p * (q - 1.0) + 2.0 * p * p * log_film) * held * held;
+}
+
+static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u, double gap) {
+    if (!(d > 0.0 && viscosity >= 0.0 && u >= 0.0 && gap >= 0.0)) return (double)NAN;
+    return (c == GRANULATION_PRINTED ? 0.75 : 3.0) * RIDDLE_PI * d * d * viscosity * u / gap;
+}
+static inline double granulation_bond_area(double d, double deformation) {
+    return d > 0.0 && deformation >= 0.0 ? RIDDLE_PI * d * deformation : (double)NAN;
+}
+static inline double granulation_critical_diameter(double a1_factor, double exponent, double k, double strength) {
+    if (!(a1_factor >= 0.0 && exponent > 0.0 && k >= 0.0 && strength >= 0.0)) return (double)NAN;
+    return a1_factor * riddle_pow(k * sqrt(k) * strength, exponent);
+}
+static inline double granulation_tip_speed(granulation_convention c, double turns, double diameter) {
+    if (!(diameter > 0.0) || turns != turns) return (double)NAN;
+    return (c == GRANULATION_PRINTED ? 0.5 : RIDDLE_PI) * turns * diameter;
+}
+static inline double granulation_breakage_stokes(double density, double speed, double yield) {
+    return density > 0.0 && yield >= 0.0 ? RIDDLE_PI * density * speed * speed / (12.0 * yield) : (double)NAN;
+}
+static inline double granulation_herschel_bulkley(double yield, double consistency, double shear_rate, double index) {
+    if (!(yield >= 0.0 && consistency >= 0.0 && shear_rate >= 0.0 && index >= 0.0)) return (double)NAN;
+    return consistency > 0.0 ? yield + consistency * riddle_pow(shear_rate, index) : yield;
+}
+static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32, double viscosity) {
+    if (!(porosity >= 0.0 && porosity < 1.0 && density > 0.0 && speed >= 0.0 && d32 > 0.0 && viscosity > 0.0)) return (double)NAN;
+    return sqrt(porosity * porosity * porosity / (540.0 * (1.0 - porosity) * (1.0 - porosity)) * (density * speed * d32 / viscosity));
+}
+static inline granulation_granule granulation_half(const granulation_granule *g) {
+    granulation_granule h;
+    h.s = 0.5 * g->s;
+    h.l = 0.5 * g->l;
+    h.a = 0.5 * g->a;
+    return h;
+}
+static inline granulation_granule granulation_sum(const granulation_granule *a, const granulation_granule *b) {
+    granulation_granule g;
+    g.s = a->s + b->s;
+    g.l = a->l + b->l;
+    g.a = a->a + b->a;
+    return g;
+}
+static inline double granulation_arrhenius(double viscosity, double activation, double temperature, double reference) {
+    if (!(viscosity > 0.0 && activation >= 0.0 && temperature > 0.0 && reference > 0.0)) return (double)NAN;
+    return viscosity * riddle_exp(activation * (1.0 / temperature - 1.0 / reference));
+}
+
+/* C gamma cos(theta) / Dp of (16): the same for every granule */
+static inline double granulation__capillary(const granulation_laws *laws) {
+    return laws->shape_factor * laws->surface_tension / laws->grain_diameter * riddle_cos(laws->contact_angle);
+}
+
+static inline granulation_body granulation__body(const granulation_laws *laws, const granulation_granule *g, double capillary) {
+    granulation_body b;
+    double pores = g->l + g->a, volume = g->s + pores, critical = laws->critical_saturation;
+    b.volumes = *g;
+    b.diameter = riddle_cbrt(volume * (6.0 / RIDDLE_PI));
+    b.mass = laws->solid_density * g->s + laws->liquid_density * g->l + laws->air_density * g->a;
+    double free_liquid = g->l * (1.0 - critical) - critical * g->a;
+    b.film = free_liquid > 0.0 ? free_liquid / (RIDDLE_PI * b.diameter * b.diameter) : 0.0;
+    b.strength = pores > 0.0 ? (g->s / pores) * (g->l / pores) * capillary : HUGE_VAL; /* (1 - eps) / eps S = s l / (l + a)^2 */
+    b.yield = 2.0 * b.strength / (3.0 - 6.0 * laws->poisson);
+    return b;
+}
+
+static inline granulation_body granulation_body_of(const granulation_laws *laws, const granulation_granule *g) {
+    granulation_body b = granulation__body(laws, g, granulation__capillary(laws));
+    if (!granulation__is_granule(g)) b.diameter = b.mass = b.film = b.strength = b.yield = (double)NAN;
+    return b;
+}
+
+static inline granulation_body granulation_wall(double film) {
+    granulation_body b;
+    memset(&b, 0, sizeof b);
+    b.diameter = b.mass = b.strength = b.yield = HUGE_VAL;
+    b.film = film >= 0.0 ? film : (double)NAN;
+    return b;
+}
+
+static inline double granulation__pair_yield(granulation_pair_yield rule, double a, double b) {
+    if (rule == GRANULATION_YIELD_WEAKER || !(a < HUGE_VAL && b < HUGE_VAL)) return a < b ? a : b;
+    return 0.5 * (a + b);
+}
+
+/* Would a film hold granules that meet at B = u1 / u0? Fills u2, u3, deformation and reason. Everything has passed its checks. */
+static inline void granulation__contact(const granulation_laws *laws, double b, double ratio, double d, double h0, double ha, bool liquid,
+                                        granulation_collision *c) {
+    bool wet = h0 > ha;
+    double relative = granulation_relative_deformation(c->st_def, b, ratio);
+    c->deformation = relative * d;
+    if (!(relative > 0.0)) { /* decided here, before any formula that squares the deformation or divides by it */
+        c->u2 = b * c->u0;
+        c->u3 = c->u0 * (1.0 - 2.0 * c->log_film / c->st_v);
+        c->coalesces = wet && laws->elastic_rule && granulation_is_elastic_type_two(c->st_v, c->log_film);
+        c->reason = c->coalesces ? GRANULATION_TYPE_II_ELASTIC : wet ? GRANULATION_REBOUND_ELASTIC : GRANULATION_REBOUND_DRY;
+        return;
+    }
+    c->u2 = granulation_rebound_speed(c->u0, b, ratio, c->st_def);
+    double film = laws->deep_film && c->deformation > h0 ? c->deformation : h0;
+    if (!wet && !(laws->dry_rule && liquid)) c->u3 = c->u2;
+    else if (wet || laws->deep_film)
+        c->u3 = film > ha ? granulation_separation_speed(laws->convention, c->u2, c->u0, c->st_v, c->deformation, film, ha) : c->u2;
+    else c->u3 = granulation_dry_separation_speed(laws->convention, c->u2, c->u0, c->st_v, c->deformation, ha);
+    c->coalesces = c->u3 <= 0.0 && (wet || (laws->dry_rule && liquid));
+    c->reason = wet ? (c->coalesces ? GRANULATION_TYPE_II_PLASTIC : GRANULATION_REBOUND_PLASTIC)
+                    : (c->coalesces ? GRANULATION_TYPE_II_DRY : GRANULATION_REBOUND_DRY);
+}
+
+/* u0, st_v and st_def of c are set; the rest is decided here */
+static inline void granulation__decide(const granulation_laws *laws, double ratio, double d, double h0, double ha, bool liquid,
+                                       granulation_collision *c) {
+    c->reason = GRANULATION_NONE;
+    if (!(c->st_v > 0.0 && c->st_def >= 0.0 && ratio >= 0.0 && h0 >= 0.0 && d > 0.0)) return;
+    c->log_film = granulation_film_logarithm(h0, ha);
+    c->u1 = granulation_approach_speed(c->u0, c->st_v, c->log_film);
+    if (granulation_is_type_one(c->st_v, c->log_film)) { /* before B, whose powers do not exist here */
+        double deformation = d * granulation_relative_deformation(c->st_def, 1.0, ratio);
+        c->both =
+            granulation_printed_left(ratio, c->st_def) < granulation_printed_right(c->st_v, c->st_def, ratio, 1.0, d, deformation, h0, ha);
+        c->coalesces = true;
+        c->reason = GRANULATION_TYPE_I;
+        return;
+    }
+    granulation__contact(laws, 1.0 - c->log_film / c->st_v, ratio, d, h0, ha, liquid, c);
+}
+
+static inline double granulation__limit(const granulation_laws *laws, const granulation_body *i, const granulation_body *j, double d,
+                                        double h0, const granulation_collision *c) {
+    double moisture = (i->volumes.l + j->volumes.l) / (i->volumes.s + j->volumes.s);
+    double factor = laws->limit_diameter * sqrt(sqrt(moisture / laws->limit_moisture));
+    if (laws->limit == GRANULATION_LIMIT_MOISTURE) return factor;
+    if (!(c->deformation > 0.0 && h0 > 0.0)) return 0.0; /* no bond area, or an infinite force */
+    double k = granulation_bond_area(d, c->deformation) / granulation_film_force(laws->convention, d, laws->viscosity, c->u0, 2.0 * h0);
+    return granulation_critical_diameter(factor, laws->limit_exponent, k, 0.5 * (i->strength + j->strength));
+}
+
+static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i, const granulation_body *j,
+                                                        double speed) {
+    granulation_collision c;
+    memset(&c, 0, sizeof c);
+    c.limit = HUGE_VAL;
+    if (!(speed > 0.0 && speed < HUGE_VAL)) return c;
+    double m = granulation_reduced(i->mass, j->mass), d = granulation_reduced(i->diameter, j->diameter);
+    if (!(m < HUGE_VAL && d < HUGE_VAL)) return c; /* two walls, or NaN */
+    double h0 = 0.5 * (i->film + j->film), ha = laws->asperity_factor * laws->grain_diameter;
+    double yield = granulation__pair_yield(laws->pair_yield, i->yield, j->yield);
+    bool liquid = i->volumes.l > 0.0 || j->volumes.l > 0.0;
+    c.u0 = 0.5 * speed;
+    c.st_v = granulation_viscous_stokes(laws->convention, m, c.u0, laws->viscosity, d);
+    c.st_def = yield > 0.0 ? granulation_deformation_stokes(m, c.u0, d, yield) : yield == 0.0 ? HUGE_VAL : (double)NAN;
+    granulation__decide(laws, laws->stiffness == GRANULATION_FIXED_RATIO ? laws->yield_ratio : yield / laws->modulus, d, h0, ha, liquid,
+                        &c);
+    if (c.coalesces && laws->limit != GRANULATION_NO_LIMIT && i->mass < HUGE_VAL && j->mass < HUGE_VAL &&
+        (laws->limit_type_one || c.reason != GRANULATION_TYPE_I)) {
+        c.limit = granulation__limit(laws, i, j, d, h0, &c);
+        if (!(granulation_diameter(granulation_volume(&i->volumes) + granulation_volume(&j->volumes)) <= c.limit)) {
+            c.coalesces = c.both = false;
+            c.reason = GRANULATION_REBOUND_SIZE;
+            c.u3 = c.u0;
+        }
+    }
+    return c;
+}
+
+static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def, double yield_ratio,
+                                                      double film_ratio, double width) {
+    granulation_collision c;
+    memset(&c, 0, sizeof c);
+    c.u0 = 1.0;
+    c.st_v = st_v;
+    c.st_def = st_def;
+    granulation__decide(laws, yield_ratio, width, film_ratio, 1.0, true, &c); /* lengths in units of ha */
+    return c.reason;
+}
+
+static inline bool granulation_breaks(const granulation_laws *laws, const granulation_body *body, double speed) {
+    double stress = granulation_herschel_bulkley(body->yield, laws->flow_consistency, laws->shear_rate, laws->flow_index);
+    return granulation_breakage_stokes(body->mass / granulation_volume(&body->volumes), speed, stress) > laws->breakage_stokes;
+}
+
+/* ---- random numbers ---- */
+
+static inline uint64_t granulation__rotate(uint64_t x, int k) { return (x << k) | (x >> (64 - k)); }
+
+static inline granulation_random granulation_random_seed(uint64_t seed) {
+    granulation_random r;
+    for (int i = 0; i < 4; i++) {
+        uint64_t z = (seed += UINT64_C(0x9e3779b97f4a7c15));
+        z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+        z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+        r.state[i] = z ^ (z >> 31);
+    }
+    return r;
+}
+static inline uint64_t granulation_random_bits(granulation_random *r) {
+    uint64_t *s = r->state, result = granulation__rotate(s[1] * 5, 7) * 9, t = s[1] << 17;
+    s[2] ^= s[0];
+    s[3] ^= s[1];
+    s[1] ^= s[2];
+    s[0] ^= s[3];
+    s[2] ^= t;
+    s[3] = granulation__rotate(s[3], 45);
+    return result;
+}
+static inline double granulation_random_uniform(granulation_random *r) {
+    return (double)(granulation_random_bits(r) >> 11) * (1.0 / 9007199254740992.0);
+}
+static inline double granulation_random_normal(granulation_random *r) { /* polar method of Marsaglia */
+    double u, v, q;
+    do {
+        u = 2.0 * granulation_random_uniform(r) - 1.0;
+        v = 2.0 * granulation_random_uniform(r) - 1.0;
+        q = u * u + v * v;
+    } while (!(q > 0.0 && q < 1.0));
+    return u * sqrt(-2.0 * riddle_log(q) / q);
+}
+
+/* ---- ensembles ---- */
+
+static inline granulation_estimate granulation_estimate_of(const double *values, int n, int stride) {
+    const double few[5] = {0.0, 12.706204736, 4.302652730, 3.182446305, 2.776445105}; /* Student 97.5 % for 1 .. 4 degrees of freedom */
+    granulation_estimate e = {(double)NAN, 0.0, 0.0};
+    if (!values || n < 1 || stride < 1) return e;
+    double sum = 0.0, squares = 0.0;
+    for (int i = 0; i < n; i++) sum += values[(size_t)i * (size_t)stride];
+    e.mean = sum / n;
+    if (n == 1) return e;
+    for (int i = 0; i < n; i++) {
+        double d = values[(size_t)i * (size_t)stride] - e.mean;
+        squares += d * d;
+    }
+    e.deviation = sqrt(squares / (n - 1));
+    double z = 1.959963984540054, f = n - 1, student; /* expansion of Fisher and Cornish (1960), within 3e-3 from 5 on */
+    student = z + 2.372271230298562 / f + 2.822498615739611 / (f * f) + 2.555849679507722 / (f * f * f);
+    if (n <= 5) student = few[n - 1];
+    e.confidence = student * e.deviation / sqrt((double)n);
+    return e;
+}
+
+static inline granulation_replicate granulation_replicate_of(const granulation_sim *sim) {
+    granulation_replicate r;
+    const int64_t *n = sim->tally.by_reason;
+    double percent = sim->tally.interactions > 0 ? 100.0 / (double)sim->tally.interactions : 0.0;
+    r.type1 = percent * (double)n[GRANULATION_TYPE_I];
+    r.type2 = percent * (double)(n[GRANULATION_TYPE_II_PLASTIC] + n[GRANULATION_TYPE_II_ELASTIC] + n[GRANULATION_TYPE_II_DRY]);
+    r.rebound = percent * (double)sim->tally.interactions - r.type1 - r.type2;
+    r.both = percent * (double)sim->tally.both;
+    r.mean_size = granulation_sim_mean(sim, 4, 3);
+    r.interactions = (double)sim->tally.interactions;
+    r.breakages = (double)sim->tally.breakages;
+    r.granules = sim->n;
+    return r;
+}
+
+/* ---- kernels ---- */
+static inline double granulation__rate_of(const void *data) { return data ? ((const granulation_kernel_data *)data)->rate : 1.0; }
+static inline double granulation__inner(const granulation_granule *i, const granulation_granule *j, const granulation_kernel_data *data) {
+    return data->inner ? data->inner(i, j, data) : data->rate;
+}
+static inline bool granulation__beyond(const granulation_granule *i, const granulation_granule *j, double limit) {
+    return granulation_diameter(granulation_volume(i) + granulation_volume(j)) > limit;
+}
+static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    (void)i;
+    (void)j;
+    return granulation__rate_of(data);
+}
+static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    return granulation__rate_of(data) * (granulation_volume(i) + granulation_volume(j));
+}
+static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    return granulation__rate_of(data) * granulation_volume(i) * granulation_volume(j);
+}
+static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    double r = riddle_cbrt(granulation_volume(i)) + riddle_cbrt(granulation_volume(j));
+    return granulation__rate_of(data) * (r * r * r);
+}
+static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    double u = granulation_volume(i), v = granulation_volume(j), r = riddle_cbrt(u) + riddle_cbrt(v);
+    return granulation__rate_of(data) * (r * r) * sqrt(1.0 / u + 1.0 / v);
+}
+static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    double u = riddle_cbrt(granulation_volume(i)), v = riddle_cbrt(granulation_volume(j));
+    return granulation__rate_of(data) * (u + v) * (1.0 / u + 1.0 / v);
+}
+static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    double u = granulation_volume(i), v = granulation_volume(j);
+    return k->rate * (riddle_pow(u + v, k->a) / riddle_pow(u * v, k->b));
+}
+static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    double d = granulation_diameter(granulation_volume(i)) + granulation_diameter(granulation_volume(j));
+    return k->rate * (0.25 * RIDDLE_PI) * (d * d) * k->speed;
+}
+static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    return granulation__beyond(i, j, k->limit) ? 0.0 : granulation__inner(i, j, k);
+}
+static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    double critical = k->laws->critical_saturation;
+    if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) || granulation__beyond(i, j, k->limit))
+        return 0.0;
+    return granulation__inner(i, j, k);
+}
+static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+    const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    granulation_body p = granulation_body_of(k->laws, i), q = granulation_body_of(k->laws, j);
+    granulation_collision c = granulation_collide(k->laws, &p, &q, k->speed);
+    if (!c.coalesces) return 0.0;
+    return (c.reason == GRANULATION_TYPE_I || c.reason == GRANULATION_TYPE_II_ELASTIC ? k->a : k->b) * granulation__inner(i, j, k);
+}
+
+/* composition of an empty one-component cell: that of everything ever added */
+static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell) {
+    granulation_granule g = {(double)NAN, (double)NAN, (double)NAN};
+    if (cell < 0 || cell >= b->n) return g;
+    double key = b->pivot[0][cell % b->size[0]], count = b->number[cell], wet = b->total.s + b->total.l;
+    double air_share = wet > 0.0 ? (b->total.a - b->air_released) / wet : 0.0;
+    if (b->components == 2) {
+        g.s = key;
+        g.l = b->pivot[1][cell / b->size[0]];
+        g.a = count > 0.0 ? b->air[cell] / count : air_share * (g.s + g.l);
+    } else {
+        g.l = count > 0.0 ? b->liquid[cell] / count : wet > 0.0 ? key * (b->total.l / wet) : 0.0;
+        if (!(g.l < key)) g.l = g.l > 0.0 ? key * (1.0 - 1e-9) : 0.0; /* round-off of totals near underflow */
+        g.s = key - g.l;
+        g.a = count > 0.0 ? b->air[cell] / count : air_share * key;
+    }
+    return g;
+}
+
+#ifdef GRANULATION__BODIES
+
+/* ---- status, memory ---- */
+#define GRANULATION__TEXT(name, text)                                                                                                      \
+    case name: return text;
+GRANULATION_API const char *granulation_status_text(granulation_status status) {
+    switch (status) {
+        GRANULATION_STATUSES(GRANULATION__TEXT)
+    default: return "unknown status";
+    }
+}
+GRANULATION_API const char *granulation_reason_text(granulation_reason reason) {
+    switch (reason) {
+        GRANULATION_REASONS(GRANULATION__TEXT)
+    default: return "unknown reason";
+    }
+}
+
+static inline void *granulation__memory(const granulation_memory *m, void *old, size_t old_size, size_t new_size) {
+    if (m->fn) return old || new_size ? m->fn(m->user, old, old_size, new_size) : NULL;
+    if (new_size) return realloc(old, new_size);
+    free(old);
+    return NULL;
+}
+
+/* grows *block from *capacity to at least `needed` elements */
+static inline bool granulation__grow(const granulation_memory *m, void **block, int *capacity, int64_t needed, size_t element) {
+    if (needed <= *capacity) return true;
+    int64_t fresh = *capacity + (int64_t)(*capacity) / 2 + 64;
+    if (fresh < needed) fresh = needed;
+    if (fresh > INT32_MAX) return false;
+    void *p = granulation__memory(m, *block, (size_t)*capacity * element, (size_t)fresh * element);
+    if (!p) return false;
+    *block = p;
+    *capacity = (int)fresh;
+    return true;
+}
+
+static inline bool granulation__refuse(const char **field, const char *name) {
+    if (field) *field = name;
+    return true;
+}
+#define GRANULATION__NEED(condition, name)                                                                                                 \
+    if (!(condition) && granulation__refuse(field, name)) return GRANULATION_BAD_DEF
+
+static inline bool granulation__finite(double x) { return fabs(x) < HUGE_VAL; }
+
+GRANULATION_API granulation_laws granulation_default_laws(void) {
+    granulation_laws w;
+    memset(&w, 0, sizeof w);
+    w.convention = GRANULATION_CONSISTENT;
+    w.viscosity = 0.035;
+    w.solid_density = 1700.0;
+    w.liquid_density = 1000.0;
+    w.air_density = 1.2;
+    w.surface_tension = 0.048;
+    w.contact_angle = 0.0;
+    w.grain_diameter = 1e-6;
+    w.shape_factor = 6.0;
+    w.asperity_factor = 0.1;
+    w.poisson = 0.3;
+    w.critical_saturation = 0.85;
+    w.stiffness = GRANULATION_FIXED_RATIO;
+    w.yield_ratio = 0.04;
+    w.modulus = 1e7;
+    w.pair_yield = GRANULATION_YIELD_MEAN;
+    w.limit = GRANULATION_LIMIT_MOISTURE;
+    w.limit_diameter = 2.30e-4;
+    w.limit_moisture = 33.0 / 52.0;
+    w.limit_exponent = 0.5;
+    w.breakage_stokes = 0.2;
+    w.flow_index = 1.0;
+    return w;
+}
+
+GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *w, const char **field) {
+    if (!w) return GRANULATION_BAD_ARGUMENT;
+    GRANULATION__NEED(w->convention == GRANULATION_CONSISTENT || w->convention == GRANULATION_PRINTED, "convention");
+    GRANULATION__NEED(w->viscosity > 0.0 && granulation__finite(w->viscosity), "viscosity");
+    GRANULATION__NEED(w->solid_density > 0.0 && granulation__finite(w->solid_density), "solid_density");
+    GRANULATION__NEED(w->liquid_density >= 0.0 && granulation__finite(w->liquid_density), "liquid_density");
+    GRANULATION__NEED(w->air_density >= 0.0 && granulation__finite(w->air_density), "air_density");
+    GRANULATION__NEED(w->surface_tension >= 0.0 && granulation__finite(w->surface_tension), "surface_tension");
+    GRANULATION__NEED(w->contact_angle >= 0.0 && w->contact_angle <= 0.5 * RIDDLE_PI, "contact_angle");
+    GRANULATION__NEED(w->grain_diameter > 0.0 && granulation__finite(w->grain_diameter), "grain_diameter");
+    GRANULATION__NEED(w->shape_factor > 0.0 && granulation__finite(w->shape_factor), "shape_factor");
+    GRANULATION__NEED(w->asperity_factor > 0.0 && granulation__finite(w->asperity_factor), "asperity_factor");
+    GRANULATION__NEED(w->poisson >= -1.0 && w->poisson < 0.5, "poisson");
+    GRANULATION__NEED(w->critical_saturation > 0.0 && w->critical_saturation <= 1.0, "critical_saturation");
+    GRANULATION__NEED(w->stiffness == GRANULATION_FIXED_RATIO || w->stiffness == GRANULATION_FIXED_MODULUS, "stiffness");
+    GRANULATION__NEED(w->yield_ratio >= 0.0 && granulation__finite(w->yield_ratio), "yield_ratio");
+    GRANULATION__NEED(w->modulus > 0.0, "modulus");
+    GRANULATION__NEED(w->pair_yield == GRANULATION_YIELD_MEAN || w->pair_yield == GRANULATION_YIELD_WEAKER, "pair_yield");
+    GRANULATION__NEED(w->limit >= GRANULATION_NO_LIMIT && w->limit <= GRANULATION_LIMIT_PRINTED, "limit");
+    GRANULATION__NEED(w->limit_diameter > 0.0, "limit_diameter");
+    GRANULATION__NEED(w->limit_moisture > 0.0 && granulation__finite(w->limit_moisture), "limit_moisture");
+    GRANULATION__NEED(w->limit_exponent > 0.0 && granulation__finite(w->limit_exponent), "limit_exponent");
+    GRANULATION__NEED(w->breakage_stokes > 0.0, "breakage_stokes");
+    GRANULATION__NEED(w->flow_consistency >= 0.0 && granulation__finite(w->flow_consistency), "flow_consistency");
+    GRANULATION__NEED(w->flow_index >= 0.0 && granulation__finite(w->flow_index), "flow_index");
+    GRANULATION__NEED(w->shear_rate >= 0.0 && granulation__finite(w->shear_rate), "shear_rate");
+    return GRANULATION_OK;
+}
+
+/* ==== >>simulation ==== */
+#define GRANULATION__COOKIE UINT64_C(0x6772616e756c6531)
+
+GRANULATION_API granulation_def granulation_default_def(void) {
+    granulation_def d;
+    memset(&d, 0, sizeof d);
+    d.laws = granulation_default_laws();
+    d.box = 2e-3;
+    d.step = 1.0;
+    d.dilation = 1e4;
+    for (int k = 0; k < 3; k++) {
+        d.velocity_mean[k] = 3.0;
+        d.velocity_deviation[k] = 1.0;
+    }
+    d.detection = GRANULATION_SWEPT;
+    d.contact = GRANULATION_CONTACT_SUM;
+    d.bounce = GRANULATION_CONSERVING;
+    d.restitution = 1.0;
+    d.approaching_only = true;
+    d.consolidation = 0.0425;
+    d.breakage = true;
+    d.breakage_least_volume = 1e-12;
+    d.most_granules = 4000000;
+    d.most_events = 1000;
+    d.place_attempts = 2000;
+    d.seed = 1;
+    d.cookie = GRANULATION__COOKIE;
+    return d;
+}
+
+GRANULATION_API granulation_def granulation_paper_def(void) {
+    granulation_def d = granulation_default_def();
+    d.detection = GRANULATION_END_OF_STEP;
+    d.contact = GRANULATION_CONTACT_LARGER;
+    d.bounce = GRANULATION_REVERSAL;
+    d.approaching_only = false;
+    return d;
+}
+
+GRANULATION_API granulation_status granulation_check_def(const granulation_def *d, const char **field) {
+    if (!d) return GRANULATION_BAD_ARGUMENT;
+    GRANULATION__NEED(d->cookie == GRANULATION__COOKIE, "cookie");
+    granulation_status status = granulation_check_laws(&d->laws, field);
+    if (status != GRANULATION_OK) return status;
+    GRANULATION__NEED(d->box > 0.0 && granulation__finite(d->box), "box");
+    GRANULATION__NEED(d->step > 0.0 && granulation__finite(d->step), "step");
+    GRANULATION__NEED(d->dilation > 0.0, "dilation");
+    for (int k = 0; k < 3; k++) {
+        GRANULATION__NEED(fabs(d->velocity_mean[k]) < 1e100, "velocity_mean");
+        GRANULATION__NEED(d->velocity_deviation[k] >= 0.0 && d->velocity_deviation[k] < 1e100, "velocity_deviation");
+    }
+    GRANULATION__NEED(d->detection == GRANULATION_SWEPT || d->detection == GRANULATION_END_OF_STEP, "detection");
+    GRANULATION__NEED(d->contact >= GRANULATION_CONTACT_SUM && d->contact <= GRANULATION_CONTACT_SMALLER, "contact");
+    GRANULATION__NEED(d->bounce == GRANULATION_CONSERVING || d->bounce == GRANULATION_REVERSAL, "bounce");
+    GRANULATION__NEED(d->restitution >= 0.0 && d->restitution <= 1.0, "restitution");
+    GRANULATION__NEED(d->stirring >= 0.0 && granulation__finite(d->stirring), "stirring");
+    GRANULATION__NEED(d->consolidation >= 0.0 && granulation__finite(d->consolidation), "consolidation");
+    GRANULATION__NEED(d->breakage_least_volume >= 0.0, "breakage_least_volume");
+    GRANULATION__NEED(d->breakage_rest >= 0, "breakage_rest");
+    GRANULATION__NEED(d->most_granules >= 1, "most_granules");
+    GRANULATION__NEED(d->most_events >= 1 && d->most_events <= 1000000000, "most_events");
+    GRANULATION__NEED(d->place_attempts >= 1, "place_attempts");
+    return GRANULATION_OK;
+}
+
+/* One granule as the search for contacts sees it, in the order of cells */
+typedef struct granulation__item {
+    double x, y, z, vx, vy, vz, radius;
+    int id;
+} granulation__item;
+
+/* Within a sweep: the path time to which the position belongs, how often the path has changed, and whether the granule is gone */
+typedef struct granulation__motion {
+    double time;
+    int stamp;
+    int gone;
+} granulation__motion;
+
+typedef struct granulation__hit {
+    double time;
+    int i, j, stamp_i, stamp_j;
+} granulation__hit;
+
+GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def) {
+    if (!sim) return GRANULATION_BAD_ARGUMENT;
+    memset(sim, 0, sizeof *sim);
+    granulation_status status = granulation_check_def(def, NULL);
+    if (status != GRANULATION_OK) return status;
+    sim->def = *def;
+    sim->random = granulation_random_seed(def->seed);
+    return GRANULATION_OK;
+}
+
+GRANULATION_API void granulation_sim_free(granulation_sim *sim) {
+    if (!sim) return;
+    const granulation_memory *m = &sim->def.memory;
+    size_t n = (size_t)sim->capacity, cells = (size_t)sim->cells;
+    double *arrays[6] = {sim->x, sim->y, sim->z, sim->vx, sim->vy, sim->vz};
+    for (int k = 0; k < 6; k++) granulation__memory(m, arrays[k], arrays[k] ? n * sizeof(double) : 0, 0);
+    granulation__memory(m, sim->body, sim->body ? n * sizeof(granulation_body) : 0, 0);
+    granulation__memory(m, sim->broken, sim->broken ? n * sizeof(int64_t) : 0, 0);
+    granulation__memory(m, sim->motion, sim->motion ? n * sizeof(granulation__motion) : 0, 0);
+    granulation__memory(m, sim->cell_start, cells * sizeof(int), 0);
+    granulation__memory(m, sim->items, (size_t)sim->item_capacity * sizeof(granulation__item), 0);
+    granulation__memory(m, sim->heap, (size_t)sim->event_capacity * sizeof(granulation__hit), 0);
+    granulation__memory(m, sim->hits, (size_t)sim->hit_capacity * sizeof(int), 0);
+    memset(sim, 0, sizeof *sim);
+}
+
+/* All arrays of granules grow together: each one to the new size, and the capacity only once all have it. A block that has grown while a
+   later one failed is shrunk back, so that its size stays known. */
+static inline granulation_status granulation__reserve(granulation_sim *sim, int64_t needed) {
+    if (needed <= sim->capacity) return GRANULATION_OK;
+    int64_t fresh = sim->capacity + (int64_t)sim->capacity / 2 + 64;
+    if (fresh < needed) fresh = needed;
+    if (fresh > INT32_MAX) return GRANULATION_NO_MEMORY;
+    void *blocks[9] = {sim->x, sim->y, sim->z, sim->vx, sim->vy, sim->vz, sim->body, sim->broken, sim->motion};
+    void *made[9];
+    size_t size[9], old = (size_t)sim->capacity;
+    for (int k = 0; k < 9; k++) {
+        size[k] = k < 6 ? sizeof(double) : k == 6 ? sizeof(granulation_body) : k == 7 ? sizeof(int64_t) : sizeof(granulation__motion);
+        made[k] = granulation__memory(&sim->def.memory, NULL, 0, (size_t)fresh * size[k]);
+        if (made[k]) continue;
+        while (k-- > 0) granulation__memory(&sim->def.memory, made[k], (size_t)fresh * size[k], 0);
+        return GRANULATION_NO_MEMORY;
+    }
+    for (int k = 0; k < 9; k++) {
+        if (old) memcpy(made[k], blocks[k], (size_t)sim->n * size[k]);
+        granulation__memory(&sim->def.memory, blocks[k], old * size[k], 0);
+    }
+    sim->x = (double *)made[0];
+    sim->y = (double *)made[1];
+    sim->z = (double *)made[2];
+    sim->vx = (double *)made[3];
+    sim->vy = (double *)made[4];
+    sim->vz = (double *)made[5];
+    sim->body = (granulation_body *)made[6];
+    sim->broken = (int64_t *)made[7];
+    sim->motion = made[8];
+    sim->capacity = (int)fresh;
+    return GRANULATION_OK;
+}
+
+static inline double granulation__wrap(double x, double box) {
+    if (x >= 0.0 && x < box) return x;
+    x -= box * floor(x / box);
+    return x >= 0.0 && x < box ? x : 0.0; /* -1e-30 + box rounds to box */
+}
+/* nearest image of a difference of two places in the box, |dx| < 1.5 box */
+static inline double granulation__nearest(double dx, double box) {
+    if (dx > 0.5 * box) return dx - box;
+    if (dx < -0.5 * box) return dx + box;
+    return dx;
+}
+static inline double granulation__reach(granulation_contact contact, double a, double b) {
+    if (contact == GRANULATION_CONTACT_SUM) return a + b;
+    return contact == GRANULATION_CONTACT_LARGER ? (a > b ? a : b) : (a < b ? a : b);
+}
+static inline double granulation__own_velocity(granulation_sim *sim, int k) {
+    double mean = sim->def.velocity_mean[k];
+    if (sim->def.random_signs && granulation_random_bits(&sim->random) >> 63) mean = -mean;
+    return mean + sim->def.velocity_deviation[k] * granulation_random_normal(&sim->random);
+}
+static inline void granulation__note_momentum(granulation_sim *sim, int i, double mass, double sign) {
+    sim->ledger.momentum[0] += sign * mass * sim->vx[i];
+    sim->ledger.momentum[1] += sign * mass * sim->vy[i];
+    sim->ledger.momentum[2] += sign * mass * sim->vz[i];
+}
+
+GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
+                                                       const double velocity[3]) {
+    if (!sim || !g || !centre || !velocity || !(sim->def.box > 0.0) || !granulation__is_granule(g)) return GRANULATION_BAD_ARGUMENT;
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(centre[k]) < 1e100 && fabs(velocity[k]) < 1e100)) return GRANULATION_BAD_ARGUMENT;
+    granulation_body body = granulation_body_of(&sim->def.laws, g);
+    if (!(body.diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    if (!(body.diameter > 0.0 && body.mass > 0.0)) return GRANULATION_BAD_ARGUMENT; /* underflow */
+    granulation_status status = granulation__reserve(sim, (int64_t)sim->n + 1);
+    if (status != GRANULATION_OK) return status;
+    int i = sim->n++;
+    sim->x[i] = granulation__wrap(centre[0], sim->def.box);
+    sim->y[i] = granulation__wrap(centre[1], sim->def.box);
+    sim->z[i] = granulation__wrap(centre[2], sim->def.box);
+    sim->vx[i] = velocity[0];
+    sim->vy[i] = velocity[1];
+    sim->vz[i] = velocity[2];
+    sim->body[i] = body;
+    sim->broken[i] = -1;
+    sim->ledger.solid += g->s;
+    sim->ledger.liquid += g->l;
+    sim->ledger.air += g->a;
+    granulation__note_momentum(sim, i, body.mass, 1.0);
+    return GRANULATION_OK;
+}
+
+/* ---- cells: a counting sort of the granules, and a walk over those near a place ---- */
+
+typedef struct granulation__span {
+    int lo, count;
+} granulation__span;
+
+static inline granulation__span granulation__span_of(double centre, double reach, double per_cell, int cells) {
+    granulation__span s;
+    double lo = floor((centre - reach) * per_cell), hi = floor((centre + reach) * per_cell);
+    if (!(hi - lo + 1.0 < (double)cells)) {
+        s.lo = 0;
+        s.count = cells;
+    } else {
+        s.count = (int)(hi - lo) + 1;
+        double turns = floor(lo / cells);
+        s.lo = (int)(lo - turns * cells);
+        if (s.lo >= cells) s.lo = 0;
+    }
+    return s;
+}
+
+typedef struct granulation__walk {
+    const int *start;
+    int cells, iy, iz, part;
+    granulation__span x, y, z;
+    int from, to; /* items of the present run */
+} granulation__walk;
+
+static inline granulation__walk granulation__near(const granulation_sim *sim, int cells, double x, double y, double z, double reach) {
+    granulation__walk w;
+    double per_cell = cells / sim->def.box;
+    w.start = sim->cell_start;
+    w.cells = cells;
+    w.x = granulation__span_of(x, reach, per_cell, cells);
+    w.y = granulation__span_of(y, reach, per_cell, cells);
+    w.z = granulation__span_of(z, reach, per_cell, cells);
+    w.iy = w.iz = w.part = 0;
+    w.from = w.to = 0;
+    return w;
+}
+/* the next run of items: a row of cells along x, in two parts where it wraps */
+static inline bool granulation__next(granulation__walk *w) {
+    while (w->iz < w->z.count) {
+        int iz = w->z.lo + w->iz, iy = w->y.lo + w->iy;
+        iz = iz >= w->cells ? iz - w->cells : iz;
+        iy = iy >= w->cells ? iy - w->cells : iy;
+        int row = (iz * w->cells + iy) * w->cells, end = w->x.lo + w->x.count;
+        if (w->part == 0) {
+            w->from = w->start[row + w->x.lo];
+            w->to = w->start[row + (end < w->cells ? end : w->cells)];
+            w->part = end > w->cells;
+        } else {
+            w->from = w->start[row];
+            w->to = w->start[row + end - w->cells];
+            w->part = 0;
+        }
+        if (!w->part && ++w->iy == w->y.count) {
+            w->iy = 0;
+            w->iz++;
+        }
+        if (w->from < w->to) return true;
+    }
+    return false;
+}
+
+static inline int granulation__cells_for(int n) {
+    int cells = (int)riddle_cbrt((double)n);
+    return cells < 1 ? 1 : cells > 512 ? 512 : cells;
+}
+
+/* Fills cell_start and items; positions must lie in the box */
+static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
+    int n = sim->n, cells = granulation__cells_for(n), total = cells * cells * cells;
+    void *start = sim->cell_start;
+    if (!granulation__grow(&sim->def.memory, &start, &sim->cells, (int64_t)total + 1, sizeof(int))) return false;
+    sim->cell_start = (int *)start;
+    if (!granulation__grow(&sim->def.memory, &sim->items, &sim->item_capacity, n, sizeof(granulation__item))) return false;
+    if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, n, sizeof(int))) return false;
+    int *first = sim->cell_start, *cell = (int *)sim->hits;
+    granulation__item *items = (granulation__item *)sim->items;
+    double per_cell = cells / sim->def.box;
+    memset(first, 0, ((size_t)total + 1) * sizeof(int));
+    for (int i = 0; i < n; i++) {
+        int cx = (int)(sim->x[i] * per_cell), cy = (int)(sim->y[i] * per_cell), cz = (int)(sim->z[i] * per_cell);
+        cx = cx < cells ? cx : cells - 1;
+        cy = cy < cells ? cy : cells - 1;
+        cz = cz < cells ? cz : cells - 1;
+        cell[i] = (cz * cells + cy) * cells + cx;
+        first[cell[i] + 1]++;
+    }
+    for (int c = 0; c < total; c++) first[c + 1] += first[c];
+    for (int i = n - 1; i >= 0; i--) { /* backwards: equal cells keep the order of the indices once the counts have run down */
+        granulation__item *it = items + --first[cell[i] + 1];
+        it->x = sim->x[i];
+        it->y = sim->y[i];
+        it->z = sim->z[i];
+        it->vx = sim->vx[i];
+        it->vy = sim->vy[i];
+        it->vz = sim->vz[i];
+        it->radius = 0.5 * sim->body[i].diameter;
+        it->id = i;
+    }
+    /* each first[c + 1] has run down to the start of cell c: shift back */
+    for (int c = 0; c < total; c++) first[c] = first[c + 1];
+    first[total] = n;
+    *cells_used = cells;
+    return true;
+}
+
+/* ---- placement ---- */
+
+static inline granulation_status granulation__place(granulation_sim *sim, const granulation_granule *granules, int n, bool same) {
+    if (!sim || !granules || n < 0 || !(sim->def.box > 0.0)) return GRANULATION_BAD_ARGUMENT;
+    double box = sim->def.box, largest = 0.0;
+    for (int i = 0; i < (same ? 1 : n); i++) {
+        if (!granulation__is_granule(granules + i)) return GRANULATION_BAD_ARGUMENT;
+        double d = granulation_diameter(granulation_volume(granules + i));
+        if (!(d < 0.5 * box)) return GRANULATION_TOO_LARGE;
+        if (d > largest) largest = d;
+    }
+    for (int i = 0; i < sim->n; i++) largest = sim->body[i].diameter > largest ? sim->body[i].diameter : largest;
+    if (n == 0) return GRANULATION_OK;
+    int64_t all = (int64_t)sim->n + n;
+    granulation_status status = granulation__reserve(sim, all);
+    if (status != GRANULATION_OK) return status;
+    /* chains of granules by cell, cells no smaller than the largest diameter: 27 cells hold every neighbour */
+    double most = floor(box / largest);
+    int cells = granulation__cells_for((int)all);
+    if (most < cells) cells = (int)most;
+    if (cells < 3) cells = 1;
+    int total = cells * cells * cells;
+    void *block = sim->cell_start;
+    if (!granulation__grow(&sim->def.memory, &block, &sim->cells, total, sizeof(int))) return GRANULATION_NO_MEMORY;
+    sim->cell_start = (int *)block;
+    if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, all, sizeof(int))) return GRANULATION_NO_MEMORY;
+    int *head = sim->cell_start, *next = (int *)sim->hits;
+    for (int c = 0; c < total; c++) head[c] = -1;
+    int done = 0;
+    for (int i = 0; done < n; i++) {
+        double centre[3];
+        int at[3];
+        if (i < sim->n) { /* one that stands already */
+            centre[0] = sim->x[i];
+            centre[1] = sim->y[i];
+            centre[2] = sim->z[i];
+        } else {
+            const granulation_granule *g = granules + (same ? 0 : done);
+            double diameter = granulation_diameter(granulation_volume(g));
+            int attempt = 0;
+            for (; attempt < sim->def.place_attempts; attempt++) {
+                bool free_place = true;
+                for (int k = 0; k < 3; k++) {
+                    centre[k] = box * granulation_random_uniform(&sim->random);
+                    at[k] = (int)(centre[k] / box * cells);
+                }
+                int width = cells < 3 ? 1 : 27;
+                for (int c = 0; c < width && free_place; c++) {
+                    int cx = (at[0] + c % 3 - 1 + cells) % cells, cy = (at[1] + c / 3 % 3 - 1 + cells) % cells,
+                        cz = (at[2] + c / 9 - 1 + cells) % cells;
+                    for (int j = head[(cz * cells + cy) * cells + cx]; j >= 0 && free_place; j = next[j]) {
+                        double dx = granulation__nearest(sim->x[j] - centre[0], box), dy = granulation__nearest(sim->y[j] - centre[1], box),
+                               dz = granulation__nearest(sim->z[j] - centre[2], box), touch = 0.5 * (diameter + sim->body[j].diameter);
+                        free_place = dx * dx + dy * dy + dz * dz > touch * touch;
+                    }
+                }
+                if (free_place) break;
+            }
+            if (attempt == sim->def.place_attempts) return GRANULATION_NO_ROOM;
+            double velocity[3];
+            for (int k = 0; k < 3; k++) velocity[k] = granulation__own_velocity(sim, k);
+            status = granulation_sim_put(sim, g, centre, velocity);
+            if (status != GRANULATION_OK) return status;
+            done++;
+        }
+        for (int k = 0; k < 3; k++) {
+            at[k] = (int)(centre[k] / box * cells);
+            at[k] = at[k] < cells ? at[k] : cells - 1;
+        }
+        int c = (at[2] * cells + at[1]) * cells + at[0];
+        next[i] = head[c];
+        head[c] = i;
+    }
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_sim_add(granulation_sim *sim, const granulation_granule *g, int count) {
+    return granulation__place(sim, g, count, true);
+}
+GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules, int n) {
+    return granulation__place(sim, granules, n, false);
+}
+
+/* ---- a heap of contacts: earliest first, then by index, so that the order never depends on how they were found ---- */
+
+static inline bool granulation__before(const granulation__hit *a, const granulation__hit *b) {
+    if (a->time != b->time) return a->time < b->time;
+    return a->i != b->i ? a->i < b->i : a->j < b->j;
+}
+static inline bool granulation__push(granulation_sim *sim, granulation__hit hit) {
+    if (!granulation__grow(&sim->def.memory, &sim->heap, &sim->event_capacity, sim->events + 1, sizeof(granulation__hit))) return false;
+    granulation__hit *heap = (granulation__hit *)sim->heap;
+    int64_t k = sim->events++;
+    for (; k > 0 && granulation__before(&hit, heap + (k - 1) / 2); k = (k - 1) / 2) heap[k] = heap[(k - 1) / 2];
+    heap[k] = hit;
+    return true;
+}
+static inline granulation__hit granulation__pop(granulation_sim *sim) {
+    granulation__hit *heap = (granulation__hit *)sim->heap, top = heap[0], last = heap[--sim->events];
+    int64_t k = 0, child;
+    while ((child = 2 * k + 1) < sim->events) {
+        if (child + 1 < sim->events && granulation__before(heap + child + 1, heap + child)) child++;
+        if (!granulation__before(heap + child, &last)) break;
+        heap[k] = heap[child];
+        k = child;
+    }
+    heap[k] = last;
+    return top;
+}
+
+/* Time from now to the contact of two spheres at dx that move apart with dv; negative: none. Pairs that overlap and approach meet now.
+   An approach at less than 1e-12 rad to the tangent counts as none: after a contact the velocities are parallel to it up to round-off. */
+static inline double granulation__contact_time(double dx, double dy, double dz, double dvx, double dvy, double dvz, double touch) {
+    double b = dx * dvx + dy * dvy + dz * dvz;
+    if (!(b < 0.0)) return -1.0;
+    double distance2 = dx * dx + dy * dy + dz * dz, speed2 = dvx * dvx + dvy * dvy + dvz * dvz;
+    if (b * b <= 1e-24 * distance2 * speed2) return -1.0;
+    double c = distance2 - touch * touch;
+    if (c <= 0.0) return 0.0;
+    double root = b * b - speed2 * c;
+    if (root < 0.0) return -1.0;
+    return c / (sqrt(root) - b);
+}
+
+/* ---- what a collision does to its two granules ---- */
+
+static inline void granulation__merge(granulation_sim *sim, int i, int j) {
+    granulation_body *p = sim->body + i, *q = sim->body + j;
+    double box = sim->def.box, mass = p->mass + q->mass, share = q->mass / mass;
+    double dvx = sim->vx[j] - sim->vx[i], dvy = sim->vy[j] - sim->vy[i], dvz = sim->vz[j] - sim->vz[i];
+    sim->tally.kinetic_loss += 0.5 * p->mass * share * (dvx * dvx + dvy * dvy + dvz * dvz);
+    sim->x[i] = granulation__wrap(sim->x[i] + share * granulation__nearest(sim->x[j] - sim->x[i], box), box);
+    sim->y[i] = granulation__wrap(sim->y[i] + share * granulation__nearest(sim->y[j] - sim->y[i], box), box);
+    sim->z[i] = granulation__wrap(sim->z[i] + share * granulation__nearest(sim->z[j] - sim->z[i], box), box);
+    sim->vx[i] = (p->mass * sim->vx[i] + q->mass * sim->vx[j]) / mass;
+    sim->vy[i] = (p->mass * sim->vy[i] + q->mass * sim->vy[j]) / mass;
+    sim->vz[i] = (p->mass * sim->vz[i] + q->mass * sim->vz[j]) / mass;
+    granulation_granule sum = granulation_sum(&p->volumes, &q->volumes);
+    *p = granulation_body_of(&sim->def.laws, &sum);
+    if (sim->broken[j] > sim->broken[i]) sim->broken[i] = sim->broken[j];
+    ((granulation__motion *)sim->motion)[j].gone = 1;
+}
+
+static inline void granulation__bounce(granulation_sim *sim, int i, int j, double dx, double dy, double dz,
+                                       const granulation_collision *c) {
+    double mi = sim->body[i].mass, mj = sim->body[j].mass;
+    if (sim->def.bounce == GRANULATION_REVERSAL) {
+        const double defect[3] = {-2.0 * (mi * sim->vx[i] + mj * sim->vx[j]), -2.0 * (mi * sim->vy[i] + mj * sim->vy[j]),
+                                  -2.0 * (mi * sim->vz[i] + mj * sim->vz[j])};
+        for (int k = 0; k < 3; k++) {
+            sim->ledger.momentum[k] += defect[k];
+            sim->ledger.reversal_defect[k] += defect[k];
+        }
+        sim->vx[i] = -sim->vx[i];
+        sim->vy[i] = -sim->vy[i];
+        sim->vz[i] = -sim->vz[i];
+        sim->vx[j] = -sim->vx[j];
+        sim->vy[j] = -sim->vy[j];
+        sim->vz[j] = -sim->vz[j];
+        return;
+    }
+    double e = sim->def.restitution;
+    if (sim->def.restitution_of_law) {
+        e = c->u3 / c->u0;
+        e = e > 0.0 ? (e < 1.0 ? e : 1.0) : 0.0;
+    }
+    double distance2 = dx * dx + dy * dy + dz * dz, reduced = mi * (mj / (mi + mj));
+    if (!(distance2 > 0.0)) return; /* two centres in one place have no line of centres */
+    double along = dx * (sim->vx[i] - sim->vx[j]) + dy * (sim->vy[i] - sim->vy[j]) + dz * (sim->vz[i] - sim->vz[j]);
+    double impulse = -(1.0 + e) * reduced * along / distance2; /* times dx: on i; dx points from j to i */
+    sim->tally.kinetic_loss += 0.5 * reduced * (1.0 - e * e) * along * along / distance2;
+    sim->vx[i] += impulse / mi * dx;
+    sim->vy[i] += impulse / mi * dy;
+    sim->vz[i] += impulse / mi * dz;
+    sim->vx[j] -= impulse / mj * dx;
+    sim->vy[j] -= impulse / mj * dy;
+    sim->vz[j] -= impulse / mj * dz;
+}
+
+/* i and j have met, both positions are of now. True if they are one now. */
+static inline bool granulation__meet(granulation_sim *sim, int i, int j, double time) {
+    granulation_event event;
+    double box = sim->def.box, dvx = sim->vx[i] - sim->vx[j], dvy = sim->vy[i] - sim->vy[j], dvz = sim->vz[i] - sim->vz[j];
+    event.time = time;
+    event.i = i;
+    event.j = j;
+    event.speed = sqrt(dvx * dvx + dvy * dvy + dvz * dvz);
+    event.diameter_i = sim->body[i].diameter;
+    event.diameter_j = sim->body[j].diameter;
+    event.collision = granulation_collide(&sim->def.laws, sim->body + i, sim->body + j, event.speed);
+    if (event.collision.reason == GRANULATION_NONE) return false;
+    sim->tally.interactions++;
+    sim->tally.by_reason[event.collision.reason]++;
+    sim->tally.both += event.collision.both;
+    if (event.collision.coalesces) granulation__merge(sim, i, j);
+    else
+        granulation__bounce(sim, i, j, granulation__nearest(sim->x[i] - sim->x[j], box), granulation__nearest(sim->y[i] - sim->y[j], box),
+                            granulation__nearest(sim->z[i] - sim->z[j], box), &event.collision);
+    if (sim->def.on_collision) sim->def.on_collision(sim->def.collision_user, &event);
+    return event.collision.coalesces;
+}
+
+static inline void granulation__compact(granulation_sim *sim) {
+    const granulation__motion *motion = (const granulation__motion *)sim->motion;
+    int k = 0;
+    for (int i = 0; i < sim->n; i++) {
+        if (motion[i].gone) continue;
+        if (k < i) {
+            sim->x[k] = sim->x[i];
+            sim->y[k] = sim->y[i];
+            sim->z[k] = sim->z[i];
+            sim->vx[k] = sim->vx[i];
+            sim->vy[k] = sim->vy[i];
+            sim->vz[k] = sim->vz[i];
+            sim->body[k] = sim->body[i];
+            sim->broken[k] = sim->broken[i];
+        }
+        k++;
+    }
+    sim->n = k;
+}
+
+static inline void granulation__move(granulation_sim *sim, double path_time) {
+    double box = sim->def.box;
+    for (int i = 0; i < sim->n; i++) {
+        sim->x[i] = granulation__wrap(sim->x[i] + path_time * sim->vx[i], box);
+        sim->y[i] = granulation__wrap(sim->y[i] + path_time * sim->vy[i], box);
+        sim->z[i] = granulation__wrap(sim->z[i] + path_time * sim->vz[i], box);
+    }
+}
+
+/* ---- the paper's rule: overlaps at the end of a step, by index, one event a granule ---- */
+
+static inline granulation_status granulation__end_of_step(granulation_sim *sim, double path_time) {
+    int cells;
+    granulation__move(sim, path_time);
+    if (!granulation__sort(sim, &cells)) return GRANULATION_NO_MEMORY;
+    const granulation__item *items = (const granulation__item *)sim->items;
+    granulation__motion *motion = (granulation__motion *)sim->motion;
+    granulation_contact contact = sim->def.contact;
+    double box = sim->def.box, widest = 0.0;
+    for (int i = 0; i < sim->n; i++) {
+        widest = items[i].radius > widest ? items[i].radius : widest;
+        motion[i].gone = motion[i].stamp = 0;
+    }
+    sim->events = 0;
+    for (int a = 0; a < sim->n; a++) {
+        const granulation__item p = items[a];
+        granulation__walk walk = granulation__near(sim, cells, p.x, p.y, p.z, granulation__reach(contact, p.radius, widest));
+        while (granulation__next(&walk))
+            for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
+                const granulation__item *q = items + b;
+                double dx = granulation__nearest(p.x - q->x, box), dy = granulation__nearest(p.y - q->y, box),
+                       dz = granulation__nearest(p.z - q->z, box);
+                double touch = granulation__reach(contact, p.radius, q->radius);
+                if (!(dx * dx + dy * dy + dz * dz < touch * touch)) continue;
+                if (sim->def.approaching_only && !(dx * (p.vx - q->vx) + dy * (p.vy - q->vy) + dz * (p.vz - q->vz) < 0.0)) continue;
+                granulation__hit hit = {0.0, p.id < q->id ? p.id : q->id, p.id < q->id ? q->id : p.id, 0, 0};
+                if (!granulation__push(sim, hit)) return GRANULATION_NO_MEMORY;
+            }
+    }
+    double now = sim->time + sim->def.step;
+    while (sim->events > 0) {
+        granulation__hit hit = granulation__pop(sim);
+        if (motion[hit.i].stamp || motion[hit.j].stamp) continue;
+        motion[hit.i].stamp = motion[hit.j].stamp = 1;
+        granulation__meet(sim, hit.i, hit.j, now);
+    }
+    granulation__compact(sim);
+    return GRANULATION_OK;
+}
+
+/* ---- swept: every contact in the order of time ----
+   A step is cut into sweeps so short that a granule meets only those in the cells around it. Within a sweep each granule keeps the place of
+   its last event; `fastest` bounds the speed of all relative to the mean, `shift` the distance that granules were pushed, so that a
+   search finds everyone whose place in the cells is out of date. */
+
+typedef struct granulation__sweep {
+    int cells;
+    double end;     /* [s] of path */
+    double mean[3]; /* velocity of the frame of the cells [m/s] */
+    double fastest, widest, shift;
+} granulation__sweep;
+
+static inline double granulation__frame_speed(const granulation_sim *sim, const granulation__sweep *w, int i) {
+    double x = sim->vx[i] - w->mean[0], y = sim->vy[i] - w->mean[1], z = sim->vz[i] - w->mean[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* pushes every contact of i, whose place is of `now`, within the rest of the sweep; also raises the bounds */
+static inline bool granulation__predict(granulation_sim *sim, granulation__sweep *w, int i, double now) {
+    const granulation__motion *motion = (const granulation__motion *)sim->motion;
+    const granulation__item *items = (const granulation__item *)sim->items;
+    double box = sim->def.box, radius = 0.5 * sim->body[i].diameter, speed = granulation__frame_speed(sim, w, i), left = w->end - now;
+    double x = sim->x[i], y = sim->y[i], z = sim->z[i];
+    double reach = granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + 2.0 * w->shift;
+    reach *= 1.0 + 1e-12;
+    granulation__walk walk = granulation__near(sim, w->cells, x - w->mean[0] * now, y - w->mean[1] * now, z - w->mean[2] * now, reach);
+    while (granulation__next(&walk))
+        for (int b = walk.from; b < walk.to; b++) {
+            int j = items[b].id;
+            if (j == i || motion[j].gone) continue;
+            double late = now - motion[j].time;
+            double dx = granulation__nearest(x - granulation__wrap(sim->x[j] + late * sim->vx[j], box), box);
+            double dy = granulation__nearest(y - granulation__wrap(sim->y[j] + late * sim->vy[j], box), box);
+            double dz = granulation__nearest(z - granulation__wrap(sim->z[j] + late * sim->vz[j], box), box);
+            double t = granulation__contact_time(dx, dy, dz, sim->vx[i] - sim->vx[j], sim->vy[i] - sim->vy[j], sim->vz[i] - sim->vz[j],
+                                                 granulation__reach(sim->def.contact, radius, 0.5 * sim->body[j].diameter));
+            if (!(t >= 0.0 && t <= left)) continue;
+            int a = i < j ? i : j, c = i < j ? j : i;
+            granulation__hit hit = {now + t, a, c, motion[a].stamp, motion[c].stamp};
+            if (!granulation__push(sim, hit)) return false;
+        }
+    return true;
+}
+
+/* brings i to `now` and into the box */
+static inline void granulation__bring(granulation_sim *sim, int i, double now) {
+    granulation__motion *m = (granulation__motion *)sim->motion + i;
+    double t = now - m->time, box = sim->def.box;
+    sim->x[i] = granulation__wrap(sim->x[i] + t * sim->vx[i], box);
+    sim->y[i] = granulation__wrap(sim->y[i] + t * sim->vy[i], box);
+    sim->z[i] = granulation__wrap(sim->z[i] + t * sim->vz[i], box);
+    m->time = now;
+}
+
+/* A granule has grown: those that it now overlaps are pushed along the line of centres until they touch, and so on in turn.
+   Gives up after 64 pushes; what overlap is left then can only shrink. */
+static inline bool granulation__make_room(granulation_sim *sim, granulation__sweep *w, int first, double now) {
+    granulation__motion *motion = (granulation__motion *)sim->motion;
+    const granulation__item *items = (const granulation__item *)sim->items;
+    double box = sim->def.box;
+    int queue[65], length = 1;
+    queue[0] = first;
+    for (int k = 0; k < length; k++) {
+        int i = queue[k];
+        double radius = 0.5 * sim->body[i].diameter;
+        double reach = granulation__reach(sim->def.contact, radius, w->widest) + w->fastest * w->end + 2.0 * w->shift;
+        granulation__walk walk = granulation__near(sim, w->cells, sim->x[i] - w->mean[0] * now, sim->y[i] - w->mean[1] * now,
+                                                   sim->z[i] - w->mean[2] * now, reach * (1.0 + 1e-12));
+        while (granulation__next(&walk))
+            for (int b = walk.from; b < walk.to && length < 65; b++) {
+                int j = items[b].id;
+                if (j == i || motion[j].gone) continue;
+                double late = now - motion[j].time;
+                double dx = granulation__nearest(granulation__wrap(sim->x[j] + late * sim->vx[j], box) - sim->x[i], box);
+                double dy = granulation__nearest(granulation__wrap(sim->y[j] + late * sim->vy[j], box) - sim->y[i], box);
+                double dz = granulation__nearest(granulation__wrap(sim->z[j] + late * sim->vz[j], box) - sim->z[i], box);
+                double touch = granulation__reach(sim->def.contact, radius, 0.5 * sim->body[j].diameter);
+                double distance2 = dx * dx + dy * dy + dz * dz;
+                if (!(distance2 < touch * touch) || !(distance2 > 0.0)) continue;
+                double push = touch * (1.0 + 1e-14) / sqrt(distance2) - 1.0;
+                granulation__bring(sim, j, now);
+                sim->x[j] = granulation__wrap(sim->x[j] + push * dx, box);
+                sim->y[j] = granulation__wrap(sim->y[j] + push * dy, box);
+                sim->z[j] = granulation__wrap(sim->z[j] + push * dz, box);
+                w->shift += push * sqrt(distance2); /* of any granule: the sum bounds each */
+                motion[j].stamp++;
+                queue[length++] = j;
+            }
+    }
+    for (int k = 1; k < length; k++)
+        if (!granulation__predict(sim, w, queue[k], now)) return false;
+    return true;
+}
+
+static inline granulation_status granulation__swept_step(granulation_sim *sim, double path_time) {
+    double left = path_time, box = sim->def.box;
+    int64_t budget = sim->def.most_events * (sim->n + 1), sweeps = 0;
+    granulation_status status = GRANULATION_OK;
+    while (left > 0.0 && status == GRANULATION_OK) {
+        granulation__motion *motion = (granulation__motion *)sim->motion;
+        granulation__sweep w;
+        memset(&w, 0, sizeof w);
+        int n = sim->n;
+        double n_mean = n > 0 ? n : 1;
+        if (sim->def.bounce == GRANULATION_CONSERVING) { /* reversal turns velocities about zero, not about their mean */
+            for (int i = 0; i < n; i++) {
+                w.mean[0] += sim->vx[i];
+                w.mean[1] += sim->vy[i];
+                w.mean[2] += sim->vz[i];
+            }
+            for (int k = 0; k < 3; k++) w.mean[k] /= n_mean;
+        }
+        for (int i = 0; i < n; i++) {
+            double speed = granulation__frame_speed(sim, &w, i), radius = 0.5 * sim->body[i].diameter;
+            w.fastest = speed > w.fastest ? speed : w.fastest;
+            w.widest = radius > w.widest ? radius : w.widest;
+            motion[i].time = 0.0;
+            motion[i].stamp = motion[i].gone = 0;
+        }
+        double room = 0.5 * box - 2.0 * w.widest, spacing = box / riddle_cbrt(n_mean);
+        if (!(room > 0.0)) return GRANULATION_TOO_LARGE;
+        double skin = spacing < 0.5 * room ? spacing : 0.5 * room; /* measured: half and twice as long cost more */
+        double parts = w.fastest * left > 0.5 * skin ? floor(w.fastest * left / (0.5 * skin)) + 1.0 : 1.0;
+        w.end = left / parts;
+        double allowed = 0.5 * room / w.end; /* of fastest: beyond it a search would reach the next image */
+        if (++sweeps > 1000000 || !(w.end > 0.0)) return GRANULATION_EVENTS;
+        if (!granulation__sort(sim, &w.cells)) return GRANULATION_NO_MEMORY;
+        sim->events = 0;
+        const granulation__item *items = (const granulation__item *)sim->items;
+        double other = w.fastest * w.end;
+        for (int a = 0; a < n && status == GRANULATION_OK; a++) {
+            const granulation__item p = items[a];
+            double sx = p.vx - w.mean[0], sy = p.vy - w.mean[1], sz = p.vz - w.mean[2];
+            double reach = granulation__reach(sim->def.contact, p.radius, w.widest) + sqrt(sx * sx + sy * sy + sz * sz) * w.end + other;
+            granulation__walk walk = granulation__near(sim, w.cells, p.x, p.y, p.z, reach * (1.0 + 1e-12));
+            while (granulation__next(&walk))
+                for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
+                    const granulation__item *q = items + b;
+                    double dx = granulation__nearest(p.x - q->x, box), dy = granulation__nearest(p.y - q->y, box);
+                    double dz = granulation__nearest(p.z - q->z, box);
+                    double t = granulation__contact_time(dx, dy, dz, p.vx - q->vx, p.vy - q->vy, p.vz - q->vz,
+                                                         granulation__reach(sim->def.contact, p.radius, q->radius));
+                    if (!(t >= 0.0 && t <= w.end)) continue;
+                    granulation__hit hit = {t, p.id < q->id ? p.id : q->id, p.id < q->id ? q->id : p.id, 0, 0};
+                    if (!granulation__push(sim, hit)) return GRANULATION_NO_MEMORY;
+                }
+        }
+        double stop = w.end;
+        while (sim->events > 0) {
+            granulation__hit hit = granulation__pop(sim);
+            int i = hit.i, j = hit.j;
+            if (motion[i].gone || motion[j].gone || motion[i].stamp != hit.stamp_i || motion[j].stamp != hit.stamp_j) continue;
+            granulation__bring(sim, i, hit.time);
+            granulation__bring(sim, j, hit.time);
+            bool merged = granulation__meet(sim, i, j, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
+            motion[i].stamp++;
+            motion[j].stamp++;
+            double radius = 0.5 * sim->body[i].diameter, speed_i = granulation__frame_speed(sim, &w, i);
+            double speed_j = merged ? 0.0 : granulation__frame_speed(sim, &w, j);
+            w.widest = radius > w.widest ? radius : w.widest;
+            w.fastest = speed_i > w.fastest ? speed_i : w.fastest;
+            w.fastest = speed_j > w.fastest ? speed_j : w.fastest;
+            bool known = merged ? granulation__make_room(sim, &w, i, hit.time) : granulation__predict(sim, &w, j, hit.time);
+            if (!known || !granulation__predict(sim, &w, i, hit.time)) status = GRANULATION_NO_MEMORY;
+            if (merged && !(2.0 * radius < 0.5 * box)) status = GRANULATION_TOO_LARGE;
+            if (--budget < 0) status = GRANULATION_EVENTS;
+            if (status != GRANULATION_OK || w.fastest > allowed || w.shift > 0.25 * spacing) {
+                stop = hit.time; /* a new sweep with new bounds */
+                break;
+            }
+        }
+        for (int i = 0; i < sim->n; i++)
+            if (!motion[i].gone) granulation__bring(sim, i, stop);
+        granulation__compact(sim);
+        left = stop < left ? left - stop : 0.0;
+    }
+    return status;
+}
+
+/* ---- one step ---- */
+
+static inline void granulation__consolidate_all(granulation_sim *sim) {
+    double decay = riddle_exp(-sim->def.consolidation * sim->def.step), capillary = granulation__capillary(&sim->def.laws);
+    for (int i = 0; i < sim->n; i++) {
+        granulation_granule g = sim->body[i].volumes;
+        double air = granulation__consolidated(g.s + g.l, g.a, decay), before = sim->body[i].mass;
+        sim->ledger.air_released += g.a - air;
+        g.a = air;
+        sim->body[i] = granulation__body(&sim->def.laws, &g, capillary);
+        granulation__note_momentum(sim, i, before - sim->body[i].mass, -1.0);
+    }
+}
+
+/* (28), (36): two halves of one velocity that touch, in a random direction about the old centre */
+static inline granulation_status granulation__break_all(granulation_sim *sim) {
+    int n = sim->n;
+    for (int i = 0; i < n; i++) {
+        double speed = sqrt(sim->vx[i] * sim->vx[i] + sim->vy[i] * sim->vy[i] + sim->vz[i] * sim->vz[i]);
+        if (!granulation_breaks(&sim->def.laws, sim->body + i, speed)) continue;
+        bool resting = sim->broken[i] >= 0 && sim->steps - sim->broken[i] <= sim->def.breakage_rest;
+        if (resting || granulation_volume(&sim->body[i].volumes) < sim->def.breakage_least_volume) {
+            sim->tally.refused_breakages++;
+            continue;
+        }
+        if (sim->n >= sim->def.most_granules) return GRANULATION_POPULATION;
+        granulation_status status = granulation__reserve(sim, (int64_t)sim->n + 1);
+        if (status != GRANULATION_OK) return status;
+        double x, y, z, length2;
+        do {
+            x = 2.0 * granulation_random_uniform(&sim->random) - 1.0;
+            y = 2.0 * granulation_random_uniform(&sim->random) - 1.0;
+            z = 2.0 * granulation_random_uniform(&sim->random) - 1.0;
+            length2 = x * x + y * y + z * z;
+        } while (!(length2 > 1e-6 && length2 <= 1.0));
+        granulation_granule half = granulation_half(&sim->body[i].volumes);
+        granulation_body body = granulation_body_of(&sim->def.laws, &half);
+        double arm = 0.5 * body.diameter * (1.0 + 1e-14) / sqrt(length2), box = sim->def.box;
+        int j = sim->n++;
+        sim->x[j] = granulation__wrap(sim->x[i] - arm * x, box);
+        sim->y[j] = granulation__wrap(sim->y[i] - arm * y, box);
+        sim->z[j] = granulation__wrap(sim->z[i] - arm * z, box);
+        sim->x[i] = granulation__wrap(sim->x[i] + arm * x, box);
+        sim->y[i] = granulation__wrap(sim->y[i] + arm * y, box);
+        sim->z[i] = granulation__wrap(sim->z[i] + arm * z, box);
+        sim->vx[j] = sim->vx[i];
+        sim->vy[j] = sim->vy[i];
+        sim->vz[j] = sim->vz[i];
+        granulation__note_momentum(sim, i, 2.0 * body.mass - sim->body[i].mass, 1.0); /* round-off of the two masses */
+        sim->body[i] = sim->body[j] = body;
+        sim->broken[i] = sim->broken[j] = sim->steps;
+        sim->tally.breakages++;
+    }
+    return GRANULATION_OK;
+}
+
+static inline void granulation__stir(granulation_sim *sim) {
+    double chance = -riddle_expm1(-sim->def.stirring * sim->def.step);
+    for (int i = 0; i < sim->n; i++) {
+        if (granulation_random_uniform(&sim->random) >= chance) continue;
+        granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
+        sim->vx[i] = granulation__own_velocity(sim, 0);
+        sim->vy[i] = granulation__own_velocity(sim, 1);
+        sim->vz[i] = granulation__own_velocity(sim, 2);
+        granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
+    }
+}
+
+GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps) {
+    if (!sim || steps < 0 || sim->def.cookie != GRANULATION__COOKIE) return GRANULATION_BAD_ARGUMENT;
+    for (int k = 0; k < steps; k++) {
+        granulation__consolidate_all(sim);
+        granulation_status status = sim->def.breakage ? granulation__break_all(sim) : GRANULATION_OK;
+        if (status != GRANULATION_OK) return status;
+        if (sim->def.stirring > 0.0) granulation__stir(sim);
+        double path_time = sim->def.step / sim->def.dilation;
+        status =
+            sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, path_time) : granulation__end_of_step(sim, path_time);
+        sim->time += sim->def.step;
+        sim->steps++;
+        if (status != GRANULATION_OK) return status;
+        for (int i = 0; i < sim->n; i++)
+            if (!(sim->body[i].diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    }
+    return GRANULATION_OK;
+}
+
+/* ---- changes in mid-run ---- */
+
+static inline void granulation__refresh(granulation_sim *sim) {
+    double capillary = granulation__capillary(&sim->def.laws);
+    for (int i = 0; i < sim->n; i++) {
+        double before = sim->body[i].mass;
+        granulation_granule g = sim->body[i].volumes;
+        sim->body[i] = granulation__body(&sim->def.laws, &g, capillary);
+        granulation__note_momentum(sim, i, sim->body[i].mass - before, 1.0);
+    }
+}
+
+GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, const granulation_def *def) {
+    if (!sim || !def) return GRANULATION_BAD_ARGUMENT;
+    granulation_status status = granulation_check_def(def, NULL);
+    if (status != GRANULATION_OK) return status;
+    if (def->box != sim->def.box) return GRANULATION_BAD_ARGUMENT;
+    granulation_memory memory = sim->def.memory;
+    sim->def = *def;
+    sim->def.memory = memory;
+    granulation__refresh(sim);
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
+                                                            bool redraw) {
+    if (!sim || !mean || !deviation) return GRANULATION_BAD_ARGUMENT;
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(mean[k]) < 1e100 && deviation[k] >= 0.0 && deviation[k] < 1e100)) return GRANULATION_BAD_ARGUMENT;
+    double old_mean[3], old_deviation[3];
+    memcpy(old_mean, sim->def.velocity_mean, sizeof old_mean);
+    memcpy(old_deviation, sim->def.velocity_deviation, sizeof old_deviation);
+    memcpy(sim->def.velocity_mean, mean, sizeof old_mean);
+    memcpy(sim->def.velocity_deviation, deviation, sizeof old_deviation);
+    double *velocity[3] = {sim->vx, sim->vy, sim->vz};
+    for (int i = 0; i < sim->n; i++) {
+        granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
+        for (int k = 0; k < 3; k++) {
+            double v = velocity[k][i], centre = sim->def.random_signs && v < 0.0 ? -1.0 : 1.0;
+            velocity[k][i] = redraw || !(old_deviation[k] > 0.0)
+                                 ? granulation__own_velocity(sim, k)
+                                 : centre * mean[k] + (v - centre * old_mean[k]) * (deviation[k] / old_deviation[k]);
+        }
+        granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
+    }
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, double volume, double displaced) {
+    if (!sim || !(volume >= 0.0 && volume < HUGE_VAL) || !(displaced >= 0.0 && displaced <= 1.0)) return GRANULATION_BAD_ARGUMENT;
+    double surface = 0.0;
+    for (int i = 0; i < sim->n; i++) surface += sim->body[i].diameter * sim->body[i].diameter;
+    if (!(surface > 0.0)) return volume > 0.0 ? GRANULATION_BAD_ARGUMENT : GRANULATION_OK;
+    for (int i = 0; i < sim->n; i++) {
+        granulation_granule *g = &sim->body[i].volumes;
+        double more = volume * (sim->body[i].diameter * sim->body[i].diameter / surface), out = displaced * more;
+        out = out < g->a ? out : g->a;
+        g->l += more;
+        g->a -= out;
+        sim->ledger.liquid += more;
+        sim->ledger.air_released += out;
+    }
+    granulation__refresh(sim);
+    for (int i = 0; i < sim->n; i++)
+        if (!(sim->body[i].diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    return GRANULATION_OK;
+}
+
+/* ---- what the population looks like ---- */
+
+static inline double granulation__power(double x, int k) {
+    double y = 1.0;
+    while (k-- > 0) y *= x;
+    return y;
+}
+/* (above / below)^(1/k) */
+static inline double granulation__mean_of(double above, double below, int k) {
+    if (!(below > 0.0)) return (double)NAN;
+    return k == 1 ? above / below : k == 3 ? riddle_cbrt(above / below) : riddle_pow(above / below, 1.0 / k);
+}
+
+GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q) {
+    if (!sim || q < 0 || q >= p || p > 6) return (double)NAN;
+    double above = 0.0, below = 0.0;
+    for (int i = 0; i < sim->n; i++) { /* in units of the box: D^6 of a fine granule would underflow */
+        double d = sim->body[i].diameter / sim->def.box;
+        above += granulation__power(d, p);
+        below += granulation__power(d, q);
+    }
+    return sim->def.box * granulation__mean_of(above, below, p - q);
+}
+
+GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
+                                            double *q_l, double *q_a) {
+    if (!sim || !edges || classes < 1) return sim ? sim->n : 0;
+    double *out[4] = {count, q_s, q_l, q_a};
+    for (int m = 0; m < 4; m++)
+        for (int k = 0; out[m] && k < classes; k++) out[m][k] = 0.0;
+    int outside = 0;
+    for (int i = 0; i < sim->n; i++) {
+        const granulation_granule *g = &sim->body[i].volumes;
+        double v = granulation_volume(g);
+        if (!(v >= edges[0] && v < edges[classes])) {
+            outside++;
+            continue;
+        }
+        int low = 0, high = classes;
+        while (high - low > 1) {
+            int middle = (low + high) / 2;
+            if (v >= edges[middle]) low = middle;
+            else high = middle;
+        }
+        if (count) count[low] += 1.0;
+        if (q_s) q_s[low] += g->s;
+        if (q_l) q_l[low] += g->l;
+        if (q_a) q_a[low] += g->a;
+    }
+    return outside;
+}
+
+GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3], double *kinetic) {
+    granulation_granule v = {0.0, 0.0, 0.0};
+    double px = 0.0, py = 0.0, pz = 0.0, energy = 0.0;
+    for (int i = 0; sim && i < sim->n; i++) {
+        double m = sim->body[i].mass;
+        v = granulation_sum(&v, &sim->body[i].volumes);
+        px += m * sim->vx[i];
+        py += m * sim->vy[i];
+        pz += m * sim->vz[i];
+        energy += 0.5 * m * (sim->vx[i] * sim->vx[i] + sim->vy[i] * sim->vy[i] + sim->vz[i] * sim->vz[i]);
+    }
+    if (volumes) *volumes = v;
+    if (momentum) {
+        momentum[0] = px;
+        momentum[1] = py;
+        momentum[2] = pz;
+    }
+    if (kinetic) *kinetic = energy;
+}
+
+GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest) {
+    int cells;
+    if (!sim || !deepest) return GRANULATION_BAD_ARGUMENT;
+    *deepest = 0.0;
+    if (sim->n == 0) return GRANULATION_OK;
+    if (!granulation__sort(sim, &cells)) return GRANULATION_NO_MEMORY;
+    const granulation__item *items = (const granulation__item *)sim->items;
+    double box = sim->def.box, widest = 0.0;
+    for (int i = 0; i < sim->n; i++) widest = items[i].radius > widest ? items[i].radius : widest;
+    for (int a = 0; a < sim->n; a++) {
+        granulation__walk walk = granulation__near(sim, cells, items[a].x, items[a].y, items[a].z, items[a].radius + widest);
+        while (granulation__next(&walk))
+            for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
+                double dx = granulation__nearest(items[a].x - items[b].x, box), dy = granulation__nearest(items[a].y - items[b].y, box);
+                double dz = granulation__nearest(items[a].z - items[b].z, box), touch = items[a].radius + items[b].radius;
+                double overlap = 1.0 - sqrt(dx * dx + dy * dy + dz * dz) / touch;
+                if (overlap > *deepest) *deepest = overlap;
+            }
+    }
+    return GRANULATION_OK;
+}
+
+/* ==== >>balance ==== */
+#define GRANULATION__BALANCE_COOKIE UINT64_C(0x6772616e756c6532)
+
+GRANULATION_API granulation_balance_def granulation_balance_default_def(void) {
+    granulation_balance_def d;
+    memset(&d, 0, sizeof d);
+    d.scheme = GRANULATION_CELL_AVERAGE;
+    d.kernel = granulation_constant_kernel;
+    d.daughters = GRANULATION_HALVES;
+    d.tolerance = 1e-6;
+    d.longest_step = HUGE_VAL;
+    d.most_lost = 1e-3;
+    d.most_steps = 1000000;
+    d.cookie = GRANULATION__BALANCE_COOKIE;
+    return d;
+}
+
+GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *d, const char **field) {
+    if (!d) return GRANULATION_BAD_ARGUMENT;
+    GRANULATION__NEED(d->cookie == GRANULATION__BALANCE_COOKIE, "cookie");
+    GRANULATION__NEED(d->scheme == GRANULATION_CELL_AVERAGE || d->scheme == GRANULATION_FIXED_PIVOT, "scheme");
+    GRANULATION__NEED(d->daughters == GRANULATION_HALVES || d->daughters == GRANULATION_UNIFORM, "daughters");
+    GRANULATION__NEED(d->consolidation >= 0.0 && granulation__finite(d->consolidation), "consolidation");
+    GRANULATION__NEED(d->tolerance > 0.0 && granulation__finite(d->tolerance), "tolerance");
+    GRANULATION__NEED(d->longest_step > 0.0, "longest_step");
+    GRANULATION__NEED(d->most_lost >= 0.0 && d->most_lost <= 1.0, "most_lost");
+    GRANULATION__NEED(d->most_steps >= 1, "most_steps");
+    return GRANULATION_OK;
+}
+
+/* state: number, then what is carried (liquid with one component, air), cell by cell, then four totals lost: number, solid, liquid, air */
+static inline int granulation__fields(const granulation_balance *b) { return b->components == 1 ? 3 : 2; }
+static inline size_t granulation__length(const granulation_balance *b) { return (size_t)granulation__fields(b) * (size_t)b->n + 4; }
+
+/* index of the pivot at or below a key, -1 below the first */
+static inline int granulation__below(const double *pivot, int n, double key) {
+    if (!(key >= pivot[0])) return -1;
+    int low = 0, high = n;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (key >= pivot[middle]) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Where a granule between pivots goes: `cell` and its upper neighbours, share `f` upwards along each key: number and keys are kept */
+typedef struct granulation__place_of {
+    int cell; /* negative: beyond the last pivots (or below the first) */
+    double f[2];
+} granulation__place_of;
+
+static inline granulation__place_of granulation__share(const granulation_balance *b, double key0, double key1) {
+    granulation__place_of p;
+    int at[2] = {0, 0};
+    p.f[0] = p.f[1] = 0.0;
+    p.cell = -1;
+    for (int k = 0; k < b->components; k++) {
+        const double *pivot = b->pivot[k];
+        double key = k ? key1 : key0;
+        int n = b->size[k];
+        /* round-off of a sum may lie a hair beyond the last pivot */
+        if (key > pivot[n - 1] && key <= pivot[n - 1] * (1.0 + 1e-14)) key = pivot[n - 1];
+        if (!(key <= pivot[n - 1])) return p;
+        at[k] = granulation__below(pivot, n, key);
+        if (at[k] < 0) return p;
+        if (at[k] < n - 1) p.f[k] = (key - pivot[at[k]]) / (pivot[at[k] + 1] - pivot[at[k]]);
+    }
+    p.cell = at[0] + b->size[0] * at[1];
+    return p;
+}
+
+/* Adds number and carried contents to the up to four pivots of a place. Contents go by the key volume that a pivot gets, so that
+   composition follows volume. */
+static inline void granulation__deposit(const granulation_balance *b, double *state, const granulation__place_of *p, double number,
+                                        double liquid, double air) {
+    int n0 = b->size[0], i0 = p->cell % n0, i1 = p->cell / n0;
+    double weight[4], volume[4], all = 0.0;
+    int cell[4], corners = 0;
+    for (int c = 0; c < 2 * b->components; c++) {
+        double w = (c & 1 ? p->f[0] : 1.0 - p->f[0]) * (b->components == 1 ? 1.0 : c & 2 ? p->f[1] : 1.0 - p->f[1]);
+        if (!(w > 0.0)) continue;
+        int j0 = i0 + (c & 1), j1 = i1 + (c >> 1);
+        cell[corners] = j0 + n0 * j1;
+        weight[corners] = w;
+        volume[corners] = w * (b->components == 1 ? b->pivot[0][j0] : b->pivot[0][j0] + b->pivot[1][j1]);
+        all += volume[corners++];
+    }
+    double *carried = state + b->n;
+    for (int c = 0; c < corners; c++) {
+        double part = volume[c] / all;
+        state[cell[c]] += weight[c] * number;
+        if (b->components == 1) {
+            carried[cell[c]] += part * liquid;
+            carried[b->n + cell[c]] += part * air;
+        } else {
+            carried[cell[c]] += part * air;
+        }
+    }
+}
+
+static inline void granulation__point(granulation_balance *b) {
+    size_t n = (size_t)b->n;
+    b->number = b->state;
+    b->liquid = b->components == 1 ? b->state + n : NULL;
+    b->air = b->components == 1 ? b->state + 2 * n : b->state + n;
+}
+
+GRANULATION_API void granulation_balance_free(granulation_balance *b) {
+    if (!b) return;
+    void *blocks[8] = {b->edge[0], b->pivot[0], b->edge[1], b->pivot[1], b->target, b->share, b->kernel, b->state};
+    for (int k = 0; k < 8; k++) granulation__memory(&b->def.memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
+    memset(b, 0, sizeof *b);
+}
+
+GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
+                                                            const double *edges, const double *pivots, int l_cells, const double *l_edges,
+                                                            const double *l_pivots) {
+    if (!b) return GRANULATION_BAD_ARGUMENT;
+    memset(b, 0, sizeof *b);
+    granulation_status status = granulation_balance_check_def(def, NULL);
+    if (status != GRANULATION_OK) return status;
+    if (cells < 2 || !edges || l_cells < 0 || l_cells == 1 || (l_cells > 0) != (l_edges != NULL) || cells > 100000 || l_cells > 100000 ||
+        (int64_t)cells * (l_cells ? l_cells : 1) > 100000 || (l_cells && def->daughters == GRANULATION_UNIFORM))
+        return GRANULATION_BAD_ARGUMENT;
+    const double *given_edges[2] = {edges, l_edges}, *given_pivots[2] = {pivots, l_pivots};
+    int given[2] = {cells, l_cells};
+    for (int k = 0; k < (l_cells ? 2 : 1); k++)
+        for (int i = 0; i < given[k]; i++) {
+            double low = given_edges[k][i], high = given_edges[k][i + 1], pivot = given_pivots[k] ? given_pivots[k][i] : 0.5 * (low + high);
+            if (!(low >= 0.0 && high > low && high < HUGE_VAL && pivot >= low && pivot <= high)) return GRANULATION_BAD_ARGUMENT;
+            if (!(pivot > 0.0 || (k == 1 && i == 0)) || (i > 0 && given_pivots[k] && !(pivot > given_pivots[k][i - 1])))
+                return GRANULATION_BAD_ARGUMENT;
+        }
+    b->def = *def;
+    b->components = l_cells ? 2 : 1;
+    b->size[0] = cells;
+    b->size[1] = l_cells ? l_cells : 1;
+    b->n = cells * b->size[1];
+    b->pairs = (int64_t)b->n * (b->n + 1) / 2;
+    size_t n = (size_t)b->n, pairs = (size_t)b->pairs, length = granulation__length(b);
+    bool fixed = def->scheme == GRANULATION_FIXED_PIVOT;
+    /* state and base, two stages and one rate of the integrator; loss, selection, and the sums of the cell average */
+    size_t doubles = 5 * length + 2 * n + 6 * n;
+    b->bytes[0] = ((size_t)cells + 1) * sizeof(double);
+    b->bytes[1] = (size_t)cells * sizeof(double);
+    b->bytes[2] = l_cells ? ((size_t)l_cells + 1) * sizeof(double) : 0;
+    b->bytes[3] = l_cells ? (size_t)l_cells * sizeof(double) : 0;
+    b->bytes[4] = def->kernel ? pairs * sizeof(int) : 0;
+    b->bytes[5] = def->kernel && fixed ? pairs * (size_t)b->components * sizeof(double) : 0;
+    b->bytes[6] = def->kernel ? pairs * sizeof(double) : 0;
+    b->bytes[7] = doubles * sizeof(double);
+    void *blocks[8];
+    memset(blocks, 0, sizeof blocks);
+    for (int k = 0; k < 8; k++) {
+        if (b->bytes[k]) blocks[k] = granulation__memory(&def->memory, NULL, 0, b->bytes[k]);
+        if (blocks[k] || !b->bytes[k]) continue;
+        while (k-- > 0) granulation__memory(&def->memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
+        memset(b, 0, sizeof *b);
+        return GRANULATION_NO_MEMORY;
+    }
+    b->edge[0] = (double *)blocks[0];
+    b->pivot[0] = (double *)blocks[1];
+    b->edge[1] = (double *)blocks[2];
+    b->pivot[1] = (double *)blocks[3];
+    b->target = (int *)blocks[4];
+    b->share = (double *)blocks[5];
+    b->kernel = (double *)blocks[6];
+    b->state = (double *)blocks[7];
+    b->work = b->state + length;
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i <= given[k]; i++) {
+            b->edge[k][i] = given_edges[k][i];
+            if (i < given[k]) b->pivot[k][i] = given_pivots[k] ? given_pivots[k][i] : 0.5 * (given_edges[k][i] + given_edges[k][i + 1]);
+        }
+    memset(b->state, 0, b->bytes[7]);
+    granulation__point(b);
+    if (!def->kernel) return GRANULATION_OK;
+    size_t p = 0;
+    for (int i = 0; i < b->n; i++)
+        for (int j = i; j < b->n; j++, p++) {
+            int i0 = i % cells, i1 = i / cells, j0 = j % cells, j1 = j / cells;
+            double key0 = b->pivot[0][i0] + b->pivot[0][j0], key1 = l_cells ? b->pivot[1][i1] + b->pivot[1][j1] : 0.0;
+            granulation__place_of place = granulation__share(b, key0, key1);
+            b->target[p] = place.cell;
+            b->kernel[p] = 0.0;
+            if (fixed) {
+                for (int k = 0; k < b->components; k++) b->share[p * (size_t)b->components + (size_t)k] = place.f[k];
+            } else if (place.cell >= 0) { /* the cell that holds the sum */
+                int at[2] = {0, 0};
+                for (int k = 0; k < b->components; k++) {
+                    at[k] = granulation__below(b->edge[k], b->size[k], k ? key1 : key0);
+                    if (at[k] < 0) at[k] = 0;
+                }
+                b->target[p] = at[0] + cells * at[1];
+            }
+        }
+    b->next_step = -1.0; /* the kernel has not been evaluated */
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b, const granulation_balance_def *def) {
+    if (!b || !b->state) return GRANULATION_BAD_ARGUMENT;
+    granulation_status status = granulation_balance_check_def(def, NULL);
+    if (status != GRANULATION_OK) return status;
+    if (def->scheme != b->def.scheme || (def->kernel && !b->target) || (b->components == 2 && def->daughters == GRANULATION_UNIFORM))
+        return GRANULATION_BAD_ARGUMENT;
+    granulation_memory memory = b->def.memory;
+    b->def = *def;
+    b->def.memory = memory;
+    b->next_step = -1.0;
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number) {
+    if (!b || !b->state || !g || !(number >= 0.0 && number < HUGE_VAL) || !(g->s > 0.0 && g->l >= 0.0 && g->a >= 0.0))
+        return GRANULATION_BAD_ARGUMENT;
+    granulation__place_of p = b->components == 1 ? granulation__share(b, g->s + g->l, 0.0) : granulation__share(b, g->s, g->l);
+    if (p.cell < 0) return GRANULATION_BAD_ARGUMENT;
+    granulation__deposit(b, b->state, &p, number, number * g->l, number * g->a);
+    b->total.s += number * g->s;
+    b->total.l += number * g->l;
+    b->total.a += number * g->a;
+    return GRANULATION_OK;
+}
+
+/* ---- rates ---- */
+
+static inline granulation_status granulation__evaluate_kernel(granulation_balance *b) {
+    double *selection = b->work + 4 * granulation__length(b) + (size_t)b->n;
+    size_t p = 0;
+    for (int i = 0; i < b->n; i++) {
+        granulation_granule g = granulation_balance_cell(b, i);
+        double rate = 0.0;
+        if (b->def.selection) {
+            rate = b->def.selection(&g, b->def.selection_user);
+            if (!(rate >= 0.0 && rate < HUGE_VAL)) return GRANULATION_KERNEL;
+            double key0 = b->components == 1 ? g.s + g.l : g.s;
+            bool small = b->def.daughters == GRANULATION_HALVES &&
+                         (0.5 * key0 < b->pivot[0][0] || (b->components == 2 && 0.5 * g.l < b->pivot[1][0]));
+            if (small) rate = 0.0; /* its halves have no pivot */
+        }
+        selection[i] = rate;
+        if (!b->def.kernel) continue;
+        for (int j = i; j < b->n; j++, p++) {
+            granulation_granule h = granulation_balance_cell(b, j);
+            double k = b->def.kernel(&g, &h, b->def.kernel_user);
+            if (!(k >= 0.0 && k < HUGE_VAL)) return GRANULATION_KERNEL;
+            b->kernel[p] = k;
+        }
+    }
+    return GRANULATION_OK;
+}
+
+/* dy/dt of the state y; returns the largest share that any cell loses in a second */
+static inline double granulation__rates(const granulation_balance *b, const double *y, double *rate) {
+    size_t n = (size_t)b->n, length = granulation__length(b);
+    double *loss = b->work + 4 * length, *selection = loss + n, *sums = selection + n;
+    double *born = sums, *key0 = sums + n, *key1 = sums + 2 * n, *liquid = sums + 3 * n, *air = sums + 4 * n, *lost = rate + length - 4;
+    const double *y_liquid = b->components == 1 ? y + n : NULL, *y_air = b->components == 1 ? y + 2 * n : y + n;
+    bool carries = b->total.l > 0.0 || b->total.a > 0.0, fixed = b->def.scheme == GRANULATION_FIXED_PIVOT, one = b->components == 1;
+    memset(rate, 0, length * sizeof(double));
+    memset(loss, 0, n * sizeof(double));
+    if (!fixed) memset(sums, 0, 5 * n * sizeof(double));
+    size_t p = 0;
+    for (int i = 0; b->def.kernel && i < b->n; i++) {
+        double y_i = y[i], own_loss = 0.0;
+        if (!(y_i > 0.0)) {
+            for (int j = i; j < b->n; j++) loss[i] += b->kernel[p + (size_t)(j - i)] * y[j];
+            p += n - (size_t)i;
+            continue;
+        }
+        int i0 = i % b->size[0], i1 = i / b->size[0];
+        double x_i = b->pivot[0][i0], z_i = one ? 0.0 : b->pivot[1][i1];
+        double l_i = one ? y_liquid[i] / y_i : z_i, a_i = y_air[i] / y_i;
+        for (int j = i; j < b->n; j++, p++) {
+            double k = b->kernel[p], y_j = y[j];
+            if (k == 0.0) continue;
+            own_loss += k * y_j;
+            if (j != i) loss[j] += k * y_i;
+            double r = k * y_i * y_j;
+            if (!(r > 0.0)) continue;
+            if (j == i) r *= 0.5;
+            int t = b->target[p], j0 = one ? j : j % b->size[0], j1 = one ? 0 : j / b->size[0];
+            double x = x_i + b->pivot[0][j0], z = one ? 0.0 : z_i + b->pivot[1][j1], l = z, a = 0.0;
+            if (carries) {
+                if (one) l = l_i + y_liquid[j] / y_j;
+                a = a_i + y_air[j] / y_j;
+            }
+            if (t < 0) {
+                lost[0] += r;
+                lost[1] += r * (one ? x - l : x);
+                lost[2] += r * l;
+                lost[3] += r * a;
+            } else if (!fixed) {
+                born[t] += r;
+                key0[t] += r * x;
+                key1[t] += r * z;
+                liquid[t] += r * l;
+                air[t] += r * a;
+            } else if (one && !carries) {
+                double f = b->share[p];
+                rate[t] += r * (1.0 - f);
+                if (f > 0.0) rate[t + 1] += r * f;
+            } else {
+                granulation__place_of place;
+                place.cell = t;
+                place.f[0] = b->share[p * (size_t)b->components];
+                place.f[1] = one ? 0.0 : b->share[p * 2 + 1];
+                granulation__deposit(b, rate, &place, r, r * l, r * a);
+            }
+        }
+        loss[i] += own_loss;
+    }
+    for (int i = 0; !fixed && i < b->n; i++) /* all that is born in a cell goes to the pivots around its mean */
+        if (born[i] > 0.0) {
+            granulation__place_of place = granulation__share(b, key0[i] / born[i], key1[i] / born[i]);
+            granulation__deposit(b, rate, &place, born[i], liquid[i], air[i]);
+        }
+    if (b->def.selection && b->def.daughters == GRANULATION_UNIFORM) {
+        /* the hat functions of the pivots integrated over b(v|u) = 2/u: (x[i+1] - x[i-1]) / u below u, (u - x[i-1]) / u at u */
+        const double *x = b->pivot[0];
+        double above = 0.0, above_l = 0.0, above_a = 0.0; /* sums over all larger mothers */
+        for (int i = b->n - 1; i >= 0; i--) {
+            double per = selection[i] / x[i], left = i > 0 ? x[i - 1] : 0.0, width = i < b->n - 1 ? x[i + 1] - left : 0.0,
+                   own = x[i] - left;
+            rate[i] += width * above + own * per * y[i];
+            rate[n + (size_t)i] += x[i] * (width * above_l + own * per / x[i] * y_liquid[i]);
+            rate[2 * n + (size_t)i] += x[i] * (width * above_a + own * per / x[i] * y_air[i]);
+            above += per * y[i];
+            above_l += per / x[i] * y_liquid[i];
+            above_a += per / x[i] * y_air[i];
+        }
+    } else if (b->def.selection) {
+        for (int i = 0; i < b->n; i++) {
+            double r = selection[i] * y[i];
+            if (!(r > 0.0)) continue;
+            granulation__place_of place =
+                granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], one ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
+            granulation__deposit(b, rate, &place, 2.0 * r, one ? selection[i] * y_liquid[i] : 0.0, selection[i] * y_air[i]);
+        }
+    }
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double all = loss[i] + (b->def.selection ? selection[i] : 0.0);
+        for (int f = 0; f < granulation__fields(b); f++) rate[(size_t)f * n + i] -= all * y[(size_t)f * n + i];
+        if (y[i] > 0.0 && all > largest) largest = all;
+    }
+    return largest;
+}
+
+static inline void granulation__consolidate_cells(granulation_balance *b, double *y, double decay) {
+    double *air = b->components == 1 ? y + 2 * (size_t)b->n : y + b->n;
+    for (int i = 0; i < b->n; i++) {
+        double wet = b->pivot[0][i % b->size[0]] + (b->components == 2 ? b->pivot[1][i / b->size[0]] : 0.0);
+        wet *= y[i];
+        if (!(wet > 0.0)) continue;
+        air[i] = granulation__consolidated(wet, air[i], decay);
+    }
+}
+
+static inline double granulation__air_in(const granulation_balance *b, const double *y) {
+    const double *air = b->components == 1 ? y + 2 * (size_t)b->n : y + b->n;
+    double sum = 0.0;
+    for (int i = 0; i < b->n; i++) sum += air[i];
+    return sum;
+}
+
+/* the largest of the relative errors of the moments 0, 1, 2 in the key volume, and of the carried totals */
+static inline double granulation__error(const granulation_balance *b, const double *fine, const double *coarse) {
+    double e[3] = {0.0, 0.0, 0.0}, m[3] = {0.0, 0.0, 0.0}, worst = 0.0;
+    for (int i = 0; i < b->n; i++) {
+        double v = b->pivot[0][i % b->size[0]] + (b->components == 2 ? b->pivot[1][i / b->size[0]] : 0.0), d = fabs(fine[i] - coarse[i]),
+               y = fine[i];
+        v /= b->pivot[0][b->size[0] - 1];
+        for (int k = 0; k < 3; k++, d *= v, y *= v) {
+            e[k] += d;
+            m[k] += y;
+        }
+    }
+    for (int k = 0; k < 3; k++)
+        if (m[k] > 0.0 && e[k] > worst * m[k]) worst = e[k] / m[k];
+    for (int f = 1; f < granulation__fields(b); f++) {
+        double d = 0.0, y = 0.0;
+        for (int i = 0; i < b->n; i++) {
+            d += fabs(fine[f * b->n + i] - coarse[f * b->n + i]);
+            y += fine[f * b->n + i];
+        }
+        if (y > 0.0 && d > worst * y) worst = d / y;
+    }
+    return worst;
+}
+
+/* Third-order strong-stability-preserving Runge-Kutta (Shu and Osher 1988) with its second-order companion as error estimate. Each stage is
+   a mean of Euler steps, so that no cell can become negative while step times loss stays below 1: checked, and the step halved if not. */
+GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration) {
+    if (!b || !b->state || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
+    size_t length = granulation__length(b);
+    double *base = b->work, *stage = base + length, *two = stage + length, *rate = two + length, *y = b->state;
+    double end = b->time + duration, allowed = b->def.most_lost * b->total.s;
+    bool stale = b->next_step < 0.0 || b->def.kernel_changes;
+    if (stale) {
+        granulation_status status = granulation__evaluate_kernel(b);
+        if (status != GRANULATION_OK) return status;
+        if (b->next_step < 0.0) b->next_step = 0.0;
+    }
+    for (int tries = 0; b->time < end; tries++) {
+        if (tries >= b->def.most_steps) return GRANULATION_STEP;
+        double left = end - b->time, fastest = granulation__rates(b, y, rate), h = b->next_step;
+        if (!(h > 0.0)) h = fastest > 0.0 ? 0.01 / fastest : left;
+        if (h * fastest > 0.9) h = 0.9 / fastest;
+        if (h > b->def.longest_step) h = b->def.longest_step;
+        bool last = h >= left;
+        if (last) h = left;
+        if (!last && h > 0.5 * left) h = 0.5 * left; /* no sliver at the end */
+        if (!last && b->time + h == b->time) return GRANULATION_STEP;
+        double half = b->def.consolidation > 0.0 ? riddle_exp(-0.5 * b->def.consolidation * h) : 1.0;
+        memcpy(base, y, length * sizeof(double));
+        if (half < 1.0) {
+            granulation__consolidate_cells(b, base, half);
+            fastest = granulation__rates(b, base, rate);
+        }
+        for (size_t k = 0; k < length; k++) stage[k] = base[k] + h * rate[k];
+        double loss1 = granulation__rates(b, stage, rate);
+        for (size_t k = 0; k < length; k++) {
+            double euler = stage[k] + h * rate[k];
+            two[k] = 0.5 * base[k] + 0.5 * euler;
+            stage[k] = 0.75 * base[k] + 0.25 * euler;
+        }
+        double loss2 = granulation__rates(b, stage, rate);
+        for (size_t k = 0; k < length; k++) stage[k] = base[k] / 3.0 + 2.0 / 3.0 * (stage[k] + h * rate[k]);
+        double error = granulation__error(b, stage, two), scale = b->def.tolerance / (error > 1e-300 ? error : 1e-300);
+        double factor = scale > 1e3 ? 5.0 : 0.9 * riddle_cbrt(scale);
+        factor = factor < 5.0 ? (factor > 0.2 ? factor : 0.2) : 5.0;
+        if (!(error <= b->def.tolerance) || h * loss1 > 0.95 || h * loss2 > 0.95) {
+            b->next_step = h * (factor < 0.9 ? factor : 0.5);
+            b->refused++;
+            if (!(b->next_step > 0.0)) return GRANULATION_STEP;
+            continue;
+        }
+        double before = granulation__air_in(b, stage), air_base = granulation__air_in(b, base), air_old = granulation__air_in(b, y);
+        if (half < 1.0) granulation__consolidate_cells(b, stage, half);
+        b->air_released += (air_old - air_base) + (before - granulation__air_in(b, stage));
+        memcpy(y, stage, length * sizeof(double));
+        b->lost_number = y[length - 4];
+        b->lost.s = y[length - 3];
+        b->lost.l = y[length - 2];
+        b->lost.a = y[length - 1];
+        b->time = last ? end : b->time + h;
+        b->steps++;
+        if (!last || h * factor < b->next_step || b->next_step == 0.0) b->next_step = h * factor;
+        if (b->lost.s > allowed) return GRANULATION_GEL;
+        if (b->def.kernel_changes && b->time < end) {
+            granulation_status status = granulation__evaluate_kernel(b);
+            if (status != GRANULATION_OK) return status;
+        }
+    }
+    return GRANULATION_OK;
+}
+
+/* ---- what the population looks like ---- */
+
+GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q) {
+    if (!b || !b->state || !(p >= 0.0 && q >= 0.0) || (b->components == 1 && q != 0.0)) return (double)NAN;
+    double sum = 0.0;
+    for (int j = 0; j < b->size[1]; j++) {
+        double row = 0.0, z = b->components == 2 ? b->pivot[1][j] : 1.0;
+        for (int i = 0; i < b->size[0]; i++) {
+            double x = b->pivot[0][i];
+            row += b->number[i + b->size[0] * j] * (p == 1.0 ? x : p == 2.0 ? x * x : p == 3.0 ? x * x * x : riddle_pow(x, p));
+        }
+        sum += row * (q == 0.0 ? 1.0 : z > 0.0 ? riddle_pow(z, q) : 0.0);
+    }
+    return sum;
+}
+
+GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b) {
+    granulation_granule t = {0.0, 0.0, 0.0};
+    for (int i = 0; b && i < b->n; i++) {
+        double count = b->number[i], key = b->pivot[0][i % b->size[0]];
+        t.l += b->components == 1 ? b->liquid[i] : count * b->pivot[1][i / b->size[0]];
+        t.s += b->components == 1 ? count * key - b->liquid[i] : count * key;
+        t.a += b->air[i];
+    }
+    return t;
+}
+
+GRANULATION_API double granulation_balance_mean(const granulation_balance *b, int p, int q) {
+    if (!b || !b->state || q < 0 || q >= p || p > 6) return (double)NAN;
+    double above = 0.0, below = 0.0, unit = granulation_diameter(b->pivot[0][b->size[0] - 1]);
+    for (int i = 0; i < b->n; i++) {
+        if (!(b->number[i] > 0.0)) continue;
+        granulation_granule g = granulation_balance_cell(b, i);
+        double d = granulation_diameter(granulation_volume(&g)) / unit;
+        above += b->number[i] * granulation__power(d, p);
+        below += b->number[i] * granulation__power(d, q);
+    }
+    return unit * granulation__mean_of(above, below, p - q);
+}
+
+/* ==== >>montecarlo ==== */
+
+static inline bool granulation__raise(granulation_montecarlo *mc, const granulation_granule *i, const granulation_granule *j) {
+    double k = mc->kernel(i, j, mc->user);
+    if (!(k >= 0.0 && k < HUGE_VAL)) return false;
+    if (k > mc->bound) mc->bound = k;
+    return true;
+}
+/* The bound with granule g against the smallest and the largest ever seen and itself: right for kernels that grow with either size or with
+   the contrast of the two. Another kernel raises the bound as it goes. */
+static inline bool granulation__bound(granulation_montecarlo *mc, const granulation_granule *g) {
+    double v = granulation_volume(g);
+    if (v < granulation_volume(&mc->smallest)) mc->smallest = *g;
+    if (v > granulation_volume(&mc->largest)) mc->largest = *g;
+    return granulation__raise(mc, g, &mc->smallest) && granulation__raise(mc, g, &mc->largest) && granulation__raise(mc, g, g);
+}
+
+GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
+                                                               double volume, granulation_kernel kernel, const void *user, uint64_t seed,
+                                                               const granulation_memory *memory) {
+    if (!mc) return GRANULATION_BAD_ARGUMENT;
+    memset(mc, 0, sizeof *mc);
+    if (!sample || n < 2 || !(volume > 0.0 && volume < HUGE_VAL) || !kernel) return GRANULATION_BAD_ARGUMENT;
+    for (int i = 0; i < n; i++)
+        if (!granulation__is_granule(sample + i)) return GRANULATION_BAD_ARGUMENT;
+    if (memory) mc->memory = *memory;
+    mc->granules = (granulation_granule *)granulation__memory(&mc->memory, NULL, 0, (size_t)n * sizeof *sample);
+    if (!mc->granules) return GRANULATION_NO_MEMORY;
+    memcpy(mc->granules, sample, (size_t)n * sizeof *sample);
+    mc->n = n;
+    mc->volume = volume;
+    mc->kernel = kernel;
+    mc->user = user;
+    mc->random = granulation_random_seed(seed);
+    mc->smallest = mc->largest = sample[0];
+    for (int i = 0; i < n; i++)
+        if (!granulation__bound(mc, mc->granules + i)) {
+            granulation_montecarlo_free(mc);
+            return GRANULATION_KERNEL;
+        }
+    return GRANULATION_OK;
+}
+
+GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc) {
+    if (!mc) return;
+    granulation__memory(&mc->memory, mc->granules, mc->granules ? (size_t)mc->n * sizeof *mc->granules : 0, 0);
+    memset(mc, 0, sizeof *mc);
+}
+
+GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration) {
+    if (!mc || !mc->granules || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
+    double end = mc->time + duration, n = mc->n;
+    for (int64_t proposals = 0; mc->bound > 0.0; proposals++) {
+        if (proposals > INT64_C(1000000000)) return GRANULATION_STEP;
+        double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / (mc->bound * (0.5 * n * (n - 1.0) / mc->volume));
+        if (!(mc->time + wait < end)) break;
+        mc->time += wait;
+        int i = (int)(n * granulation_random_uniform(&mc->random)), j = (int)((n - 1.0) * granulation_random_uniform(&mc->random));
+        if (j >= i) j++;
+        double k = mc->kernel(mc->granules + i, mc->granules + j, mc->user);
+        if (!(k >= 0.0 && k < HUGE_VAL)) return GRANULATION_KERNEL;
+        if (k > mc->bound) {
+            mc->bound = k;
+            mc->raised++;
+        }
+        if (granulation_random_uniform(&mc->random) * mc->bound >= k) continue;
+        mc->granules[i] = granulation_sum(mc->granules + i, mc->granules + j);
+        /* the copy fills the place of j; any of the others, the new granule too */
+        int copy = (int)((n - 1.0) * granulation_random_uniform(&mc->random));
+        if (copy >= j) copy++;
+        mc->granules[j] = mc->granules[copy];
+        mc->volume *= n / (n - 1.0);
+        mc->events++;
+        if (!(mc->volume < HUGE_VAL)) return GRANULATION_STEP;
+        if (!granulation__bound(mc, mc->granules + i)) return GRANULATION_KERNEL;
+    }
+    mc->time = end;
+    return GRANULATION_OK;
+}
+
+GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p) {
+    if (!mc || !mc->granules || !(p >= 0.0)) return (double)NAN;
+    double sum = 0.0;
+    for (int i = 0; i < mc->n; i++) {
+        double v = granulation_volume(mc->granules + i);
+        sum += p == 0.0 ? 1.0 : p == 1.0 ? v : p == 2.0 ? v * v : riddle_pow(v, p);
+    }
+    return sum / mc->volume;
+}
+
+#endif /* GRANULATION__BODIES */
+
+#undef GRANULATION__ENUM
+#ifdef __cplusplus
+}
+#endif
+#endif
