@@ -11,7 +11,6 @@
 #include <cmocka.h>
 
 #include "blocking.h"
-#include "examples/common/csv.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -204,18 +203,20 @@ static void curves_of_table_2(void **state) {
 
 static void curves_to_the_last_digits(void **state) {
     (void)state;
-    csv_data data;
-    char message[200];
-    if (csv_read("tests/reference/blocking_curves.csv", &data, message, sizeof message) != 0) fail_msg("%s", message);
-    assert_true(data.rows > 100);
-    for (int i = 0; i < data.rows; i++) {
-        double f0 = csv_value(&data, i, "f0"), f_inf = csv_value(&data, i, "f_inf"), k = csv_value(&data, i, "k"),
-               t = csv_value(&data, i, "t");
-        close_to(blocking_curve(f0, f_inf, k, t), csv_value(&data, i, "f"), 1e-14 + 3e-16 * k * t);
-        close_to(blocking_time_mean(f0, f_inf, k, t), csv_value(&data, i, "mean"), 4e-15);
-        close_to(blocking_exposure(f0, f_inf, k, t), csv_value(&data, i, "exposure"), 4e-15);
+    FILE *file = fopen("tests/reference/blocking_curves.csv", "r");
+    if (!file) fail_msg("run in the root of the repository: tests/reference/blocking_curves.csv is not there");
+    char line[400];
+    int rows = 0;
+    double f0, f_inf, k, t, f, mean, exposure;
+    while (fgets(line, sizeof line, file)) {
+        if (sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &f0, &f_inf, &k, &t, &f, &mean, &exposure) != 7) continue;
+        close_to(blocking_curve(f0, f_inf, k, t), f, 1e-14 + 3e-16 * k * t);
+        close_to(blocking_time_mean(f0, f_inf, k, t), mean, 4e-15);
+        close_to(blocking_exposure(f0, f_inf, k, t), exposure, 4e-15);
+        rows++;
     }
-    csv_free(&data);
+    fclose(file);
+    assert_int_equal(rows, 137);
 }
 
 static double next_random(uint64_t *s) { /* 0 <= u < 1 */
