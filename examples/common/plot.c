@@ -37,7 +37,7 @@ typedef struct {
 } layout;
 
 typedef struct {
-    bool used, equal, legend_outside;
+    bool used, equal, legend_outside, legend_above;
     char *title;
     axis x, y;
     series *all;
@@ -322,7 +322,7 @@ static double share(const axis *a, double v) {
 typedef struct {
     double at;
     bool major;
-    char text[60]; /* SVG, with a raised exponent where needed */
+    char text[80]; /* SVG, with a raised exponent where needed */
     int letters;
 } tick;
 
@@ -353,7 +353,7 @@ static int linear_ticks(const axis *a, int wanted, tick *ticks, int *exponent) {
     int minor, n = 0;
     double step = nice_step(a->high - a->low, wanted, &minor), fine = step / minor, largest = fmax(fabs(a->low), fabs(a->high));
     int size = largest > 0.0 ? (int)floor(log10(largest) + 1e-9) : 0, digits = (int)floor(log10(step) + 1e-9);
-    *exponent = size >= 5 || size <= -3 ? 3 * (int)floor(size / 3.0) : 0;
+    *exponent = size >= 6 || size <= -3 ? 3 * (int)floor(size / 3.0) : 0;
     int decimals = *exponent - digits;
     if (decimals < 0) decimals = 0;
     if (decimals > 12) decimals = 12;
@@ -372,17 +372,19 @@ static int linear_ticks(const axis *a, int wanted, tick *ticks, int *exponent) {
     return n;
 }
 
-static void power_text(tick *t, int exponent, bool plain) {
+/* m x 10^exponent */
+static void power_text(tick *t, int m, int exponent, bool plain) {
+    char raised[20], front[10] = "";
     if (plain) {
-        snprintf(t->text, sizeof t->text, "%.*f", exponent < 0 ? -exponent : 0, pow(10.0, exponent));
+        snprintf(t->text, sizeof t->text, "%.*f", exponent < 0 ? -exponent : 0, m * pow(10.0, exponent));
         t->letters = (int)strlen(t->text);
         return;
     }
-    char raised[20];
     snprintf(raised, sizeof raised, "%d", exponent);
     replace_minus(raised, sizeof raised);
-    snprintf(t->text, sizeof t->text, "10<tspan class=\"up\" dy=\"-6\">%s</tspan>", raised);
-    t->letters = 2 + letters_of(raised);
+    if (m != 1) snprintf(front, sizeof front, "%d\xC3\x97", m % 10);
+    snprintf(t->text, sizeof t->text, "%s10<tspan class=\"up\" dy=\"-6\">%s</tspan>", front, raised);
+    t->letters = letters_of(front) + 2 + letters_of(raised);
 }
 
 static int log_ticks(const axis *a, int wanted, tick *ticks) {
@@ -407,12 +409,8 @@ static int log_ticks(const axis *a, int wanted, tick *ticks) {
             t->major = m == 1 && e % every == 0;
             t->letters = 0;
             t->text[0] = '\0';
-            if (t->major) power_text(t, e, plain);
-            else if (few && (m == 2 || m == 5 || steps_shown <= 4)) {
-                snprintf(t->text, sizeof t->text, "%.3g", v);
-                t->letters = (int)strlen(t->text);
-                t->major = true;
-            }
+            if (few && (m == 2 || m == 5 || steps_shown <= 6)) t->major = true; /* too few powers of ten to read it by */
+            if (t->major) power_text(t, m, e, plain);
         }
     }
     return n;
@@ -724,6 +722,7 @@ static void draw_series(output *f, const panel *a, const series *s) {
 
 /* ---- layout ---- */
 
+static double entry_width(const series *s) { return SWATCH + 3 * PAD + text_width(s->label, TICK_SIZE); }
 static bool in_legend(const series *s) { return s->label && *s->label && (s->kind <= BARS); }
 
 static const series *first_of(const panel *a, series_kind kind) {
@@ -914,14 +913,22 @@ static void lay_out(const plot *p, panel *a) {
             if (ticks[i].major) digits = fmax(digits, 0.58 * TICK_SIZE * ticks[i].letters);
         a->at.right += 16.0 + 23.0 + digits + (heat->label && *heat->label ? 26.0 : 0.0);
     }
+    double in_a_row = 0.0;
     a->at.legend_width = 0.0;
     for (int k = 0; k < a->n; k++)
         if (in_legend(&a->all[k])) {
             entries++;
-            a->at.legend_width = fmax(a->at.legend_width, SWATCH + 3 * PAD + text_width(a->all[k].label, TICK_SIZE));
+            a->at.legend_width = fmax(a->at.legend_width, entry_width(&a->all[k]));
+            in_a_row += entry_width(&a->all[k]);
         }
     a->at.legend_height = entries * LEGEND_ROW + PAD;
-    if (entries && (a->legend_outside || !place_inside(a))) {
+    if (!entries || (!a->legend_outside && place_inside(a))) return;
+    a->legend_above = !a->legend_outside && in_a_row < a->at.width - 30.0; /* the left end may hold the axis' exponent */
+    if (a->legend_above) {
+        a->at.legend_x = a->at.width - in_a_row;
+        a->at.legend_y = -LEGEND_ROW - PAD / 2.0;
+        a->at.top = (a->title ? TITLE_SIZE + 8.0 : 0.0) + LEGEND_ROW + PAD;
+    } else {
         a->legend_outside = true;
         a->at.legend_x = a->at.width + a->at.right - 6.0;
         a->at.legend_y = 0.0;
@@ -1007,22 +1014,22 @@ static void draw_frame(output *f, const panel *a) {
         escaped(f, a->y.label);
         output_print(f, "</text>\n");
     }
-    if (a->title) text_at(f, at->x, at->y - 10.0 - (exponent ? 14.0 : 0.0), "start", "title", a->title);
+    if (a->title) text_at(f, at->x, at->y - 10.0 - (a->legend_above ? LEGEND_ROW : exponent ? 14.0 : 0.0), "start", "title", a->title);
 }
 
 static void draw_legend(output *f, const panel *a) {
     const layout *at = &a->at;
-    double y = at->legend_y + PAD / 2.0;
+    double x = at->legend_x + PAD, y = at->legend_y + PAD / 2.0;
     int entries = 0;
     for (int k = 0; k < a->n; k++) entries += in_legend(&a->all[k]);
     if (!entries) return;
-    if (!a->legend_outside)
+    if (!a->legend_outside && !a->legend_above)
         output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"white\" fill-opacity=\"0.85\"/>\n",
                      at->legend_x, at->legend_y, at->legend_width, at->legend_height);
     for (int k = 0; k < a->n; k++) {
         const series *s = &a->all[k];
         if (!in_legend(s)) continue;
-        double x = at->legend_x + PAD, middle = y + LEGEND_ROW / 2.0;
+        double middle = y + LEGEND_ROW / 2.0;
         const char *dash = s->flags & PLOT_DASHED ? " stroke-dasharray=\"8 5\"" : s->flags & PLOT_DOTTED ? " stroke-dasharray=\"2 4\"" : "";
         if (s->kind == LINE && !(s->flags & PLOT_NO_LINE))
             output_print(f, "<path d=\"M%.1f %.1fh%d\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x, middle,
@@ -1037,7 +1044,8 @@ static void draw_legend(output *f, const panel *a) {
             output_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"12\" fill=\"%s\"%s/>\n", x, middle - 6.0, SWATCH,
                          colour_of(s), s->kind == BAND ? " fill-opacity=\"0.22\"" : "");
         text_at(f, x + SWATCH + PAD, middle + 5.0, "start", "note", s->label);
-        y += LEGEND_ROW;
+        if (a->legend_above) x += entry_width(s);
+        else y += LEGEND_ROW;
     }
 }
 

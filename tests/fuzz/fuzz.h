@@ -1,7 +1,7 @@
 /* fuzz.h: a fuzz target is one function LLVMFuzzerTestOneInput(bytes, size). With clang and libFuzzer:
 
        clang -g -fsanitize=fuzzer,address,undefined -DFUZZ_LIBRARY -Iexamples/common tests/fuzz/fuzz_csv.c \
-           examples/common/*.c -lm -lpthread
+           examples/common/[a-z]*.c -lm -lpthread
 
    Without, this header adds a main that runs it over files named on the command line, or over inputs mixed from the target's own
    samples: that is the regression test. Crashes and sanitizers are the judges, and whatever the target asserts. */
