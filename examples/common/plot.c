@@ -329,10 +329,10 @@ typedef struct {
 enum { MOST_TICKS = 120 };
 
 static void replace_minus(char *text, size_t size) {
-    if (text[0] != '-') return;
-    char rest[40];
-    snprintf(rest, sizeof rest, "%s", text + 1);
-    snprintf(text, size, "\xE2\x88\x92%s", rest);
+    size_t length = strlen(text);
+    if (text[0] != '-' || length + 3 > size) return;
+    memmove(text + 3, text + 1, length);
+    memcpy(text, "\xE2\x88\x92", 3);
 }
 
 static int letters_of(const char *text) {
