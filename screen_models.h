@@ -1,0 +1,2116 @@
+/* screen_models.h: how much of each size class is still on a screen: evaluate, step, fit and predict, in batch or along a deck.
+
+       #include "screen_models.h"
+       #include <stdio.h>
+       int main(void) {
+           double diameter[2] = {0.005, 0.007}, time[2] = {5.0, 10.0}, retained[4], parameter[SCREEN_MAX_PARAMETERS];
+           screen_def def = screen_default_def();              // aperture 8 mm, wire 2 mm, 20 s; SI units everywhere
+           screen_operation initial = {0.001, 50.6, 0.0, 0.0}; // amplitude, frequency, moisture, inclination
+           def.classes = 2;
+           def.diameters = diameter;
+           screen_published(SCREEN_SUBASINGHE, parameter);
+           screen_status status = screen_predict(&def, SCREEN_SUBASINGHE, parameter, &initial, 2, time, retained, 0, 0);
+           printf("%s: %.3f of 5 mm, %.3f of 7 mm after 5 s\n", screen_status_text(status), retained[0], retained[2]);
+       }
+
+   Models (E&K = Elskamp and Kruggel-Emden 2019, whose equation numbers are used; extended there by moisture M)
+     SCREEN_FIRST_ORDER  0  Y = exp(-k t), eq 29                                                    k alpha gamma
+     SCREEN_DONG         1  Y = (1 - p Y)^N, eq 25, solved; p eq 23, 24; N eq 28, on a deck eq 26   k alpha gamma [beta delta]
+     SCREEN_SUBASINGHE   2  stratification, then passage: two first-order steps, eq 31, 34, 35      k_s alpha gamma k_p beta delta
+     SCREEN_SOLDINGER    3  stratification that slows as fines leave, bottom layer, eq 36-43        k_s alpha gamma k_p beta delta
+   Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) ratio), ratio 1, d/d_av or d/a: screen_rate().
+
+   What is in it
+     >>laws        pure functions of scalars
+     >>predict     curves of a case, partition curve, time to a recovery; screen_step() for flowsheet simulators
+     >>soldinger   positive, mass-conserving integrator of model 3, adaptive or with a fixed step
+     >>fit         bounded multi-start fit by the paper's deviation or by least squares; what the data leave open; profiles
+     >>bands       mean, spread and confidence bands of a prediction
+     >>separation  d50, imperfection, misplaced fractions
+
+   Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
+   Memory: only screen_predict and screen_partition of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any, through
+   the hook def.memory, and give it back before they return.
+   Threads: no state outside the arguments; calls on different objects may run at the same time.
+   Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random numbers come from a seed.
+   What it does not do: blocked apertures (blocking.h), motion of single grains (dem.h), oversize passing the mesh, wear.
+   Settings: SCREEN_API extern everywhere and SCREEN_IMPLEMENTATION in one file give one compiled copy; default is static inline. */
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "screen_models.h needs NaN and signed zero: compile without -ffast-math"
+#endif
+#ifndef SCREEN_MODELS_H
+#define SCREEN_MODELS_H
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#ifndef SCREEN_API
+#define SCREEN_API static inline
+#define SCREEN__BODIES
+#elif defined(SCREEN_IMPLEMENTATION)
+#define SCREEN__BODIES
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- status ------------------------------------------------------------------------------------------------------------------------- */
+
+#define SCREEN_STATUSES(X)                                                                                         \
+    X(SCREEN_OK, "ok")                                                                                             \
+    X(SCREEN_NO_MEMORY, "out of memory")                                                                           \
+    X(SCREEN_BAD_POINTER, "an array that is needed is null")                                                       \
+    X(SCREEN_BAD_DEF, "a field of screen_def is out of range: screen_check_def names it")                          \
+    X(SCREEN_BAD_MODEL, "no such model, or the model has no form for this deck")                                   \
+    X(SCREEN_BAD_OPERATION, "amplitude [m], frequency [Hz] or inclination [rad] out of range")                     \
+    X(SCREEN_MOISTURE_IN_PERCENT, "moisture is a mass fraction in [0, 1): this looks like percent")                \
+    X(SCREEN_BAD_MOISTURE, "moisture is a mass fraction in [0, 1)")                                                \
+    X(SCREEN_BAD_PARAMETERS, "a rate constant is not positive or a parameter is not finite")                       \
+    X(SCREEN_NOT_FINITE, "these parameters give a rate that is not finite")                                        \
+    X(SCREEN_BAD_TIMES, "times are negative, not finite or not strictly rising")                                   \
+    X(SCREEN_DATA_NOT_FINITE, "retained data hold a NaN or an infinity")                                           \
+    X(SCREEN_DATA_IN_PERCENT, "retained data are fractions in [0, 1]: these look like percent")                    \
+    X(SCREEN_DATA_OUT_OF_RANGE, "retained data lie below 0 or above 1")                                            \
+    X(SCREEN_DATA_NOT_MONOTONE, "retained data rise with time")                                                    \
+    X(SCREEN_TOO_FEW_POINTS, "fewer data points than parameters to fit")                                           \
+    X(SCREEN_BAD_BOUNDS, "a bound is NaN, low above high, or a rate constant's bound is not positive and finite")  \
+    X(SCREEN_BAD_OPTION, "an option is out of range")                                                              \
+    X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                          \
+    X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                          \
+    X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")
+
+typedef enum screen_status {
+#define SCREEN__ENUM(name, text) name,
+    SCREEN_STATUSES(SCREEN__ENUM)
+#undef SCREEN__ENUM
+} screen_status;
+
+/* One sentence; "unknown status" for anything else. Never null. */
+SCREEN_API const char *screen_status_text(screen_status status);
+
+/* ---- configuration ------------------------------------------------------------------------------------------------------------------ */
+
+enum { SCREEN_MAX_PARAMETERS = 6 };
+
+typedef enum screen_model {
+    SCREEN_FIRST_ORDER, /* 0 */
+    SCREEN_DONG,        /* 1 */
+    SCREEN_SUBASINGHE,  /* 2 */
+    SCREEN_SOLDINGER    /* 3 */
+} screen_model;
+
+/* What d_av of eqs 32, 34, 43 is the mean of. The paper's n counts undersize classes. */
+typedef enum screen_average {
+    SCREEN_AVERAGE_UNDERSIZE, /* plain mean of def.diameters (6 mm for 5 and 7 mm); default */
+    SCREEN_AVERAGE_ALL,       /* plain mean of def.diameters and def.coarse_diameter (7.33 mm with 10 mm) */
+    SCREEN_AVERAGE_GIVEN      /* def.average_diameter */
+} screen_average;
+
+/* fn(user, old, old_size, new_size): like realloc; new_size 0 frees and returns null; null for a new_size > 0 means "no". */
+typedef struct screen_memory {
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size); /* null: the C library's realloc and free (default) */
+    void *user;
+} screen_memory;
+
+/* The deck and its feed. Get one from screen_default_def(), which is the batch screen of E&K section 4, then set classes and diameters. */
+typedef struct screen_def {
+    double aperture;      /* a, clear width of a square aperture [m], > 0; 0.008 */
+    double wire;          /* w, wire diameter [m], >= 0; 0.002; model 1 */
+    double duration;      /* t_end of eq 28 [s], > 0; 20; model 1 in batch */
+    double gravity;       /* g [m/s2], > 0; 9.81 */
+    int continuous;       /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s, k_p are in 1/m;
+                             models 0, 1, 2 */
+    int classes;          /* undersize classes, >= 1; the default 0 must be set */
+    const double *diameters; /* d_i [classes] [m], each in (0, aperture); not owned; the default null must be set */
+    const double *shares;    /* S_inf,i = m_i,0/m_0 [classes], mass of a class over the mass of all undersize [-], > 0, sum 1 to 1e-6;
+                                not owned; null (default): equal shares */
+    screen_average average;  /* SCREEN_AVERAGE_UNDERSIZE; models 2, 3 */
+    double average_diameter; /* d_av [m], > 0; 0.006; read with SCREEN_AVERAGE_GIVEN only */
+    /* Model 3 only */
+    double undersize_mass;   /* m_0 [kg], > 0; 0.94 */
+    double oversize_mass;    /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
+    double coarse_diameter;  /* d_av,c of eq 41 and size of the oversize [m], > 0; 0.010 */
+    double deck_area;        /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
+    double bulk_density;     /* rho_b [kg/m3], > 0; 1500 */
+    double bottom_limit;     /* B_p = B_mP/m_0, what the bottom layer can hold [-], > 0; infinity (default): no limit */
+    double tolerance;        /* error of retained that a step of the adaptive integrator may make [-], [1e-14, 1e-2]; 1e-9; the stratified
+                                part is held as closely where it matters to the retained, and to 1000 times that elsewhere */
+    double fixed_step;       /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
+    screen_memory memory;    /* the C library's */
+    uint32_t cookie;         /* set by screen_default_def */
+} screen_def;
+
+/* How the deck runs. All four are checked by every driver. */
+typedef struct screen_operation {
+    double amplitude;   /* A [m], (0, 0.1] */
+    double frequency;   /* f [Hz], (0, 1e4] */
+    double moisture;    /* M, liquid mass over particle mass [-], [0, 1) */
+    double inclination; /* tau [rad], [0, pi/2); read by model 1 on a continuous deck only, where > 0 is needed */
+} screen_operation;
+
+SCREEN_API screen_def screen_default_def(void);
+
+/* SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok). */
+SCREEN_API screen_status screen_check_def(const screen_def *def, const char **field);
+SCREEN_API screen_status screen_check_operation(const screen_operation *operation);
+
+/* Number of parameters of a model: 3 3 6 6, and 5 for model 1 on a continuous deck; 0 for no such model. */
+SCREEN_API int screen_parameter_count(screen_model model, int continuous);
+/* "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
+SCREEN_API const char *screen_parameter_name(screen_model model, int index);
+/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS]. SCREEN_BAD_MODEL for model 0: none is printed. */
+SCREEN_API screen_status screen_published(screen_model model, double *parameters);
+
+/* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
+
+/* Curves of one case.
+     parameters  [screen_parameter_count]; rate constants > 0 [1/s], or [1/m] on a deck, or [-] (model 1); exponents any finite
+     times       [times] rising from >= 0 [s]; lengths [m] on a deck
+     retained    out [classes][times] Y, mass still on the screen over initial mass of the class, eq 21 [-]
+     stratified  out [classes][times] S/S_inf, what has ever reached the bottom layer (models 0, 1: 1) [-]; may be null
+     bottom      out [classes][times] B/S_inf, what lies in the bottom layer now (models 0, 1: Y) [-]; may be null
+   Y = bottom + 1 - stratified. Errors: as the statuses; the outputs are then undefined. */
+SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                        int times, const double *time, double *retained, double *stratified, double *bottom);
+
+/* The paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1. */
+SCREEN_API double screen_deviation(int points, const double *model, const double *data);
+
+/* Partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture.
+   diameters [n] [m], > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes do not see each other; the classes of def
+   matter only through d_av. SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes. */
+SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                          double time, int n, const double *diameters, double *partition);
+
+/* Time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED if later
+   than limit, which is > 0. */
+SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                        double recovery, double limit, double *time);
+
+/* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
+typedef struct screen__layer {
+    double log_w, b, volume, scale, predicted, decrement, c[3], u[2], y[2], x_of[4], y_of[4], u_next, y_next;
+} screen__layer;
+
+/* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed between steps. */
+typedef struct screen_bed {
+    double fed;    /* given to the deck so far, >= top + bottom; model 1 reads Y = (top + bottom)/fed */
+    double top;    /* on the deck, not yet stratified (models 0, 1: stays 0) */
+    double bottom; /* on the deck, at the mesh */
+    double passed; /* gone through so far */
+    screen__layer own;
+} screen_bed;
+
+/* The batch at t = 0: undersize_mass x share of every class, unstratified. bed [classes]. */
+SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed);
+
+/* One step of any model with the operation, the parameters and def as they are now.
+     feed    [classes] laid on top of the bed at the start of the step [kg], >= 0; null: none
+     dt      [s], >= 0 and finite (length [m] on a deck)
+     passed  out [classes] mass through the mesh in this step [kg]; may be null
+   fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed forms whatever the steps. Model 1 continues at the N
+   that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is needed: N must rise with the length). Model 3 measures all masses in units of def.undersize_mass. */
+SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                     double dt, const double *feed, screen_bed *bed, double *passed);
+
+/* ---- fit ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Measured or simulated curves of one operation. Nothing is owned. */
+typedef struct screen_case {
+    screen_operation operation;
+    int times;              /* >= 1 */
+    const double *time;     /* [times] [s], rising, >= 0 */
+    const double *retained; /* [classes][times] [-], [0, 1], not rising with time (both within options.data_tolerance) */
+} screen_case;
+
+/* Where the first bad datum stands; -1 where it does not apply. */
+typedef struct screen_where {
+    int index; /* case */
+    int klass; /* size class */
+    int time;
+} screen_where;
+
+typedef enum screen_loss {
+    SCREEN_LOSS_DEVIATION, /* mean |model - data|, the paper's; default */
+    SCREEN_LOSS_SQUARES    /* mean (model - data)^2 */
+} screen_loss;
+
+typedef struct screen_fit_options {
+    screen_loss loss;
+    int starts;           /* random starts, >= 1; 20 */
+    int iterations;       /* of one start in all, >= 1; 400 */
+    uint64_t seed;        /* any; 1 */
+    const double *start;  /* [parameters] replaces the first random start; not owned; null: none (default) */
+    double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
+    double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
+    double data_error;     /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
+    double data_tolerance; /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01 */
+    uint32_t cookie;
+} screen_fit_options;
+
+/* Order and number of the parameters as screen_parameter_name. An "error" of a rate constant is that of its natural logarithm. */
+typedef struct screen_fit_result {
+    screen_model model;
+    int parameters;
+    double parameter[SCREEN_MAX_PARAMETERS];
+    double deviation;                        /* mean over cases of the deviation of a case [-] */
+    double rms;                              /* root mean square of model - data [-] */
+    double error[SCREEN_MAX_PARAMETERS];     /* standard error; correlated residuals of a curve counted as fewer points; inf: no influence */
+    double low[SCREEN_MAX_PARAMETERS];       /* 95 % range: parameter -+ 2 errors (a rate constant by a factor), cut at the bounds */
+    double high[SCREEN_MAX_PARAMETERS];
+    double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
+    int determined[SCREEN_MAX_PARAMETERS];   /* 0: 2 errors exceed ln 2 (rate constant) or max(1, |value|) (exponent): the data leave it open */
+    int at_bound[SCREEN_MAX_PARAMETERS];     /* 1: stands at a bound that is not low = high */
+    int undetermined;                        /* how many are not determined */
+    int starts;                              /* made */
+    int starts_at_best;                      /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
+    long evaluations;                        /* of the curves of all cases */
+    screen_where where;                      /* first bad datum when the data are refused */
+    double coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
+    double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the coefficients' covariance */
+    double centre[4];
+} screen_fit_result;
+
+SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
+
+/* Are the curves fit to be fitted? Where (may be null) names the first bad datum. tolerance as options.data_tolerance. */
+SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance, screen_where *where);
+
+/* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates (where alpha = 0 is no wall),
+   from several random starts, first on a rounded, then on the sharp absolute deviation.
+   Models 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
+   in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases, exponents
+   when A f and d are) are held at 0, or at options->start, or the nearest bound.
+   options may be null (defaults). Errors: as the statuses; result->where is set for bad data. */
+SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
+                                    const screen_fit_options *options, screen_fit_result *result);
+
+/* Profile range: how far one parameter (index) may go, all others fitted again, before the loss (deviation [-] or mean square) rises by
+   rise > 0; cut at the bounds. result is a fit to the same cases with the same options. */
+SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
+                                        const screen_fit_result *result, int index, double rise, double *low, double *high);
+
+/* Draws parameter sets from the normal distribution about a fit: out sets[n][SCREEN_MAX_PARAMETERS]. A direction that the data leave open
+   has the spread 2 of a log rate or exponent (20 of a product with a moisture exponent). Bounds of options (null: defaults) hold. */
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n, double *sets);
+
+/* Mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
+     sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
+     scatter  spread of single measurements about the model to be added [-], >= 0: 0 for the band of the curve, result.rms for that of new data
+     level    share of the distribution inside the band, (0, 1), as 0.95
+     mean, spread, low, high  out [classes][times] [-]; each may be null */
+SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets, const screen_operation *operation,
+                                     int times, const double *time, double scatter, uint64_t seed, double level, double *mean,
+                                     double *spread, double *low, double *high);
+
+/* ---- separation --------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct screen_separation {
+    double d25, d50, d75;      /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them */
+    double ecart;              /* probable error (d75 - d25)/2 [m] */
+    double imperfection;       /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
+    double recovery;           /* undersize passed / undersize fed [-]; NaN without undersize */
+    double oversize_loss;      /* oversize passed / oversize fed [-]; NaN without oversize */
+    double misplaced_overflow; /* undersize in what stays / all that stays [-]; NaN when nothing stays */
+    double misplaced_underflow; /* oversize in what passes / all that passes [-]; NaN when nothing passes */
+    double efficiency;         /* Hancock: recovery - oversize_loss [-] */
+    double yield;              /* passed / fed [-] */
+} screen_separation;
+
+/* Measures of a deck from a partition curve of any model or experiment.
+   diameters [n] rising [m]; feed [n] mass of each class (any unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1];
+   cut > 0 [m]: classes below it are undersize. SCREEN_NOT_REACHED when only the sizes are missing: the rest is valid. */
+SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
+                                        screen_separation *out);
+
+/* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
+   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+#ifndef RIDDLE_PORTABLE_MATH
+#define RIDDLE_PORTABLE_MATH
+#define RIDDLE_PI 3.14159265358979323846
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_LO 1.9082149292705877e-10
+
+/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+static inline double riddle__expm1_small(double r) {
+    double p = 1.0 / 87178291200.0;
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+static inline double riddle_exp(double x) {
+    if (!(x > -745.2)) return x != x ? x : 0.0;
+    if (x > 709.79) return HUGE_VAL;
+    double k = floor(x * 1.4426950408889634 + 0.5);
+    double r = (x - k * RIDDLE_LN2_HI) - k * RIDDLE_LN2_LO;
+    return ldexp(1.0 + riddle__expm1_small(r), (int)k);
+}
+
+static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
+
+/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+static inline double riddle__log1p_small(double f) {
+    double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
+    p = p * z + 2.0 / 21.0;
+    p = p * z + 2.0 / 19.0;
+    p = p * z + 2.0 / 17.0;
+    p = p * z + 2.0 / 15.0;
+    p = p * z + 2.0 / 13.0;
+    p = p * z + 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    return f - s * (f - z * p);
+}
+
+static inline double riddle_log(double x) {
+    if (!(x > 0.0)) return x == 0.0 ? -HUGE_VAL : (double)NAN;
+    if (x > 1.7976931348623157e308) return x;
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2.0;
+        e -= 1;
+    }
+    return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
+}
+
+static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+
+/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+static inline double riddle_pow(double x, double y) {
+    if (y == 0.0 || x == 1.0) return 1.0;
+    return riddle_exp(y * riddle_log(x));
+}
+
+static inline double riddle_cbrt(double x) {
+    if (x == 0.0 || !(fabs(x) <= 1.7976931348623157e308)) return x;
+    int e;
+    double m = frexp(fabs(x), &e); /* in [0.5, 1) */
+    int third = (e + 3000) / 3 - 1000, rest = e - 3 * third;
+    m = ldexp(m, rest); /* in [0.5, 4) */
+    double y = 0.65 + 0.25 * m;
+    for (int i = 0; i < 5; i++) y -= (y * y * y - m) / (3.0 * y * y);
+    return ldexp(x < 0.0 ? -y : y, third);
+}
+
+/* sin and cos of r + quarter turns, |r| <= pi/4 */
+static inline double riddle__sin_quarter(double r, int quarter) {
+    double z = r * r, p, value;
+    if (quarter & 1) {
+        p = -1.0 / 6402373705728000.0;
+        p = p * z + 1.0 / 20922789888000.0;
+        p = p * z - 1.0 / 87178291200.0;
+        p = p * z + 1.0 / 479001600.0;
+        p = p * z - 1.0 / 3628800.0;
+        p = p * z + 1.0 / 40320.0;
+        p = p * z - 1.0 / 720.0;
+        p = p * z + 1.0 / 24.0;
+        value = 1.0 - (0.5 * z - z * z * p);
+    } else {
+        p = 1.0 / 355687428096000.0;
+        p = p * z - 1.0 / 1307674368000.0;
+        p = p * z + 1.0 / 6227020800.0;
+        p = p * z - 1.0 / 39916800.0;
+        p = p * z + 1.0 / 362880.0;
+        p = p * z - 1.0 / 5040.0;
+        p = p * z + 1.0 / 120.0;
+        p = p * z - 1.0 / 6.0;
+        value = r + r * z * p;
+    }
+    return quarter & 2 ? -value : value;
+}
+
+static inline double riddle__sin_shifted(double x, int quarters) {
+    if (!(fabs(x) <= 1e6)) return (double)NAN;
+    double n = floor(x * 0.63661977236758134 + 0.5);
+    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+}
+
+/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
+static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
+
+static inline double riddle_atan(double x) {
+    double t = fabs(x), base = 0.0, sign = 1.0;
+    if (t > 1.0) {
+        t = 1.0 / t;
+        base = 0.5 * RIDDLE_PI;
+        sign = -1.0;
+    }
+    if (t > 0.26794919243112270) {
+        base += sign * (RIDDLE_PI / 6.0);
+        t = (1.7320508075688773 * t - 1.0) / (t + 1.7320508075688773);
+    }
+    double z = t * t, p = 0.0;
+    for (int k = 15; k > 0; k--) p = z * (1.0 / (2 * k + 1) - p);
+    double value = base + sign * (t - t * p);
+    return x < 0.0 ? -value : value;
+}
+
+static inline double riddle_atan2(double y, double x) {
+    if (x == 0.0 && y == 0.0) return 0.0;
+    if (x != x || y != y) return (double)NAN;
+    if (fabs(y) > fabs(x)) return (y > 0.0 ? 0.5 : -0.5) * RIDDLE_PI - riddle_atan(x / y);
+    return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
+}
+
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
+
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
+#endif /* RIDDLE_PORTABLE_MATH */
+/* <<portable-math */
+
+/* >>laws. NaN outside the domain that each comment gives. */
+
+/* Screen velocity, dimensionless: x = A f (1-M)^moisture_exponent / (sqrt(d g) ratio) raised to exponent, times k. The rate of every model:
+   ratio 1 in eqs 27, 28 [-]; d/d_av in eqs 32, 34, 43 [1/s]; d/aperture in eqs 33, 35, 40 [1/s].
+   k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2], ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
+static inline double screen_rate(double k, double exponent, double moisture_exponent, double amplitude, double frequency, double moisture,
+                                 double d, double ratio, double g) {
+    if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 && ratio > 0.0 && g > 0.0))
+        return (double)NAN;
+    /* one logarithm of each factor: their product may leave the range of a double though the power does not */
+    double log_x = riddle_log(amplitude) + riddle_log(frequency) + moisture_exponent * riddle_log1p(-moisture) -
+                   0.5 * (riddle_log(d) + riddle_log(g)) - riddle_log(ratio);
+    return k > 0.0 ? riddle_exp(riddle_log(k) + exponent * log_x) : 0.0;
+}
+
+/* Probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m], inclination [0, pi/2) [rad].
+   0 where the grain does not fit, d >= aperture cos(inclination). */
+static inline double screen_passage_probability(double aperture, double wire, double d, double inclination) {
+    if (!(aperture > 0.0 && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI)) return (double)NAN;
+    double c = inclination > 0.0 ? riddle_cos(inclination) : 1.0, pitch = aperture + wire;
+    if (!(d < aperture * c)) return 0.0;
+    return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
+}
+
+/* Attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with ratio 1. time >= 0, duration > 0. */
+static inline double screen_attempts_batch(double rate, double time, double duration) {
+    return rate >= 0.0 && time >= 0.0 && duration > 0.0 ? rate * (time / duration) : (double)NAN;
+}
+
+/* Attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d, length > 0 [m], inclination > 0 [rad]. */
+static inline double screen_attempts_deck(double rate, double d, double length, double inclination, double beta, double delta) {
+    if (!(rate >= 0.0 && d > 0.0 && length > 0.0 && inclination > 0.0)) return (double)NAN;
+    return rate * riddle_exp(beta * riddle_log(d / length) + delta * riddle_log(inclination));
+}
+
+/* Model 0, eq 29: exp(-k t); k >= 0, t >= 0. */
+static inline double screen_first_order(double k, double t) { return k >= 0.0 && t >= 0.0 ? riddle_exp(-(k * t)) : (double)NAN; }
+
+/* A single grain after n attempts, eq 22 and Table 1: (1 - p)^n. Not model 1 of a bed: see screen_dong. p [0, 1], n >= 0. */
+static inline double screen_single_grain(double p, double n) {
+    if (!(p >= 0.0 && p <= 1.0 && n >= 0.0)) return (double)NAN;
+    return n == 0.0 ? 1.0 : p < 1.0 ? riddle_exp(n * riddle_log1p(-p)) : 0.0;
+}
+
+/* Model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite.
+   With s = -ln Y, h(s) = s + n ln(1 - p e^-s) rises and is concave, so one root; it lies near Lambert's W(p n) for small p. */
+static inline double screen_dong(double p, double n) {
+    if (!(p >= 0.0 && p <= 1.0 && n >= 0.0 && n < HUGE_VAL)) return (double)NAN;
+    double z = p * n;
+    if (z == 0.0) return 1.0;
+    double l = riddle_log1p(z), s = l * (1.0 - riddle_log1p(l) / (2.0 + l)), low = 0.0, high = HUGE_VAL;
+    for (int i = 0; i < 100; i++) {
+        double less = riddle_expm1(-s), y = s < 0.35 ? 1.0 + less : riddle_exp(-s); /* Y - 1 and Y, each without cancellation */
+        double u = p * y, v = (1.0 - p) - p * less;
+        double h = s + n * (u < 0.5 ? riddle_log1p(-u) : riddle_log(v)), slope = 1.0 + n * (u / v), bend = -n * (u / (v * v));
+        if (h < 0.0) low = s;
+        else high = s;
+        double next = s - 2.0 * h * slope / (2.0 * slope * slope - h * bend); /* Halley */
+        if (!(next > low && next < high)) next = high < HUGE_VAL ? 0.5 * (low + high) : s - h / slope;
+        double step = next - s;
+        s = next;
+        if (fabs(step) <= 1e-4 * s) break; /* leaves its cube, which the step below squares */
+    }
+    double y = riddle_exp(-s), u = p * y, v = 1.0 - u;
+    if (!(v > 0.0)) return y;
+    /* a last step in Y itself, where logarithms are taken of rounded numbers that both sides share */
+    return y - y * ((riddle_log(y) - n * riddle_log1p(-u)) / (1.0 + n * (u / v)));
+}
+
+/* (1 - e^-z)/z for z >= 0, 1 at 0 */
+static inline double screen__expm1c(double z) { return z > 0.0 ? -riddle_expm1(-z) / z : 1.0; }
+
+/* Model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p, (1 + k t) e^(-k t) where they meet.
+   k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
+static inline double screen_subasinghe(double k_s, double k_p, double t) {
+    double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s;
+    if (!(slow >= 0.0 && fast < HUGE_VAL && k_s == k_s && k_p == k_p && t >= 0.0 && t < HUGE_VAL)) return (double)NAN;
+    double a = slow * t;
+    return a > 745.2 ? 0.0 : riddle_exp(-a) * (1.0 + a * screen__expm1c((fast - slow) * t));
+}
+
+/* Model 2: what is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this. */
+static inline double screen_subasinghe_top(double k_s, double t) { return screen_first_order(k_s, t); }
+
+/* Model 3, eq 42: share of fines in the top layer q [-]; unstratified undersize and oversize [kg], >= 0, sum > 0. */
+static inline double screen_fines_share(double unstratified, double oversize) {
+    return unstratified >= 0.0 && oversize >= 0.0 && unstratified + oversize > 0.0 ? unstratified / (unstratified + oversize) : (double)NAN;
+}
+
+/* Model 3, ln(c_q/w_q) = -(2q)^5; q [0, 1]. */
+static inline double screen_log_fines_factor(double q) {
+    double two_q = 2.0 * q, square = two_q * two_q;
+    return q >= 0.0 && q <= 1.0 ? -(square * square * two_q) : (double)NAN;
+}
+
+/* Model 3, ln c_d = -2.5 V/V_av; volume of a grain of the class and mean volume of grains in the top layer, > 0, same unit. */
+static inline double screen_log_size_factor(double volume, double mean_volume) {
+    return volume > 0.0 && mean_volume > 0.0 ? -2.5 * (volume / mean_volume) : (double)NAN;
+}
+
+/* Model 3, layers of coarse grains in the top layer H_t/d_av,c (under eq 41) [-]; mass of the top layer [kg], area [m2], density [kg/m3],
+   diameter [m], all > 0. */
+static inline double screen_top_layers(double mass, double area, double bulk_density, double coarse_diameter) {
+    if (!(mass > 0.0 && area > 0.0 && bulk_density > 0.0 && coarse_diameter > 0.0)) return (double)NAN;
+    return mass / (area * bulk_density) / coarse_diameter;
+}
+
+/* Model 3, ln c = ln(c_q c_d/(H_t/d_av,c)), eq 41; logarithms because w_q may be 1e8 and more. layers > 0. */
+static inline double screen_log_stratification(double log_w, double log_fines_factor, double log_size_factor, double layers) {
+    return layers > 0.0 ? log_w + log_fines_factor + log_size_factor - riddle_log(layers) : (double)NAN;
+}
+
+/* Model 3, share of the bottom layer that takes part in passage: min(1, B_p/B), text under eq 39. bottom >= 0, limit > 0. */
+static inline double screen_bottom_share(double bottom, double limit) {
+    return bottom >= 0.0 && limit > 0.0 ? (bottom > limit ? limit / bottom : 1.0) : (double)NAN;
+}
+
+/* Model 3, passage dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all undersize [1/s]; all >= 0. */
+static inline double screen_passage(double b, double retained, double bottom, double share) {
+    return b >= 0.0 && retained >= 0.0 && bottom >= 0.0 && share >= 0.0 ? b * retained * bottom * share : (double)NAN;
+}
+
+/* Model 3 with instant stratification and no limit of the bottom layer: Y/S_inf = 1/(1 + b S_inf t). b, s_inf, t >= 0. */
+static inline double screen_soldinger_limit(double b, double s_inf, double t) {
+    return b >= 0.0 && s_inf >= 0.0 && t >= 0.0 ? 1.0 / (1.0 + b * s_inf * t) : (double)NAN;
+}
+
+/* ---- bodies ------------------------------------------------------------------------------------------------------------------------- */
+#ifdef SCREEN__BODIES
+
+SCREEN_API const char *screen_status_text(screen_status status) {
+    switch (status) {
+#define SCREEN__TEXT(name, text) \
+    case name: return text;
+        SCREEN_STATUSES(SCREEN__TEXT)
+#undef SCREEN__TEXT
+    }
+    return "unknown status";
+}
+
+/* >>configuration */
+#define SCREEN__DEF_COOKIE 0x73637231u
+#define SCREEN__FIT_COOKIE 0x73637232u
+
+SCREEN_API screen_def screen_default_def(void) {
+    screen_def def;
+    def.aperture = 0.008;
+    def.wire = 0.002;
+    def.duration = 20.0;
+    def.gravity = 9.81;
+    def.continuous = 0;
+    def.classes = 0;
+    def.diameters = NULL;
+    def.shares = NULL;
+    def.average = SCREEN_AVERAGE_UNDERSIZE;
+    def.average_diameter = 0.006;
+    def.undersize_mass = 0.94;
+    def.oversize_mass = 0.47;
+    def.coarse_diameter = 0.010;
+    def.deck_area = 0.25 * RIDDLE_PI * 0.19 * 0.19;
+    def.bulk_density = 1500.0;
+    def.bottom_limit = HUGE_VAL;
+    def.tolerance = 1e-9;
+    def.fixed_step = 0.0;
+    def.memory.fn = NULL;
+    def.memory.user = NULL;
+    def.cookie = SCREEN__DEF_COOKIE;
+    return def;
+}
+
+static inline int screen__positive(double x) { return x > 0.0 && x < HUGE_VAL; }
+
+static inline const char *screen__bad_field(const screen_def *def) {
+    if (!def || def->cookie != SCREEN__DEF_COOKIE) return "cookie";
+    if (!screen__positive(def->aperture)) return "aperture";
+    if (!(def->wire >= 0.0 && def->wire < HUGE_VAL)) return "wire";
+    if (!screen__positive(def->duration)) return "duration";
+    if (!screen__positive(def->gravity)) return "gravity";
+    if (def->continuous != 0 && def->continuous != 1) return "continuous";
+    if (def->classes < 1) return "classes";
+    if (!def->diameters) return "diameters";
+    for (int i = 0; i < def->classes; i++)
+        if (!(def->diameters[i] > 0.0 && def->diameters[i] < def->aperture)) return "diameters";
+    if (def->shares) {
+        double sum = 0.0;
+        for (int i = 0; i < def->classes; i++) {
+            if (!screen__positive(def->shares[i])) return "shares";
+            sum += def->shares[i];
+        }
+        if (!(fabs(sum - 1.0) <= 1e-6)) return "shares";
+    }
+    if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN) return "average";
+    if (!screen__positive(def->average_diameter)) return "average_diameter";
+    if (!screen__positive(def->undersize_mass)) return "undersize_mass";
+    if (!(def->oversize_mass >= 0.0 && def->oversize_mass < HUGE_VAL)) return "oversize_mass";
+    if (!screen__positive(def->coarse_diameter)) return "coarse_diameter";
+    if (!screen__positive(def->deck_area)) return "deck_area";
+    if (!screen__positive(def->bulk_density)) return "bulk_density";
+    if (!(def->bottom_limit > 0.0)) return "bottom_limit";
+    if (!(def->tolerance >= 1e-14 && def->tolerance <= 1e-2)) return "tolerance";
+    if (!(def->fixed_step >= 0.0 && def->fixed_step < HUGE_VAL)) return "fixed_step";
+    return NULL;
+}
+
+SCREEN_API screen_status screen_check_def(const screen_def *def, const char **field) {
+    const char *bad = screen__bad_field(def);
+    if (field) *field = bad;
+    return bad ? SCREEN_BAD_DEF : SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_check_operation(const screen_operation *operation) {
+    if (!operation) return SCREEN_BAD_POINTER;
+    if (!(operation->amplitude > 0.0 && operation->amplitude <= 0.1)) return SCREEN_BAD_OPERATION;
+    if (!(operation->frequency > 0.0 && operation->frequency <= 1e4)) return SCREEN_BAD_OPERATION;
+    if (!(operation->inclination >= 0.0 && operation->inclination < 0.5 * RIDDLE_PI)) return SCREEN_BAD_OPERATION;
+    if (operation->moisture >= 1.0) return SCREEN_MOISTURE_IN_PERCENT;
+    if (!(operation->moisture >= 0.0)) return SCREEN_BAD_MOISTURE;
+    return SCREEN_OK;
+}
+
+SCREEN_API int screen_parameter_count(screen_model model, int continuous) {
+    switch (model) {
+    case SCREEN_FIRST_ORDER: return 3;
+    case SCREEN_DONG: return continuous ? 5 : 3;
+    case SCREEN_SUBASINGHE:
+    case SCREEN_SOLDINGER: return 6;
+    }
+    return 0;
+}
+
+SCREEN_API const char *screen_parameter_name(screen_model model, int index) {
+    if (index < 0 || index >= screen_parameter_count(model, 1)) return NULL;
+    int two = model == SCREEN_SUBASINGHE || model == SCREEN_SOLDINGER;
+    switch (index) {
+    case 0: return two ? "k_s" : "k";
+    case 1: return "alpha";
+    case 2: return "gamma";
+    case 3: return two ? "k_p" : "beta";
+    case 4: return two ? "beta" : "delta";
+    default: return "delta";
+    }
+}
+
+static inline void screen__set(double *out, double a, double b, double c, double d, double e, double f) {
+    out[0] = a;
+    out[1] = b;
+    out[2] = c;
+    out[3] = d;
+    out[4] = e;
+    out[5] = f;
+}
+
+SCREEN_API screen_status screen_published(screen_model model, double *parameters) {
+    if (!parameters) return SCREEN_BAD_POINTER;
+    if (model == SCREEN_DONG) screen__set(parameters, 1142.6444, -0.0193, -161.2886, 0.0, 0.0, 0.0);
+    else if (model == SCREEN_SUBASINGHE) screen__set(parameters, 1.3883, 0.8288, 2.2026, 0.0542, -5.5913, 0.4581);
+    else if (model == SCREEN_SOLDINGER) screen__set(parameters, 5.3935, -9.3318, 9.6818, 5.0896, 0.7160, 2.4247);
+    else return SCREEN_BAD_MODEL;
+    return SCREEN_OK;
+}
+
+/* An array of zero length is never asked for. */
+static inline void *screen__take(const screen_memory *memory, size_t count, size_t size) {
+    if (count > (size_t)-1 / size) return NULL;
+    return memory->fn ? memory->fn(memory->user, NULL, 0, count * size) : malloc(count * size);
+}
+
+static inline void screen__release(const screen_memory *memory, void *block, size_t count, size_t size) {
+    if (!block) return;
+    if (memory->fn) memory->fn(memory->user, block, count * size, 0);
+    else free(block);
+}
+
+static inline double screen__share(const screen_def *def, int i) { return def->shares ? def->shares[i] : 1.0 / def->classes; }
+
+static inline double screen__average(const screen_def *def) {
+    if (def->average == SCREEN_AVERAGE_GIVEN) return def->average_diameter;
+    double sum = 0.0;
+    for (int i = 0; i < def->classes; i++) sum += def->diameters[i];
+    return def->average == SCREEN_AVERAGE_ALL ? (sum + def->coarse_diameter) / (def->classes + 1) : sum / def->classes;
+}
+
+/* Every rate is log-linear: ln rate = c0 + c1 speed + c2 wet, with c0 = ln k, c1 = exponent, c2 = exponent x moisture exponent. On a deck
+   model 1 adds c3 size + c4 slope. One such triple for models 0 and 1, two for 2 and 3. */
+typedef struct screen__terms {
+    double speed[2], wet, size, slope;
+} screen__terms;
+
+static inline int screen__rates(screen_model model) { return model == SCREEN_SUBASINGHE || model == SCREEN_SOLDINGER ? 2 : 1; }
+
+static inline screen__terms screen__terms_of(const screen_def *def, screen_model model, double average, const screen_operation *operation,
+                                             double d) {
+    screen__terms t;
+    double log_d = riddle_log(d), dry = riddle_log(operation->amplitude) + riddle_log(operation->frequency) -
+                                        0.5 * (log_d + riddle_log(def->gravity));
+    double to_aperture = dry - log_d + riddle_log(def->aperture);
+    t.speed[0] = model == SCREEN_DONG ? dry : model == SCREEN_FIRST_ORDER ? to_aperture : dry - log_d + riddle_log(average);
+    t.speed[1] = to_aperture;
+    t.wet = riddle_log1p(-operation->moisture);
+    t.size = log_d;
+    t.slope = operation->inclination > 0.0 ? riddle_log(operation->inclination) : 0.0;
+    return t;
+}
+
+/* ln of the rates of a class, [screen__rates]; coefficients [parameters]. */
+static inline void screen__log_rates(const screen_def *def, screen_model model, const double *c, const screen__terms *t, double *log_rate) {
+    for (int r = 0; r < screen__rates(model); r++) log_rate[r] = c[3 * r] + c[3 * r + 1] * t->speed[r] + c[3 * r + 2] * t->wet;
+    if (model == SCREEN_DONG && def->continuous) log_rate[0] += c[3] * t->size + c[4] * t->slope;
+}
+
+static inline screen_status screen__coefficients(const screen_def *def, screen_model model, const double *parameters, double *c) {
+    int n = screen_parameter_count(model, def->continuous);
+    if (!parameters) return SCREEN_BAD_POINTER;
+    if (n == 0 || (model == SCREEN_SOLDINGER && def->continuous)) return SCREEN_BAD_MODEL;
+    for (int j = 0; j < n; j++)
+        if (!(fabs(parameters[j]) < HUGE_VAL)) return SCREEN_BAD_PARAMETERS;
+    for (int r = 0; r < screen__rates(model); r++) {
+        if (!(parameters[3 * r] > 0.0)) return SCREEN_BAD_PARAMETERS;
+        c[3 * r] = riddle_log(parameters[3 * r]);
+        c[3 * r + 1] = parameters[3 * r + 1];
+        c[3 * r + 2] = parameters[3 * r + 1] * parameters[3 * r + 2];
+    }
+    if (n == 5) {
+        c[3] = parameters[3];
+        c[4] = parameters[4];
+    }
+    return SCREEN_OK;
+}
+
+/* A rate must be a number below e^600, so that no product of two of its kind with a time overflows. */
+static inline int screen__rate_ok(double log_rate) { return log_rate < 600.0 && log_rate > -1e300; }
+
+static inline screen_status screen__check_call(const screen_def *def, screen_model model, const double *parameters,
+                                               const screen_operation *operation, double *c) {
+    screen_status status = screen_check_def(def, NULL);
+    if (!status) status = screen_check_operation(operation);
+    if (!status) status = screen__coefficients(def, model, parameters, c);
+    if (!status && model == SCREEN_DONG && def->continuous && !(operation->inclination > 0.0)) status = SCREEN_BAD_OPERATION;
+    return status;
+}
+
+static inline screen_status screen__check_times(int times, const double *time) {
+    if (times < 1) return SCREEN_BAD_TIMES;
+    if (!time) return SCREEN_BAD_POINTER;
+    for (int j = 0; j < times; j++)
+        if (!(time[j] >= 0.0 && time[j] < HUGE_VAL) || (j > 0 && !(time[j] > time[j - 1]))) return SCREEN_BAD_TIMES;
+    return SCREEN_OK;
+}
+
+/* >>soldinger
+   With U = S_inf - S the top layer is a system of its own, dU/dt = -c(U) U, and of the retained Y = U + B each class obeys
+   dY/dt = -b share Y (Y - U): linear in 1/Y. So U decays by an exponential, 1/Y is integrated in closed form, both are positive, B = Y - U
+   never is negative, and what has passed is what is missing: nothing is lost at any step size.
+   u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a step works on, slot 2 of c the predicted top layer. */
+
+/* c of every class for the top layer in a slot, 2: as predicted. SCREEN_NOT_FINITE above e^600 1/s. */
+static inline screen_status screen__stratification(const screen_def *def, screen_bed *bed, int slot, double *fastest) {
+    double fines = 0.0, grains = 0.0;
+    double d_c = def->coarse_diameter, coarse = def->oversize_mass / def->undersize_mass;
+    for (int i = 0; i < def->classes; i++) {
+        double u = slot == 2 ? bed[i].own.predicted : bed[i].own.u[slot];
+        fines += u;
+        grains += u / bed[i].own.volume;
+    }
+    grains += coarse / (d_c * d_c * d_c);
+    double mass = fines + coarse, log_fines = 0.0, layers = 0.0;
+    *fastest = 0.0;
+    if (mass > 0.0) {
+        log_fines = screen_log_fines_factor(screen_fines_share(fines, coarse));
+        layers = screen_top_layers(mass * def->undersize_mass, def->deck_area, def->bulk_density, d_c);
+    }
+    double log_layers_only = mass > 0.0 ? screen_log_stratification(0.0, log_fines, 0.0, layers) : 0.0;
+    for (int i = 0; i < def->classes; i++) {
+        screen__layer *own = &bed[i].own;
+        double log_c = mass > 0.0 ? own->log_w + log_layers_only + screen_log_size_factor(own->volume, mass / grains) : own->log_w;
+        if (!screen__rate_ok(log_c)) return SCREEN_NOT_FINITE;
+        own->c[slot] = riddle_exp(log_c);
+        if (own->c[slot] > *fastest && own->u[0] > 0.0) *fastest = own->c[slot];
+    }
+    return SCREEN_OK;
+}
+
+/* (1 - e^-z)/z from z >= 0 and e^-z */
+static inline double screen__mean_decay(double z, double e) { return z < 0.35 ? screen__expm1c(z) : (1.0 - e) / z; }
+
+/* Second-order step of length h from slot `from`, whose c is known, to slot 1; adds to the decrement of ln u. */
+static inline screen_status screen__positive_step(const screen_def *def, screen_bed *bed, int from, double h) {
+    int n = def->classes, limited = def->bottom_limit < HUGE_VAL;
+    double ignored, share = 1.0, bottom = 0.0;
+    for (int i = 0; i < n; i++) {
+        screen__layer *own = &bed[i].own;
+        own->predicted = own->u[from] * riddle_exp(-(h * own->c[from]));
+        bottom += own->y[from] - own->u[from];
+    }
+    screen_status status = screen__stratification(def, bed, 2, &ignored);
+    if (status) return status;
+    if (limited) share = screen_bottom_share(bottom > 0.0 ? bottom : 0.0, def->bottom_limit);
+    for (int pass = limited ? 0 : 1; pass < 2; pass++) { /* a limit needs the share at the end as well: twice over */
+        double after = 0.0;
+        for (int i = 0; i < n; i++) {
+            screen__layer *own = &bed[i].own;
+            double x = 0.5 * h * (own->c[from] + own->c[2]), e = riddle_exp(-x);
+            double bh = own->b * share * h, m = bh * own->u[from] * screen__mean_decay(x, e); /* b times the integral of U */
+            double decay = riddle_exp(-m), first = screen__mean_decay(m, decay);
+            double second = m < 0.1 ? 0.5 - m * (1.0 / 6 - m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
+                                    : (1.0 - first) / m;
+            /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold the slow limit and the limit of instant stratification */
+            double gain = ((first - second) * e + second) * (2.0 / (1.0 + e));
+            double y = own->y[from] / (decay + own->y[from] * bh * gain), u = own->u[from] * e;
+            if (!(y > u)) y = u; /* only rounding can bring it below */
+            after += y - u;
+            if (pass == 0) continue;
+            own->decrement += x;
+            own->u[1] = u;
+            own->y[1] = y;
+        }
+        if (pass == 0) share = 0.5 * (share + screen_bottom_share(after, def->bottom_limit));
+    }
+    return SCREEN_OK;
+}
+
+/* n steps of length h/n from slot 0 to slot 1. */
+static inline screen_status screen__substeps(const screen_def *def, screen_bed *bed, int n, double h) {
+    screen_status status = SCREEN_OK;
+    double ignored;
+    for (int i = 0; i < def->classes; i++) bed[i].own.decrement = 0.0;
+    for (int k = 0; k < n && !status; k++) {
+        if (k > 0) status = screen__stratification(def, bed, 1, &ignored);
+        if (!status) status = screen__positive_step(def, bed, k > 0, h / n);
+    }
+    return status;
+}
+
+/* From slot 0 over the given time to slot 0. hint carries the step size from call to call; 0 at first. */
+static inline screen_status screen__advance(const screen_def *def, screen_bed *bed, double duration, double *hint) {
+    /* 1 to 4 substeps extrapolated to order 2 to 5: the errors in h^2, h^3, .. cancel */
+    const double weight[4][4] = {{1.0, 0.0, 0.0, 0.0},
+                                 {-1.0 / 3, 4.0 / 3, 0.0, 0.0},
+                                 {1.0 / 12, -4.0 / 3, 9.0 / 4, 0.0},
+                                 {-1.0 / 60, 4.0 / 5, -81.0 / 20, 64.0 / 15}};
+    int n = def->classes;
+    double left = duration, fastest;
+    for (long tries = 0; left > 0.0; tries++) {
+        double top = 0.0, bottom = 0.0;
+        if (tries > 1000000) return SCREEN_TOO_MANY_STEPS;
+        for (int i = 0; i < n; i++) {
+            screen__layer *own = &bed[i].own;
+            if (own->u[0] < 1e-18 * own->scale) own->u[0] = 0.0; /* joins the bottom layer, since B = Y - U */
+            top += own->u[0];
+            bottom += own->y[0] - own->u[0];
+        }
+        int exact = top == 0.0 && !(bottom > def->bottom_limit); /* then one step of any length is */
+        screen_status status = screen__stratification(def, bed, 0, &fastest);
+        if (status) return status;
+        if (exact || def->fixed_step > 0.0) {
+            double h = !exact && def->fixed_step < left ? def->fixed_step : left;
+            status = screen__substeps(def, bed, 1, h);
+            if (status) return status;
+            for (int i = 0; i < n; i++) {
+                bed[i].own.u[0] = bed[i].own.u[1];
+                bed[i].own.y[0] = bed[i].own.y[1];
+            }
+            left -= h;
+            continue;
+        }
+        if (!(*hint > 0.0)) *hint = fastest > 0.0 ? 0.3 / fastest : left;
+        double h = *hint < left ? *hint : left;
+        double ratio = HUGE_VAL, grow = 1.0;
+        for (int k = 0; k < 4 && !(ratio <= 1.0); k++) { /* as many orders as the tolerance asks for */
+            double error = 0.0;
+            status = screen__substeps(def, bed, k + 1, h);
+            if (status) return status;
+            for (int i = 0; i < n; i++) {
+                screen__layer *own = &bed[i].own;
+                double x = 0.0, y = 0.0, x_before = 0.0, y_before = 0.0;
+                own->x_of[k] = own->decrement;
+                own->y_of[k] = own->y[1];
+                if (k == 0) continue;
+                for (int m = 0; m <= k; m++) {
+                    x += weight[k][m] * own->x_of[m];
+                    y += weight[k][m] * own->y_of[m];
+                    x_before += weight[k - 1][m] * own->x_of[m];
+                    y_before += weight[k - 1][m] * own->y_of[m];
+                }
+                /* what is wrong with U reaches Y at the rate b until U is gone, at the rate c */
+                double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0, u = x >= 0.0 ? own->u[0] * riddle_exp(-x) : own->u[1];
+                double e_u = fabs(u - own->u[0] * riddle_exp(-x_before)) * (reach > 1e-3 ? reach : 1e-3), e_y = fabs(y - y_before);
+                if (!(e_u <= error * own->scale)) error = e_u / own->scale;
+                if (!(e_y <= error * own->scale)) error = e_y / own->scale;
+                own->u_next = u; /* extrapolation is kept only where it stays in bounds */
+                own->y_next = !(y <= own->y[0]) ? own->y[1] : y > u ? y : u;
+            }
+            if (k == 0) continue;
+            ratio = error / def->tolerance;
+            grow = ratio > 1e-8 ? 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (k + 2))) : 10.0;
+            if (ratio <= 1.0 && k < 3 && grow < 2.0) grow = 2.0; /* orders are left */
+        }
+        *hint = h * (grow < 10.0 ? (grow > 0.1 ? grow : 0.1) : 10.0);
+        if (!(ratio <= 1.0)) continue;
+        for (int i = 0; i < n; i++) {
+            bed[i].own.u[0] = bed[i].own.u_next;
+            bed[i].own.y[0] = bed[i].own.y_next;
+        }
+        left = h < left ? left - h : 0.0;
+    }
+    return SCREEN_OK;
+}
+
+/* Slots of model 3 from the bed and the rates of the operation. */
+static inline screen_status screen__load(const screen_def *def, double average, const double *c, const screen_operation *operation,
+                                         const double *feed, screen_bed *bed) {
+    for (int i = 0; i < def->classes; i++) {
+        screen__layer *own = &bed[i].own;
+        double d = def->diameters[i], log_rate[2];
+        screen__terms terms = screen__terms_of(def, SCREEN_SOLDINGER, average, operation, d);
+        screen__log_rates(def, SCREEN_SOLDINGER, c, &terms, log_rate);
+        if (!screen__rate_ok(log_rate[0]) || !screen__rate_ok(log_rate[1])) return SCREEN_NOT_FINITE;
+        own->log_w = log_rate[0];
+        own->b = riddle_exp(log_rate[1]);
+        own->volume = d * d * d; /* pi/6 cancels */
+        own->scale = screen__share(def, i);
+        own->u[0] = (bed[i].top + (feed ? feed[i] : 0.0)) / def->undersize_mass;
+        own->y[0] = own->u[0] + bed[i].bottom / def->undersize_mass;
+    }
+    return SCREEN_OK;
+}
+
+/* >>predict */
+
+/* Y of model 2 with its derivatives by ln k_s and ln k_p. */
+static inline double screen__subasinghe_slopes(double k_s, double k_p, double t, double *slope) {
+    double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s, z = (fast - slow) * t, e = riddle_exp(-(slow * t));
+    double mean = screen__expm1c(z), by_slow, by_fast; /* e t mean = (e^(-slow t) - e^(-fast t))/(fast - slow) */
+    if (z < 1e-3) {
+        by_slow = -0.5 + z * (1.0 / 6 - z / 24);
+        by_fast = -0.5 + z * (1.0 / 3 - z / 8);
+    } else {
+        by_slow = (mean - 1.0) / z;
+        by_fast = (riddle_exp(-z) - mean) / z;
+    }
+    double common = slow * fast * t * t * e; /* t may be 0 and e may underflow: then so does this */
+    slope[k_s < k_p ? 0 : 1] = common * by_slow;
+    slope[k_s < k_p ? 1 : 0] = common * by_fast;
+    return slow * t > 745.2 ? 0.0 : e * (1.0 + slow * t * mean);
+}
+
+/* Curves from coefficients. slopes (may be null; models 0-2) [classes][times][2]: dY/d ln rate, the second of model 1: dY/d beta by length.
+   bed [classes]: model 3 only. */
+static inline screen_status screen__curves(const screen_def *def, screen_model model, const double *c, const screen_operation *operation,
+                                           int times, const double *time, double *retained, double *stratified, double *bottom,
+                                           double *slopes, screen_bed *bed) {
+    double average = screen__average(def);
+    if (model == SCREEN_SOLDINGER) {
+        double now = 0.0, hint = 0.0;
+        screen_status status = screen_bed_init(def, model, bed);
+        if (!status) status = screen__load(def, average, c, operation, NULL, bed);
+        for (int j = 0; j < times && !status; j++) {
+            status = screen__advance(def, bed, time[j] - now, &hint);
+            now = time[j];
+            for (int i = 0; i < def->classes; i++) {
+                double share = bed[i].own.scale, u = bed[i].own.u[0] / share, y = bed[i].own.y[0] / share;
+                size_t at = (size_t)i * (size_t)times + (size_t)j;
+                retained[at] = y;
+                if (stratified) stratified[at] = 1.0 - u;
+                if (bottom) bottom[at] = y - u;
+            }
+        }
+        return status;
+    }
+    for (int i = 0; i < def->classes; i++) {
+        double d = def->diameters[i], log_rate[2], rate[2] = {0.0, 0.0}, p = 0.0;
+        screen__terms terms = screen__terms_of(def, model, average, operation, d);
+        screen__log_rates(def, model, c, &terms, log_rate);
+        for (int r = 0; r < screen__rates(model); r++) {
+            if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
+            rate[r] = riddle_exp(log_rate[r]);
+        }
+        if (model == SCREEN_DONG) p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
+        for (int j = 0; j < times; j++) {
+            size_t at = (size_t)i * (size_t)times + (size_t)j;
+            double t = time[j], y, top = 0.0, slope[2] = {0.0, 0.0};
+            if (model == SCREEN_FIRST_ORDER) {
+                y = screen_first_order(rate[0], t);
+                slope[0] = -rate[0] * t * y;
+            } else if (model == SCREEN_DONG) {
+                double log_length = def->continuous && t > 0.0 ? riddle_log(t) : 0.0, n = 0.0;
+                if (!def->continuous) n = screen_attempts_batch(rate[0], t, def->duration);
+                else if (t > 0.0) n = rate[0] * riddle_exp(-c[3] * log_length);
+                if (!(n < HUGE_VAL)) return SCREEN_NOT_FINITE;
+                y = screen_dong(p, n);
+                if (slopes) {
+                    double u = p * y, log_v = riddle_log1p(-u);
+                    slope[0] = u < 1.0 ? y * n * log_v / (1.0 + n * (u / (1.0 - u))) : 0.0;
+                    slope[1] = -log_length * slope[0];
+                }
+            } else {
+                y = slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope) : screen_subasinghe(rate[0], rate[1], t);
+                top = stratified || bottom ? screen_subasinghe_top(rate[0], t) : 0.0;
+            }
+            retained[at] = y;
+            if (stratified) stratified[at] = 1.0 - top;
+            if (bottom) bottom[at] = y > top ? y - top : 0.0;
+            if (slopes) {
+                slopes[2 * at] = slope[0];
+                slopes[2 * at + 1] = slope[1];
+            }
+        }
+    }
+    return SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                        int times, const double *time, double *retained, double *stratified, double *bottom) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen_status status = screen__check_call(def, model, parameters, operation, c);
+    if (!status) status = screen__check_times(times, time);
+    if (!status && !retained) status = SCREEN_BAD_POINTER;
+    if (status) return status;
+    screen_bed *bed = NULL;
+    size_t n = (size_t)def->classes;
+    if (model == SCREEN_SOLDINGER) {
+        bed = (screen_bed *)screen__take(&def->memory, n, sizeof *bed);
+        if (!bed) return SCREEN_NO_MEMORY;
+    }
+    status = screen__curves(def, model, c, operation, times, time, retained, stratified, bottom, NULL, bed);
+    screen__release(&def->memory, bed, n, sizeof *bed);
+    return status;
+}
+
+SCREEN_API double screen_deviation(int points, const double *model, const double *data) {
+    double sum = 0.0;
+    if (points < 1 || !model || !data) return (double)NAN;
+    for (int j = 0; j < points; j++) sum += fabs(model[j] - data[j]);
+    return sum / points;
+}
+
+SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                          double time, int n, const double *diameters, double *partition) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen_status status = screen__check_call(def, model, parameters, operation, c);
+    if (!status && model == SCREEN_SOLDINGER) status = SCREEN_BAD_MODEL;
+    if (!status && (!diameters || !partition)) status = SCREEN_BAD_POINTER;
+    if (!status) status = screen__check_times(1, &time);
+    if (!status && n < 1) status = SCREEN_BAD_ARGUMENT;
+    if (status) return status;
+    screen_def one = *def; /* one class at a time; d_av stays that of the whole feed */
+    one.average_diameter = screen__average(def);
+    one.average = SCREEN_AVERAGE_GIVEN;
+    one.classes = 1;
+    one.shares = NULL;
+    for (int i = 0; i < n; i++) {
+        if (!screen__positive(diameters[i])) return SCREEN_BAD_ARGUMENT;
+        partition[i] = 1.0;
+        if (!(diameters[i] < def->aperture)) continue;
+        one.diameters = &diameters[i];
+        status = screen__curves(&one, model, c, operation, 1, &time, &partition[i], NULL, NULL, NULL, NULL);
+        if (status) return status;
+    }
+    return SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                        double recovery, double limit, double *time) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen_status status = screen__check_call(def, model, parameters, operation, c);
+    if (status) return status;
+    if (!time) return SCREEN_BAD_POINTER;
+    if (!(recovery >= 0.0 && recovery < 1.0) || !screen__positive(limit)) return SCREEN_BAD_ARGUMENT;
+    size_t n = (size_t)def->classes;
+    screen_bed *bed = (screen_bed *)screen__take(&def->memory, n, sizeof *bed);
+    double *y = (double *)screen__take(&def->memory, n, sizeof *y);
+    double low = 0.0, high = limit, at = limit;
+    if (!bed || !y) status = SCREEN_NO_MEMORY;
+    for (int i = 0; i < 60 && !status && high - low > 1e-12 * limit; i++) {
+        double passed = 0.0;
+        status = screen__curves(def, model, c, operation, 1, &at, y, NULL, NULL, NULL, bed);
+        for (int k = 0; k < def->classes; k++) passed += screen__share(def, k) * (1.0 - y[k]);
+        if (i == 0 && !status && !(passed >= recovery)) status = SCREEN_NOT_REACHED;
+        if (passed >= recovery) high = at;
+        else low = at;
+        at = 0.5 * (low + high);
+    }
+    *time = recovery > 0.0 ? high : 0.0;
+    screen__release(&def->memory, bed, n, sizeof *bed);
+    screen__release(&def->memory, y, n, sizeof *y);
+    return status;
+}
+
+SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed) {
+    screen_status status = screen_check_def(def, NULL);
+    if (status) return status;
+    if (!bed) return SCREEN_BAD_POINTER;
+    for (int i = 0; i < def->classes; i++) {
+        double mass = def->undersize_mass * screen__share(def, i);
+        bed[i].fed = mass;
+        bed[i].top = screen__rates(model) == 2 ? mass : 0.0;
+        bed[i].bottom = mass - bed[i].top;
+        bed[i].passed = 0.0;
+    }
+    return SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                     double dt, const double *feed, screen_bed *bed, double *passed) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen_status status = screen__check_call(def, model, parameters, operation, c);
+    if (status) return status;
+    if (!bed) return SCREEN_BAD_POINTER;
+    if (!(dt >= 0.0 && dt < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
+    if (model == SCREEN_DONG && def->continuous && !(c[3] < 0.0)) return SCREEN_BAD_PARAMETERS; /* N must rise with the length */
+    for (int i = 0; i < def->classes; i++) {
+        const screen_bed *b = &bed[i];
+        if (feed && !(feed[i] >= 0.0 && feed[i] < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
+        if (!(b->top >= 0.0 && b->bottom >= 0.0 && b->passed >= 0.0 && b->fed < HUGE_VAL && b->top + b->bottom <= b->fed * (1.0 + 1e-12)))
+            return SCREEN_BAD_ARGUMENT;
+    }
+    /* whatever can fail comes first: a refused step leaves the masses as they were */
+    double average = screen__average(def);
+    for (int i = 0; i < def->classes; i++) {
+        double log_rate[2];
+        screen__terms terms = screen__terms_of(def, model, average, operation, def->diameters[i]);
+        screen__log_rates(def, model, c, &terms, log_rate);
+        for (int r = 0; r < screen__rates(model); r++)
+            if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
+    }
+    if (model == SCREEN_SOLDINGER) {
+        double hint = 0.0;
+        status = screen__load(def, average, c, operation, feed, bed);
+        if (!status) status = screen__advance(def, bed, dt, &hint);
+        if (status) return status;
+    }
+    for (int i = 0; i < def->classes; i++) {
+        screen_bed *b = &bed[i];
+        double fresh = feed ? feed[i] : 0.0;
+        b->fed += fresh;
+        if (screen__rates(model) == 2) b->top += fresh;
+        else b->bottom += fresh;
+        double before = b->top + b->bottom, top = 0.0, after = before, log_rate[2];
+        if (passed) passed[i] = 0.0;
+        if (!(before > 0.0)) continue;
+        if (model == SCREEN_SOLDINGER) {
+            top = b->own.u[0] * def->undersize_mass;
+            after = b->own.y[0] * def->undersize_mass;
+        } else {
+            screen__terms terms = screen__terms_of(def, model, average, operation, def->diameters[i]);
+            screen__log_rates(def, model, c, &terms, log_rate);
+            double rate = riddle_exp(log_rate[0]);
+            if (model == SCREEN_FIRST_ORDER) {
+                after = before * screen_first_order(rate, dt);
+            } else if (model == SCREEN_DONG) {
+                double p = screen_passage_probability(def->aperture, def->wire, def->diameters[i], def->continuous ? operation->inclination : 0.0);
+                double y = before / b->fed, n = y < 1.0 ? riddle_log(y) / riddle_log1p(-p * y) : 0.0;
+                if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
+                else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
+                    double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
+                    n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
+                }
+                if (p > 0.0 && n < HUGE_VAL) after = b->fed * screen_dong(p, n);
+            } else {
+                double stay = screen_subasinghe_top(rate, dt), kp = riddle_exp(log_rate[1]);
+                top = b->top * stay;
+                after = b->top * screen_subasinghe(rate, kp, dt) + b->bottom * riddle_exp(-kp * dt);
+            }
+        }
+        if (!(after <= before)) after = before; /* rounding only */
+        if (!(top <= after)) top = after;
+        b->top = top;
+        b->bottom = after - top;
+        b->passed += before - after;
+        if (passed) passed[i] = before - after;
+    }
+    return SCREEN_OK;
+}
+
+/* >>fit
+   Coordinates. The rates are log-linear in the coefficients c (screen__terms), taken about the mean of the terms over all curves, so that
+   c[0] and c[3] are mean log rates; the bounds are a box in q = ln k, exponent, moisture exponent. Steps are made in c, where an exponent
+   passes through 0 without its moisture exponent going through infinity; a parameter at its bound is left out and the step made in q. */
+
+typedef double screen__matrix[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
+
+typedef struct screen__problem {
+    screen_def def; /* for model 3 with a tolerance that suits finite differences */
+    screen_model model;
+    int parameters, cases, points; /* points: classes x times of the longest case */
+    const screen_case *data;
+    screen_loss loss;
+    double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS]; /* in q */
+    double centre[4];                                               /* mean of speed[r] and wet, for each rate */
+    double *retained, *slopes;                                      /* [points], [points][parameters or 2] */
+    screen_bed *bed;                                                /* [classes], model 3 */
+    long evaluations;
+} screen__problem;
+
+static inline uint64_t screen__random(uint64_t *state) { /* splitmix64, Steele, Lea and Flood 2014 */
+    uint64_t z = *state += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
+
+static inline double screen__uniform(uint64_t *state) { return (double)(screen__random(state) >> 11) * (1.0 / 9007199254740992.0); }
+
+static inline double screen__normal(uint64_t *state) {
+    double u = screen__uniform(state), v = screen__uniform(state);
+    return sqrt(-2.0 * riddle_log(1.0 - u)) * riddle_cos(2.0 * RIDDLE_PI * v);
+}
+
+static inline int screen__is_rate(screen_model model, int j) { return j == 0 || (j == 3 && screen__rates(model) == 2); }
+static inline int screen__is_wet(screen_model model, int j) { return j == 2 || (j == 5 && screen__rates(model) == 2); }
+
+static inline void screen__to_coefficients(screen_model model, int n, const double *centre, const double *q, double *c) {
+    for (int j = 0; j < n; j++) c[j] = q[j];
+    for (int r = 0; r < screen__rates(model); r++) {
+        c[3 * r + 2] = q[3 * r + 1] * q[3 * r + 2];
+        c[3 * r] = q[3 * r] + c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
+    }
+}
+
+static inline double screen__clip(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+/* To the nearest q inside the bounds that keeps the mean log rates where it can. */
+static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high,
+                                  const double *c, double *q) {
+    for (int j = 0; j < n; j++) q[j] = screen__clip(c[j], low[j], high[j]);
+    for (int r = 0; r < screen__rates(model); r++) {
+        int k = 3 * r;
+        double gamma = fabs(c[k + 1]) > 1e-300 ? c[k + 2] / c[k + 1] : 0.0; /* of the free exponent, before it is cut */
+        q[k + 2] = screen__clip(gamma, low[k + 2], high[k + 2]);
+        q[k] = screen__clip(c[k] - q[k + 1] * (centre[2 * r] + q[k + 2] * centre[2 * r + 1]), low[k], high[k]);
+    }
+}
+
+/* Coefficients about 0, as screen__log_rates takes them. */
+static inline void screen__uncentre(screen_model model, int n, const double *centre, const double *c, double *out) {
+    for (int j = 0; j < n; j++) out[j] = c[j];
+    for (int r = 0; r < screen__rates(model); r++) out[3 * r] -= c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
+}
+
+/* d log_rate[r] of a class / d c: features [2][parameters]; second row for model 1 on a deck: d beta, which multiplies -ln length. */
+static inline void screen__features(const screen__problem *p, const screen__terms *t, double f[2][SCREEN_MAX_PARAMETERS]) {
+    for (int j = 0; j < p->parameters; j++) f[0][j] = f[1][j] = 0.0;
+    for (int r = 0; r < screen__rates(p->model); r++) {
+        f[r][3 * r] = 1.0;
+        f[r][3 * r + 1] = t->speed[r] - p->centre[2 * r];
+        f[r][3 * r + 2] = t->wet - p->centre[2 * r + 1];
+    }
+    if (p->parameters == 5) {
+        f[0][3] = t->size;
+        f[0][4] = t->slope;
+        f[1][3] = 1.0;
+    }
+}
+
+typedef struct screen__sums {
+    double loss, deviation, squares; /* means over cases */
+    double gradient[SCREEN_MAX_PARAMETERS];
+    screen__matrix curvature; /* Gauss-Newton, by c */
+} screen__sums;
+
+/* Loss at c: rounding > 0 makes |r| smooth, sqrt(r^2 + rounding^2) - rounding. weigh 0: curvature of the squares, for the errors.
+   HUGE_VAL where the curves are not finite. */
+static inline void screen__evaluate(screen__problem *p, const double *c, double rounding, int derivatives, int weigh, screen__sums *out) {
+    int n = p->parameters, numeric = p->model == SCREEN_SOLDINGER;
+    double plain[SCREEN_MAX_PARAMETERS];
+    out->loss = out->deviation = out->squares = 0.0;
+    for (int j = 0; j < n; j++) {
+        out->gradient[j] = 0.0;
+        for (int k = 0; k < n; k++) out->curvature[j][k] = 0.0;
+    }
+    p->evaluations++;
+    double average = screen__average(&p->def);
+    for (int s = 0; s < p->cases; s++) {
+        const screen_case *data = &p->data[s];
+        int times = data->times, points = p->def.classes * times;
+        double weight = 1.0 / ((double)p->cases * points);
+        screen__uncentre(p->model, n, p->centre, c, plain);
+        screen_status status = screen__curves(&p->def, p->model, plain, &data->operation, times, data->time, p->retained, NULL, NULL,
+                                              derivatives && !numeric ? p->slopes : NULL, p->bed);
+        /* with no limit of the bottom layer a class feels only its own b: one run with all of them moved is enough */
+        int runs = p->def.bottom_limit < HUGE_VAL ? n : 4;
+        for (int j = 0; j < runs && derivatives && numeric && !status; j++) {
+            double moved[SCREEN_MAX_PARAMETERS], step = j % 3 == 0 ? 1e-4 : 1e-3; /* a speed term is about 0.1, a wet one 0.03 */
+            double *column = p->slopes + (size_t)j * (size_t)p->points;
+            for (int k = 0; k < n; k++) moved[k] = c[k];
+            moved[j] += step;
+            screen__uncentre(p->model, n, p->centre, moved, plain);
+            status = screen__curves(&p->def, p->model, plain, &data->operation, times, data->time, column, NULL, NULL, NULL, p->bed);
+            for (int k = 0; k < points; k++) column[k] = (column[k] - p->retained[k]) / step;
+        }
+        for (int i = 0; i < p->def.classes && derivatives && numeric && runs == 4 && !status; i++) {
+            double f[2][SCREEN_MAX_PARAMETERS];
+            screen__terms terms = screen__terms_of(&p->def, p->model, average, &data->operation, p->def.diameters[i]);
+            screen__features(p, &terms, f);
+            for (int j = 4; j < 6; j++)
+                for (int k = i * times; k < (i + 1) * times; k++)
+                    p->slopes[(size_t)j * (size_t)p->points + (size_t)k] = f[1][j] * p->slopes[3 * (size_t)p->points + (size_t)k];
+        }
+        if (status) {
+            out->loss = out->deviation = out->squares = HUGE_VAL;
+            return;
+        }
+        for (int i = 0; i < p->def.classes; i++) {
+            double sum[2] = {0.0, 0.0}, product[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
+            for (int k = i * times; k < (i + 1) * times; k++) {
+                double r = p->retained[k] - data->retained[k], pull = 1.0, gain = weight * r;
+                out->deviation += weight * fabs(r);
+                out->squares += weight * r * r;
+                if (p->loss == SCREEN_LOSS_DEVIATION) {
+                    double round = sqrt(r * r + rounding * rounding);
+                    out->loss += weight * (r * r / (round + rounding));
+                    if (weigh) {
+                        pull = 1.0 / round;
+                        gain *= pull;
+                    }
+                } else {
+                    out->loss += 0.5 * weight * r * r;
+                }
+                if (!derivatives) continue;
+                if (numeric) {
+                    for (int a = 0; a < n; a++) {
+                        double j_a = p->slopes[(size_t)a * (size_t)p->points + (size_t)k];
+                        out->gradient[a] += gain * j_a;
+                        for (int b = 0; b <= a; b++)
+                            out->curvature[a][b] += weight * pull * j_a * p->slopes[(size_t)b * (size_t)p->points + (size_t)k];
+                    }
+                } else { /* by the two rates of the curve; by c once the curve is done */
+                    double j0 = p->slopes[2 * k], j1 = p->slopes[2 * k + 1];
+                    sum[0] += gain * j0;
+                    sum[1] += gain * j1;
+                    product[0][0] += weight * pull * j0 * j0;
+                    product[0][1] += weight * pull * j0 * j1;
+                    product[1][1] += weight * pull * j1 * j1;
+                }
+            }
+            if (!derivatives || numeric) continue;
+            double f[2][SCREEN_MAX_PARAMETERS];
+            screen__terms terms = screen__terms_of(&p->def, p->model, average, &data->operation, p->def.diameters[i]);
+            screen__features(p, &terms, f);
+            for (int a = 0; a < n; a++) {
+                out->gradient[a] += sum[0] * f[0][a] + sum[1] * f[1][a];
+                for (int b = 0; b <= a; b++)
+                    out->curvature[a][b] += product[0][0] * f[0][a] * f[0][b] + product[1][1] * f[1][a] * f[1][b] +
+                                            product[0][1] * (f[0][a] * f[1][b] + f[1][a] * f[0][b]);
+            }
+        }
+    }
+    for (int a = 0; a < n; a++)
+        for (int b = a + 1; b < n; b++) out->curvature[a][b] = out->curvature[b][a];
+}
+
+/* Lower Cholesky factor of a symmetric matrix, in place; 0 if it is not positive. */
+static inline int screen__cholesky(int n, screen__matrix a) {
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) {
+            double s = a[i][j];
+            for (int k = 0; k < j; k++) s -= a[i][k] * a[j][k];
+            if (i == j && !(s > 0.0)) return 0;
+            a[i][j] = i == j ? sqrt(s) : s / a[j][j];
+        }
+    return 1;
+}
+
+static inline void screen__solve(int n, screen__matrix l, double *x) { /* L L^T x = x */
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < i; k++) x[i] -= l[i][k] * x[k];
+        x[i] /= l[i][i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) x[i] -= l[k][i] * x[k];
+        x[i] /= l[i][i];
+    }
+}
+
+/* dc/dq at q, [parameters][parameters] */
+static inline void screen__jacobian(const screen__problem *p, const double *q, screen__matrix t) {
+    int n = p->parameters;
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) t[a][b] = a == b ? 1.0 : 0.0;
+    for (int r = 0; r < screen__rates(p->model); r++) {
+        int k = 3 * r;
+        t[k + 2][k + 1] = q[k + 2];
+        t[k + 2][k + 2] = q[k + 1];
+        t[k][k + 1] = p->centre[2 * r] + q[k + 2] * p->centre[2 * r + 1];
+        t[k][k + 2] = q[k + 1] * p->centre[2 * r + 1];
+    }
+}
+
+/* a = T^T a T, g = T^T g */
+static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, double *g) {
+    screen__matrix half;
+    double old[SCREEN_MAX_PARAMETERS];
+    for (int i = 0; i < n; i++) {
+        old[i] = g[i];
+        for (int j = 0; j < n; j++) {
+            half[i][j] = 0.0;
+            for (int k = 0; k < n; k++) half[i][j] += a[i][k] * t[k][j];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        g[i] = 0.0;
+        for (int k = 0; k < n; k++) g[i] += t[k][i] * old[k];
+        for (int j = 0; j < n; j++) {
+            a[i][j] = 0.0;
+            for (int k = 0; k < n; k++) a[i][j] += t[k][i] * half[k][j];
+        }
+    }
+}
+
+/* Levenberg-Marquardt from q (inside the bounds) to a minimum of the rounded loss; uses up to *left iterations. */
+static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
+    int n = p->parameters, with = p->model != SCREEN_SOLDINGER, quiet = 0;
+    double c[SCREEN_MAX_PARAMETERS], damping = 1e-3;
+    screen__sums now, next;
+    screen__to_coefficients(p->model, n, p->centre, q, c);
+    screen__evaluate(p, c, rounding, 1, 1, &now);
+    if (!(now.loss < HUGE_VAL)) return HUGE_VAL;
+    for (int it = 0; it < most && *left > 0 && quiet < 2; it++, --*left) {
+        screen__matrix a, t;
+        double g[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS], biggest = 0.0;
+        int held[SCREEN_MAX_PARAMETERS], any = 0, moved = 0;
+        screen__jacobian(p, q, t);
+        for (int i = 0; i < n; i++) g[i] = now.gradient[i];
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) a[i][j] = now.curvature[i][j];
+        screen__by_q(n, t, a, g);
+        for (int i = 0; i < n; i++) {
+            held[i] = p->low[i] >= p->high[i] || (q[i] <= p->low[i] && g[i] > 0.0) || (q[i] >= p->high[i] && g[i] < 0.0);
+            any += held[i];
+        }
+        if (any == n) break;
+        if (!any)
+            for (int i = 0; i < n; i++) {
+                g[i] = now.gradient[i];
+                for (int j = 0; j < n; j++) a[i][j] = now.curvature[i][j];
+            }
+        for (int i = 0; i < n; i++) biggest = a[i][i] > biggest ? a[i][i] : biggest;
+        while (damping < 1e12) {
+            screen__matrix l;
+            double step[SCREEN_MAX_PARAMETERS];
+            for (int i = 0; i < n; i++) {
+                step[i] = held[i] ? 0.0 : -g[i];
+                for (int j = 0; j < n; j++) l[i][j] = held[i] || held[j] ? 0.0 : a[i][j];
+                l[i][i] = held[i] ? 1.0 : a[i][i] * (1.0 + damping) + 1e-10 * damping * biggest + 1e-300;
+            }
+            if (screen__cholesky(n, l)) {
+                screen__solve(n, l, step);
+                for (int i = 0; i < n; i++) /* a long jump may end where a rate is so high that nothing depends on it: no way back */
+                    if (!screen__is_wet(p->model, i)) step[i] = screen__clip(step[i], -2.0, 2.0);
+                if (any) {
+                    for (int i = 0; i < n; i++) trial[i] = screen__clip(q[i] + step[i], p->low[i], p->high[i]);
+                } else {
+                    for (int i = 0; i < n; i++) step[i] += c[i];
+                    screen__to_box(p->model, n, p->centre, p->low, p->high, step, trial);
+                }
+                screen__to_coefficients(p->model, n, p->centre, trial, step);
+                screen__evaluate(p, step, rounding, with, 1, &next);
+                if (next.loss < now.loss) {
+                    quiet = now.loss - next.loss <= 1e-7 * now.loss && damping < 1.0 ? quiet + 1 : 0;
+                    for (int i = 0; i < n; i++) {
+                        q[i] = trial[i];
+                        c[i] = step[i];
+                    }
+                    if (!with) screen__evaluate(p, c, rounding, 1, 1, &next);
+                    now = next;
+                    moved = 1;
+                    damping = damping > 1e-11 ? 0.1 * damping : 1e-12;
+                    break;
+                }
+            }
+            damping = damping < 1e-8 ? 1e-6 : 8.0 * damping;
+        }
+        if (!moved) break;
+    }
+    return now.loss;
+}
+
+SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
+    screen_fit_options options;
+    options.loss = SCREEN_LOSS_DEVIATION;
+    options.starts = 20;
+    options.iterations = 400;
+    options.seed = 1;
+    options.start = NULL;
+    for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
+        double width = screen__is_wet(model, j) ? 1000.0 : 50.0;
+        options.low[j] = screen__is_rate(model, j) ? 1e-12 : -width;
+        options.high[j] = screen__is_rate(model, j) ? 1e12 : width;
+    }
+    options.data_error = 1e-3;
+    options.data_tolerance = 0.01;
+    options.cookie = SCREEN__FIT_COOKIE;
+    return options;
+}
+
+SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance, screen_where *where) {
+    screen_where ignored;
+    if (!where) where = &ignored;
+    where->index = where->klass = where->time = -1;
+    screen_status status = screen_check_def(def, NULL);
+    if (status) return status;
+    if (cases < 1 || !data) return cases < 1 ? SCREEN_TOO_FEW_POINTS : SCREEN_BAD_POINTER;
+    if (!(tolerance >= 0.0 && tolerance < HUGE_VAL)) return SCREEN_BAD_OPTION;
+    for (int s = 0; s < cases; s++) {
+        where->index = s;
+        status = screen_check_operation(&data[s].operation);
+        if (status) return status;
+        if (data[s].times < 1) return SCREEN_TOO_FEW_POINTS;
+        if (!data[s].time || !data[s].retained) return SCREEN_BAD_POINTER;
+        for (int j = 0; j < data[s].times; j++) {
+            where->time = j;
+            if (!(data[s].time[j] >= 0.0 && data[s].time[j] < HUGE_VAL)) return SCREEN_BAD_TIMES;
+            if (j > 0 && !(data[s].time[j] > data[s].time[j - 1])) return SCREEN_BAD_TIMES;
+        }
+        for (int i = 0; i < def->classes; i++) {
+            double lowest = HUGE_VAL;
+            where->klass = i;
+            for (int j = 0; j < data[s].times; j++) {
+                double y = data[s].retained[(size_t)i * (size_t)data[s].times + (size_t)j];
+                where->time = j;
+                if (!(fabs(y) < HUGE_VAL)) return SCREEN_DATA_NOT_FINITE;
+                if (y > 1.0 + tolerance && y > 1.5 && y <= 100.0 + tolerance) return SCREEN_DATA_IN_PERCENT;
+                if (y < -tolerance || y > 1.0 + tolerance) return SCREEN_DATA_OUT_OF_RANGE;
+                if (y > lowest + tolerance) return SCREEN_DATA_NOT_MONOTONE;
+                if (y < lowest) lowest = y;
+            }
+        }
+        where->klass = where->time = -1;
+    }
+    where->index = -1;
+    return SCREEN_OK;
+}
+
+static inline double screen__to_q(screen_model model, int j, double value) { return screen__is_rate(model, j) ? riddle_log(value) : value; }
+
+/* Bounds, centre and arrays of a problem whose cases have been checked. */
+static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
+                                         const screen_fit_options *options) {
+    int n = screen_parameter_count(model, def->continuous), terms = 0, first = 1;
+    double low[2][2], high[2][2], average = screen__average(def);
+    p->def = *def;
+    if (p->def.tolerance < 1e-7) p->def.tolerance = 1e-7; /* while searching; the last steps are made with the caller's */
+    p->model = model;
+    p->parameters = n;
+    p->cases = cases;
+    p->points = 0;
+    p->data = data;
+    p->loss = options->loss;
+    p->evaluations = 0;
+    p->retained = p->slopes = NULL;
+    p->bed = NULL;
+    for (int k = 0; k < 4; k++) p->centre[k] = 0.0;
+    for (int s = 0; s < cases; s++) {
+        int points = def->classes * data[s].times;
+        p->points = points > p->points ? points : p->points;
+        for (int i = 0; i < def->classes; i++, terms++, first = 0) {
+            screen__terms t = screen__terms_of(def, model, average, &data[s].operation, def->diameters[i]);
+            for (int r = 0; r < 2; r++)
+                for (int k = 0; k < 2; k++) {
+                    double x = k ? t.wet : t.speed[r];
+                    p->centre[2 * r + k] += x;
+                    low[r][k] = first || x < low[r][k] ? x : low[r][k];
+                    high[r][k] = first || x > high[r][k] ? x : high[r][k];
+                }
+        }
+    }
+    for (int k = 0; k < 4; k++) p->centre[k] /= terms;
+    for (int j = 0; j < n; j++) {
+        double a = options->low[j], b = options->high[j];
+        if (!(a <= b) || (screen__is_rate(model, j) && !(a > 0.0 && b < HUGE_VAL))) return SCREEN_BAD_BOUNDS;
+        p->low[j] = screen__to_q(model, j, a);
+        p->high[j] = screen__to_q(model, j, b);
+        int r = j / 3, exponent = j % 3;
+        if (exponent == 0 || (n == 5 && r == 1)) continue;
+        if (high[r][exponent - 1] - low[r][exponent - 1] < 1e-12) /* the same in all curves: no influence but that of k */
+            p->low[j] = p->high[j] = screen__clip(options->start ? options->start[j] : 0.0, p->low[j], p->high[j]);
+    }
+    size_t points = (size_t)p->points, columns = model == SCREEN_SOLDINGER ? (size_t)n : 2;
+    p->retained = (double *)screen__take(&def->memory, points, sizeof(double));
+    p->slopes = (double *)screen__take(&def->memory, points * columns, sizeof(double));
+    p->bed = (screen_bed *)screen__take(&def->memory, (size_t)def->classes, sizeof(screen_bed));
+    return p->retained && p->slopes && p->bed ? SCREEN_OK : SCREEN_NO_MEMORY;
+}
+
+static inline void screen__dispose(screen__problem *p) {
+    size_t columns = p->model == SCREEN_SOLDINGER ? (size_t)p->parameters : 2;
+    screen__release(&p->def.memory, p->retained, (size_t)p->points, sizeof(double));
+    screen__release(&p->def.memory, p->slopes, (size_t)p->points * columns, sizeof(double));
+    screen__release(&p->def.memory, p->bed, (size_t)p->def.classes, sizeof(screen_bed));
+}
+
+/* Random start: mean rates such that something happens within the time of the data, exponents of either sign. */
+static inline void screen__random_start(const screen__problem *p, double last_time, uint64_t *state, double *q) {
+    double c[SCREEN_MAX_PARAMETERS];
+    int n = p->parameters;
+    for (int j = 0; j < n; j++) {
+        double u = screen__uniform(state);
+        if (screen__is_wet(p->model, j)) c[j] = 40.0 * (u - 0.5);
+        else if (!screen__is_rate(p->model, j)) c[j] = 12.0 * (u - 0.5);
+        else if (p->model == SCREEN_DONG) c[j] = 3.0 + 7.0 * u; /* attempts: 20 .. 22000 */
+        else c[j] = riddle_log(1.0 / last_time) + 7.0 * u - (p->model == SCREEN_SOLDINGER && j == 0 ? 1.0 : 0.0);
+    }
+    if (n == 5) { /* c[0] is not centred by size, slope and length there */
+        c[3] = -1.0 - screen__uniform(state);
+        c[4] = screen__uniform(state) - 0.5;
+        c[0] += c[3] * (riddle_log(last_time) - riddle_log(p->def.diameters[0]));
+    }
+    screen__to_box(p->model, n, p->centre, p->low, p->high, c, q);
+}
+
+/* Model 2 has minima where one step is so fast that its exponents hardly matter. From there, once more with that step only e^2 times faster
+   than the other and without exponents; the better of the two stays in q. */
+static inline double screen__second_try(screen__problem *p, double *q, double loss, double rounding, int *left) {
+    double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
+    screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
+    int fast = c[0] > c[3] ? 0 : 3;
+    c[fast] = c[3 - fast] + 2.0;
+    c[fast + 1] = c[fast + 2] = 0.0;
+    screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, other);
+    double again = screen__descend(p, other, rounding, 150, left);
+    if (!(again < loss)) return loss;
+    for (int j = 0; j < p->parameters; j++) q[j] = other[j];
+    return again;
+}
+
+/* Takes c for q if it lies inside the bounds, or is cut to them, without making the deviation worse. */
+static inline int screen__prefer(screen__problem *p, const double *c, double *q) {
+    double trial[SCREEN_MAX_PARAMETERS], old[SCREEN_MAX_PARAMETERS], cut[SCREEN_MAX_PARAMETERS];
+    screen__sums before, after;
+    screen__to_coefficients(p->model, p->parameters, p->centre, q, old);
+    screen__evaluate(p, old, 0.0, 0, 1, &before);
+    screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, trial);
+    screen__to_coefficients(p->model, p->parameters, p->centre, trial, cut);
+    screen__evaluate(p, cut, 0.0, 0, 1, &after);
+    if (!(after.deviation <= before.deviation + 1e-12 && after.squares <= before.squares + 1e-12)) return 0;
+    for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
+    return 1;
+}
+
+/* Among equally good sets the plainest: exponents that change nothing become 0, and of the two steps of model 2 the slower is called
+   stratification. */
+static inline void screen__tidy(screen__problem *p, double *q) {
+    double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
+    for (int r = 0; r < screen__rates(p->model) && screen__rates(p->model) == 2; r++)
+        for (int k = 2; k > 0; k--) {
+            screen__to_coefficients(p->model, 6, p->centre, q, c);
+            c[3 * r + k] = 0.0;
+            screen__prefer(p, c, q);
+        }
+    screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
+    for (int j = 0; j < p->parameters; j++) other[j] = c[(j + 3) % 6];
+    if (p->model == SCREEN_SUBASINGHE && c[0] > c[3]) screen__prefer(p, other, q);
+}
+
+/* Errors, correlation, ranges and what is not determined, at the best q. */
+static inline void screen__judge(screen__problem *p, const screen_fit_options *options, const double *q, screen_fit_result *out) {
+    int n = p->parameters;
+    double c[SCREEN_MAX_PARAMETERS], scale[SCREEN_MAX_PARAMETERS], unused[SCREEN_MAX_PARAMETERS] = {0.0};
+    screen__sums sums;
+    screen__matrix t, a, cov;
+    screen__to_coefficients(p->model, n, p->centre, q, c);
+    screen__evaluate(p, c, 0.0, 1, 0, &sums);
+    out->deviation = sums.deviation;
+    out->rms = sqrt(sums.squares);
+    /* residuals of neighbouring times resemble each other: lag-1 correlation tells how many points count */
+    double lag = 0.0, all = 0.0, points = 0.0;
+    double plain[SCREEN_MAX_PARAMETERS];
+    screen__uncentre(p->model, n, p->centre, c, plain);
+    for (int s = 0; s < p->cases; s++) {
+        const screen_case *data = &p->data[s];
+        points += (double)p->def.classes * data->times;
+        if (screen__curves(&p->def, p->model, plain, &data->operation, data->times, data->time, p->retained, NULL, NULL, NULL, p->bed)) continue;
+        for (int i = 0; i < p->def.classes; i++)
+            for (int j = 0; j < data->times; j++) {
+                int k = i * data->times + j;
+                double r = p->retained[k] - data->retained[k];
+                all += r * r;
+                if (j > 0) lag += r * (p->retained[k - 1] - data->retained[k - 1]);
+            }
+    }
+    double rho = all > 0.0 && out->rms > options->data_error ? screen__clip(lag / all, 0.0, 0.975) : 0.0;
+    double sigma = out->rms > options->data_error ? out->rms : options->data_error;
+    double variance = sigma * sigma * (1.0 + rho) / (1.0 - rho) / points;
+    /* by q: errors. The curvature is scaled to ones on its diagonal, and 1e-13 added there keeps a singular one invertible */
+    screen__jacobian(p, q, t);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j];
+    screen__by_q(n, t, a, unused);
+    for (int i = 0; i < n; i++) scale[i] = a[i][i] > 1e-200 ? 1.0 / sqrt(a[i][i]) : 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 + 1e-13 : a[i][j] * scale[i] * scale[j];
+    int solved = screen__cholesky(n, a);
+    for (int j = 0; j < n; j++) {
+        double column[SCREEN_MAX_PARAMETERS] = {0.0};
+        column[j] = 1.0;
+        if (solved) screen__solve(n, a, column);
+        for (int i = 0; i < n; i++) cov[i][j] = variance * scale[i] * scale[j] * column[i];
+    }
+    out->undetermined = 0;
+    for (int j = 0; j < n; j++) {
+        int rate = screen__is_rate(p->model, j);
+        out->parameter[j] = rate ? riddle_exp(q[j]) : q[j];
+        out->error[j] = solved && scale[j] > 0.0 ? sqrt(cov[j][j]) : HUGE_VAL;
+        double reach = 2.0 * out->error[j], least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
+        out->determined[j] = reach <= least;
+        double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j], high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
+        if (options->low[j] == options->high[j]) out->determined[j] = 1; /* the caller's choice */
+        else if (p->low[j] == p->high[j]) { /* held for want of influence: any value will do */
+            out->determined[j] = 0;
+            out->error[j] = HUGE_VAL;
+            low = screen__to_q(p->model, j, options->low[j]);
+            high = screen__to_q(p->model, j, options->high[j]);
+        }
+        out->low[j] = rate ? riddle_exp(low) : low;
+        out->high[j] = rate ? riddle_exp(high) : high;
+        out->at_bound[j] = p->low[j] < p->high[j] && (q[j] <= p->low[j] || q[j] >= p->high[j]);
+        out->undetermined += !out->determined[j];
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double norm = sqrt(cov[i][i] * cov[j][j]);
+            out->correlation[i][j] = i == j ? 1.0 : norm > 0.0 ? screen__clip(cov[i][j] / norm, -1.0, 1.0) : 0.0;
+        }
+    /* by c: factor of the covariance for screen_sample; where the data say nothing the spread is 2, of moisture coefficients 20 */
+    for (int i = 0; i < n; i++) {
+        double prior = screen__is_wet(p->model, i) ? 20.0 : 2.0;
+        scale[i] = 1.0 / sqrt(sums.curvature[i][i] / variance + 1.0 / (prior * prior));
+        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j] / variance + (i == j ? 1.0 / (prior * prior) : 0.0);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) a[i][j] *= scale[i] * scale[j];
+    solved = screen__cholesky(n, a);
+    for (int j = 0; j < n; j++) {
+        double column[SCREEN_MAX_PARAMETERS] = {0.0};
+        column[j] = 1.0;
+        if (solved) screen__solve(n, a, column);
+        for (int i = 0; i < n; i++) out->factor[i][j] = scale[i] * scale[j] * column[i];
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) out->factor[i][j] = out->factor[j][i] = 0.5 * (out->factor[i][j] + out->factor[j][i]);
+    if (!solved || !screen__cholesky(n, out->factor))
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) out->factor[i][j] = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++) out->factor[i][j] = 0.0;
+    for (int j = 0; j < n; j++) out->coefficient[j] = c[j];
+}
+
+static inline screen_status screen__check_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
+                                              const screen_fit_options *options, screen_where *where) {
+    screen_status status = screen_check_def(def, NULL);
+    if (status) return status;
+    int n = screen_parameter_count(model, def->continuous), free_ones = 0;
+    if (n == 0 || (model == SCREEN_SOLDINGER && def->continuous)) return SCREEN_BAD_MODEL;
+    if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->iterations < 1 || !screen__positive(options->data_error) ||
+        (options->loss != SCREEN_LOSS_DEVIATION && options->loss != SCREEN_LOSS_SQUARES))
+        return SCREEN_BAD_OPTION;
+    for (int j = 0; j < n; j++) {
+        free_ones += !(options->low[j] == options->high[j]);
+        if (options->start && (!(fabs(options->start[j]) < HUGE_VAL) || (screen__is_rate(model, j) && !(options->start[j] > 0.0))))
+            return SCREEN_BAD_OPTION;
+    }
+    status = screen_check_cases(def, cases, data, options->data_tolerance, where);
+    if (status) return status;
+    double points = 0.0;
+    for (int s = 0; s < cases; s++) {
+        points += (double)def->classes * data[s].times;
+        if (model == SCREEN_DONG && def->continuous && !(data[s].operation.inclination > 0.0)) {
+            where->index = s;
+            return SCREEN_BAD_OPERATION;
+        }
+    }
+    return points < free_ones ? SCREEN_TOO_FEW_POINTS : SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
+                                    const screen_fit_options *options, screen_fit_result *result) {
+    const double rounding[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6};
+    screen_fit_options defaults = screen_default_fit_options(model);
+    screen__problem p;
+    if (!result) return SCREEN_BAD_POINTER;
+    if (!options) options = &defaults;
+    result->where.index = result->where.klass = result->where.time = -1;
+    screen_status status = screen__check_fit(def, model, cases, data, options, &result->where);
+    if (status) return status;
+    status = screen__pose(&p, def, model, cases, data, options);
+    double *seen = status ? NULL : (double *)screen__take(&def->memory, 2 * (size_t)options->starts, sizeof(double));
+    if (!status && !seen) status = SCREEN_NO_MEMORY;
+    double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], best_q[SCREEN_MAX_PARAMETERS], last_time = 0.0;
+    uint64_t state = options->seed;
+    int n = p.parameters, stages = options->loss == SCREEN_LOSS_SQUARES ? 1 : (int)(sizeof rounding / sizeof rounding[0]);
+    for (int s = 0; s < cases && !status; s++) {
+        double end = data[s].time[data[s].times - 1];
+        last_time = end > last_time ? end : last_time;
+    }
+    if (!(last_time > 0.0)) last_time = def->duration;
+    for (int start = 0; start < options->starts && !status; start++) {
+        int left = options->iterations, known = -1;
+        double loss = HUGE_VAL;
+        screen__random_start(&p, last_time, &state, q);
+        if (start == 0 && options->start)
+            for (int j = 0; j < n; j++) q[j] = screen__clip(screen__to_q(model, j, options->start[j]), p.low[j], p.high[j]);
+        for (int stage = 0; stage < stages && known < 0; stage++) {
+            loss = screen__descend(&p, q, rounding[stage], stage == 0 ? 150 : 40, &left);
+            if (stage == 0 && model == SCREEN_SUBASINGHE) loss = screen__second_try(&p, q, loss, rounding[0], &left);
+            if (!(loss < HUGE_VAL)) break;
+            if (stage > 0 || stages == 1) continue;
+            /* the smooth minimum that an earlier start has found: what follows would be the same */
+            for (int k = 0; k < start; k++)
+                if (fabs(seen[2 * k] - loss) <= 1e-9 * loss + 1e-15) known = k;
+            seen[2 * start] = loss;
+        }
+        if (known < 0 && loss < HUGE_VAL) {
+            screen__sums sums;
+            double c[SCREEN_MAX_PARAMETERS];
+            screen__to_coefficients(model, n, p.centre, q, c);
+            screen__evaluate(&p, c, 0.0, 0, 1, &sums);
+            loss = options->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation;
+        }
+        if (!(loss < HUGE_VAL)) seen[2 * start] = HUGE_VAL;
+        seen[2 * start + 1] = known < 0 ? loss : seen[2 * known + 1];
+        if (known < 0 && loss < best) {
+            best = loss;
+            for (int j = 0; j < n; j++) best_q[j] = q[j];
+        }
+    }
+    if (!status && !(best < HUGE_VAL)) status = SCREEN_NOT_FINITE;
+    if (!status) {
+        for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
+            result->parameter[j] = result->error[j] = result->low[j] = result->high[j] = result->coefficient[j] = 0.0;
+            result->determined[j] = result->at_bound[j] = 0;
+            for (int k = 0; k < SCREEN_MAX_PARAMETERS; k++) result->correlation[j][k] = result->factor[j][k] = 0.0;
+        }
+        result->model = model;
+        result->parameters = n;
+        int left = 40;
+        p.def.tolerance = def->tolerance;
+        screen__descend(&p, best_q, rounding[options->loss == SCREEN_LOSS_SQUARES ? 0 : stages - 1], left, &left);
+        result->starts = options->starts;
+        result->starts_at_best = 0;
+        for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
+        for (int k = 0; k < 4; k++) result->centre[k] = p.centre[k];
+        screen__tidy(&p, best_q);
+        screen__judge(&p, options, best_q, result);
+        result->evaluations = p.evaluations;
+    }
+    screen__release(&def->memory, seen, 2 * (size_t)options->starts, sizeof(double));
+    screen__dispose(&p);
+    return status;
+}
+
+SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
+                                        const screen_fit_result *result, int index, double rise, double *low, double *high) {
+    screen__problem p;
+    screen_where where;
+    if (!result || !low || !high) return SCREEN_BAD_POINTER;
+    screen_fit_options defaults = screen_default_fit_options(result->model);
+    if (!options) options = &defaults;
+    screen_status status = screen__check_fit(def, result->model, cases, data, options, &where);
+    if (status) return status;
+    if (index < 0 || index >= result->parameters || !screen__positive(rise)) return SCREEN_BAD_ARGUMENT;
+    status = screen__pose(&p, def, result->model, cases, data, options);
+    if (status) {
+        screen__dispose(&p);
+        return status;
+    }
+    int squares = options->loss == SCREEN_LOSS_SQUARES;
+    double limit = (squares ? result->rms * result->rms : result->deviation) + rise;
+    double centre_q[SCREEN_MAX_PARAMETERS], box_low = p.low[index], box_high = p.high[index];
+    for (int j = 0; j < result->parameters; j++) centre_q[j] = screen__to_q(result->model, j, result->parameter[j]);
+    for (int side = 0; side < 2; side++) {
+        double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, inside = centre_q[index], outside = edge;
+        double q[SCREEN_MAX_PARAMETERS], step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
+        int found = 0;
+        for (int j = 0; j < result->parameters; j++) q[j] = centre_q[j];
+        for (int it = 0; it < 60 && fabs(edge - inside) > 0.0; it++) {
+            double at = found ? 0.5 * (inside + outside) : inside + sign * step;
+            if (!found && sign * (at - edge) >= 0.0) at = edge;
+            if (found && fabs(outside - inside) < 1e-3 * (1e-3 + fabs(outside - centre_q[index]))) break;
+            double trial[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS];
+            int left = 200;
+            screen__sums sums;
+            for (int j = 0; j < result->parameters; j++) trial[j] = q[j];
+            trial[index] = p.low[index] = p.high[index] = at;
+            const double rounding[] = {1e-2, 1e-3, 1e-4};
+            for (int stage = squares ? 2 : 0; stage < 3; stage++) screen__descend(&p, trial, rounding[stage], 40, &left);
+            screen__to_coefficients(result->model, result->parameters, p.centre, trial, c);
+            screen__evaluate(&p, c, 0.0, 0, 1, &sums);
+            if ((squares ? sums.squares : sums.deviation) <= limit) {
+                inside = at;
+                step *= 2.0;
+                for (int j = 0; j < result->parameters; j++) q[j] = trial[j];
+            } else {
+                outside = at;
+                found = 1;
+            }
+        }
+        double value = screen__is_rate(result->model, index) ? riddle_exp(inside) : inside;
+        *(side ? high : low) = value;
+    }
+    screen__dispose(&p);
+    return status;
+}
+
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n, double *sets) {
+    if (!result || !sets) return SCREEN_BAD_POINTER;
+    screen_fit_options defaults = screen_default_fit_options(result->model);
+    double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];
+    int parameters = result->parameters;
+    if (!options) options = &defaults;
+    if (n < 1 || parameters < 1 || parameters > SCREEN_MAX_PARAMETERS) return SCREEN_BAD_ARGUMENT;
+    for (int j = 0; j < parameters; j++) {
+        if (!(options->low[j] <= options->high[j]) || (screen__is_rate(result->model, j) && !(options->low[j] > 0.0))) return SCREEN_BAD_BOUNDS;
+        low[j] = screen__to_q(result->model, j, options->low[j]);
+        high[j] = screen__to_q(result->model, j, options->high[j]);
+    }
+    for (int s = 0; s < n; s++) {
+        double z[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS], q[SCREEN_MAX_PARAMETERS];
+        for (int j = 0; j < parameters; j++) z[j] = screen__normal(&seed);
+        for (int j = 0; j < parameters; j++) {
+            c[j] = result->coefficient[j];
+            for (int k = 0; k <= j; k++) c[j] += result->factor[j][k] * z[k];
+        }
+        screen__to_box(result->model, parameters, result->centre, low, high, c, q);
+        for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++)
+            sets[s * SCREEN_MAX_PARAMETERS + j] = j >= parameters ? 0.0 : screen__is_rate(result->model, j) ? riddle_exp(q[j]) : q[j];
+    }
+    return SCREEN_OK;
+}
+
+/* >>bands */
+
+static inline void screen__sort(double *x, int n) { /* Shell, gaps of Ciura: a few hundred numbers */
+    const int gaps[] = {701, 301, 132, 57, 23, 10, 4, 1};
+    for (int g = 0; g < 8; g++)
+        for (int i = gaps[g]; i < n; i++) {
+            double value = x[i];
+            int j = i;
+            for (; j >= gaps[g] && x[j - gaps[g]] > value; j -= gaps[g]) x[j] = x[j - gaps[g]];
+            x[j] = value;
+        }
+}
+
+static inline double screen__quantile(const double *sorted, int n, double share) {
+    double at = share * (n - 1), below = floor(at);
+    int i = (int)below;
+    return i + 1 < n ? sorted[i] + (at - below) * (sorted[i + 1] - sorted[i]) : sorted[n - 1];
+}
+
+SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets, const screen_operation *operation,
+                                     int times, const double *time, double scatter, uint64_t seed, double level, double *mean,
+                                     double *spread, double *low, double *high) {
+    screen_status status = screen_check_def(def, NULL);
+    if (!status) status = screen_check_operation(operation);
+    if (!status) status = screen__check_times(times, time);
+    if (!status && !sets) status = SCREEN_BAD_POINTER;
+    if (!status && (n < 2 || !(scatter >= 0.0 && scatter < HUGE_VAL) || !(level > 0.0 && level < 1.0))) status = SCREEN_BAD_ARGUMENT;
+    if (status) return status;
+    size_t points = (size_t)def->classes * (size_t)times, rows = (size_t)n;
+    double *curve = (double *)screen__take(&def->memory, points, sizeof(double));
+    double *value = points > (size_t)-1 / rows ? NULL : (double *)screen__take(&def->memory, points * rows, sizeof(double)); /* [points][n] */
+    int good = 0;
+    if (!curve || !value) status = SCREEN_NO_MEMORY;
+    for (int s = 0; s < n && !status; s++) {
+        screen_status one = screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
+        if (one == SCREEN_NO_MEMORY || one == SCREEN_BAD_MODEL) status = one;
+        if (one) continue;
+        for (size_t k = 0; k < points; k++) {
+            double y = curve[k] + (scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0);
+            value[k * rows + (size_t)good] = screen__clip(y, 0.0, 1.0);
+        }
+        good++;
+    }
+    if (!status && good < 2) status = SCREEN_NOT_FINITE;
+    for (size_t k = 0; k < points && !status; k++) {
+        double *x = value + k * rows, sum = 0.0, squares = 0.0;
+        screen__sort(x, good);
+        for (int s = 0; s < good; s++) sum += x[s];
+        sum /= good;
+        for (int s = 0; s < good; s++) squares += (x[s] - sum) * (x[s] - sum);
+        if (mean) mean[k] = sum;
+        if (spread) spread[k] = sqrt(squares / (good - 1));
+        if (low) low[k] = screen__quantile(x, good, 0.5 * (1.0 - level));
+        if (high) high[k] = screen__quantile(x, good, 0.5 * (1.0 + level));
+    }
+    screen__release(&def->memory, curve, points, sizeof(double));
+    screen__release(&def->memory, value, points * rows, sizeof(double));
+    return status;
+}
+
+/* >>separation */
+
+/* Last size at which the curve rises through level; NaN if it does not. */
+static inline double screen__crossing(int n, const double *d, const double *y, double level) {
+    for (int i = n - 1; i > 0; i--)
+        if (y[i] >= level && y[i - 1] < level) return d[i - 1] + (d[i] - d[i - 1]) * ((level - y[i - 1]) / (y[i] - y[i - 1]));
+    return n > 0 && y[0] == level ? d[0] : (double)NAN;
+}
+
+SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
+                                        screen_separation *out) {
+    if (!diameters || !feed || !partition || !out) return SCREEN_BAD_POINTER;
+    if (n < 1 || !screen__positive(cut)) return SCREEN_BAD_ARGUMENT;
+    double fine = 0.0, coarse = 0.0, fine_stays = 0.0, coarse_stays = 0.0;
+    for (int i = 0; i < n; i++) {
+        if (!screen__positive(diameters[i]) || (i > 0 && !(diameters[i] > diameters[i - 1]))) return SCREEN_BAD_ARGUMENT;
+        if (!(feed[i] >= 0.0 && feed[i] < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
+        if (partition[i] > 1.5) return SCREEN_DATA_IN_PERCENT;
+        if (!(partition[i] >= 0.0 && partition[i] <= 1.0)) return SCREEN_DATA_OUT_OF_RANGE;
+        *(diameters[i] < cut ? &fine : &coarse) += feed[i];
+        *(diameters[i] < cut ? &fine_stays : &coarse_stays) += feed[i] * partition[i];
+    }
+    double all = fine + coarse, stays = fine_stays + coarse_stays, passes = (fine - fine_stays) + (coarse - coarse_stays);
+    if (!(all > 0.0 && all < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
+    out->d25 = screen__crossing(n, diameters, partition, 0.25);
+    out->d50 = screen__crossing(n, diameters, partition, 0.50);
+    out->d75 = screen__crossing(n, diameters, partition, 0.75);
+    out->ecart = 0.5 * (out->d75 - out->d25);
+    out->imperfection = out->ecart / out->d50;
+    out->recovery = fine > 0.0 ? (fine - fine_stays) / fine : (double)NAN;
+    out->oversize_loss = coarse > 0.0 ? (coarse - coarse_stays) / coarse : (double)NAN;
+    out->misplaced_overflow = stays > 0.0 ? fine_stays / stays : (double)NAN;
+    out->misplaced_underflow = passes > 0.0 ? (coarse - coarse_stays) / passes : (double)NAN;
+    out->efficiency = out->recovery - out->oversize_loss;
+    out->yield = passes / all;
+    return out->imperfection == out->imperfection ? SCREEN_OK : SCREEN_NOT_REACHED;
+}
+
+#endif /* SCREEN__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SCREEN_MODELS_H */
