@@ -1534,18 +1534,13 @@ typedef struct granulation__span {
     int lo, count;
 } granulation__span;
 
+/* 0 <= centre < box; all cells once where the reach goes round the box */
 static inline granulation__span granulation__span_of(double centre, double reach, double per_cell, int cells) {
-    granulation__span s;
-    double lo = floor((centre - reach) * per_cell), hi = floor((centre + reach) * per_cell);
-    if (!(hi - lo + 1.0 < (double)cells)) {
-        s.lo = 0;
-        s.count = cells;
-    } else {
-        s.count = (int)(hi - lo) + 1;
-        double turns = floor(lo / cells);
-        s.lo = (int)(lo - turns * cells);
-        if (s.lo >= cells) s.lo = 0;
-    }
+    granulation__span s = {0, cells};
+    if (!(2.0 * reach * per_cell + 2.0 < cells)) return s;
+    int lo = (int)((centre - reach) * per_cell + cells), hi = (int)((centre + reach) * per_cell + cells); /* shifted: truncation is floor */
+    s.count = hi - lo + 1;
+    s.lo = lo < cells ? lo : lo < 2 * cells ? lo - cells : 0;
     return s;
 }
 
@@ -1934,7 +1929,9 @@ static inline bool granulation__predict(granulation_sim *sim, granulation__sweep
     double x = sim->x[i], y = sim->y[i], z = sim->z[i];
     double reach = granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + 2.0 * w->shift;
     reach *= 1.0 + 1e-12;
-    granulation__walk walk = granulation__near(sim, w->cells, x - w->mean[0] * now, y - w->mean[1] * now, z - w->mean[2] * now, reach);
+    granulation__walk walk =
+        granulation__near(sim, w->cells, granulation__wrap(x - w->mean[0] * now, box), granulation__wrap(y - w->mean[1] * now, box),
+                          granulation__wrap(z - w->mean[2] * now, box), reach);
     while (granulation__next(&walk))
         for (int b = walk.from; b < walk.to; b++) {
             int j = items[b].id;
@@ -1975,8 +1972,9 @@ static inline bool granulation__make_room(granulation_sim *sim, granulation__swe
         int i = queue[k];
         double radius = 0.5 * sim->body[i].diameter;
         double reach = granulation__reach(sim->def.contact, radius, w->widest) + w->fastest * w->end + 2.0 * w->shift;
-        granulation__walk walk = granulation__near(sim, w->cells, sim->x[i] - w->mean[0] * now, sim->y[i] - w->mean[1] * now,
-                                                   sim->z[i] - w->mean[2] * now, reach * (1.0 + 1e-12));
+        granulation__walk walk = granulation__near(sim, w->cells, granulation__wrap(sim->x[i] - w->mean[0] * now, box),
+                                                   granulation__wrap(sim->y[i] - w->mean[1] * now, box),
+                                                   granulation__wrap(sim->z[i] - w->mean[2] * now, box), reach * (1.0 + 1e-12));
         while (granulation__next(&walk))
             for (int b = walk.from; b < walk.to && length < 65; b++) {
                 int j = items[b].id;
