@@ -187,6 +187,7 @@ static void test_hostile_data(void **state) {
                 plot_text(p, x[2], y[2], "text");
                 if (kind == 0) plot_bars(p, "bars", names, y, 4);
                 if (kind == 3) plot_heat(p, "heat", y, 2, 2, x[0], x[1], x[2], x[3]);
+                if (kind == 3 && i % 2) plot_heat_range(p, x[3], y[3]);
                 char *text = drawn(p);
                 expect_well_formed(text);
                 free(text);
@@ -207,6 +208,8 @@ static void test_wrong_calls(void **state) {
     plot_range_y(p, (double)NAN, 1.0);
     plot_line(p, NULL, NULL, NULL, -5);
     plot_heat(p, NULL, NULL, 0, 0, 0, 1, 0, 1);
+    plot_heat_range(p, 0.0, 1.0); /* no heat map to colour */
+    plot_heat_range(NULL, 0.0, 1.0);
     plot_panel_size(p, 1e9, -1.0);
     char *text = drawn(p);
     expect_well_formed(text);

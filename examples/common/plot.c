@@ -17,7 +17,7 @@ typedef enum { LINE, POINTS, BAND, ERROR_BARS, BARS, HEAT, HORIZONTAL, VERTICAL,
 typedef struct {
     series_kind kind;
     char *label;
-    double *x, *y, *z; /* z: upper edge of a band, half-length of an error bar */
+    double *x, *y, *z; /* z: upper edge of a band, half-length of an error bar, the two ends of a heat map's colours */
     int n;
     char **names;      /* of the groups of bars */
     int columns, rows; /* of a heat map in y, its corners in x[4] */
@@ -251,6 +251,14 @@ void plot_heat(plot *p, const char *label, const double *values, int columns, in
     s->columns = columns;
     s->rows = rows;
     if (!s->x || !s->y) s->n = 0;
+}
+
+void plot_heat_range(plot *p, double low, double high) {
+    panel *a = current(p);
+    const double ends[2] = {low, high};
+    if (!a || a->n == 0 || a->all[a->n - 1].kind != HEAT || !(low < high) || !(high - low < HUGE_VAL)) return;
+    free(a->all[a->n - 1].z);
+    a->all[a->n - 1].z = copy_numbers(p, ends, 2);
 }
 
 void plot_style(plot *p, int flags, int colour) {
@@ -590,6 +598,11 @@ static void draw_bars(output *f, const panel *a, const series *s) {
 }
 
 static void heat_range(const series *s, double *low, double *high) {
+    if (s->z) {
+        *low = s->z[0];
+        *high = s->z[1];
+        return;
+    }
     static const axis plain = {0.0, 1.0, false, false, NULL};
     *low = HUGE_VAL;
     *high = -HUGE_VAL;

@@ -42,6 +42,8 @@ void plot_error_bars(plot *p, const char *label, const double *x, const double *
 void plot_bars(plot *p, const char *label, const char *const *names, const double *values, int n);
 /* values[row][column], row 0 at the bottom, between the given corners; colour bar with its label at the right. */
 void plot_heat(plot *p, const char *label, const double *values, int columns, int rows, double x0, double x1, double y0, double y1);
+void plot_heat_range(plot *p, double low,
+                     double high); /* of the colours of the heat map just added; default: its values. To compare panels */
 
 /* The series just added. */
 enum { PLOT_DASHED = 1, PLOT_DOTTED = 2, PLOT_MARKED = 4, PLOT_THIN = 8, PLOT_FAINT = 16, PLOT_STEPS = 32, PLOT_NO_LINE = 64 };
