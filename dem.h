@@ -1,0 +1,3238 @@
+/* dem.h - spheres in time: contact laws, walls and screens, neighbour search, integration.
+
+       #include "dem.h"
+
+       dem_def def = dem_default_def();                          // SI units, every field documented below
+       int glass = dem_add_material(&def, 2534.1, 50e9, 0.2);
+       dem_pair(&def, glass, glass)->restitution = 0.78;
+       def.dt = 4e-6;
+       dem_world world;
+       if (dem_init(&world, &def, NULL) == DEM_OK) {             // names the first bad field
+           double centre[3] = {0.0, 0.0, 0.1}, diameter = 0.005;
+           dem_add_plane(&world, glass, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+           dem_add_spheres(&world, 1, centre, &diameter, glass, 0);
+           dem_status status = dem_run(&world, 0.5, DEM_LINEAR | DEM_FRICTION);
+           printf("%s, height %g m\n", dem_status_text(status), dem_position(&world, 0).z);
+           dem_free(&world);
+       }
+
+   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
+             coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
+             resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
+   Walls     plane, cylinder, wire screen; each at rest, vibrating, rotating or moving. A wall supplies geometry (normal, gap, surface
+             velocity, inverse mass 0); everything after that is the pair's kernel.
+   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
+             Predicted velocity Verlet, with the first and last step of a contact resolved in time: second order in dt with damping.
+             A pair is not looked at before it can touch. Neither skips anything: results do not depend on it, bit for bit.
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. About 250 bytes a
+             sphere, 60 a near pair, 300 a contact. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+   Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
+   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
+   Not here  non-spherical particles, fluids, heat, files, printing. */
+#ifndef DEM_H
+#define DEM_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "dem.h needs NaN and exact arithmetic: compile without -ffast-math and -ffinite-math-only"
+#endif
+
+#ifndef DEM_API
+#define DEM_API static inline
+#define DEM__BODIES
+#elif defined(DEM_IMPLEMENTATION)
+#define DEM__BODIES
+#endif
+
+#if defined(__GNUC__)
+#define DEM_INLINE static inline __attribute__((always_inline))
+#define DEM_RESTRICT __restrict__
+#define DEM__COLD __attribute__((noinline, cold))
+#elif defined(_MSC_VER)
+#define DEM_INLINE static __forceinline
+#define DEM_RESTRICT __restrict
+#define DEM__COLD
+#else
+#define DEM_INLINE static inline
+#define DEM_RESTRICT
+#define DEM__COLD
+#endif
+
+
+/* For the block of contacts: no iteration reads what another writes. */
+#if defined(__clang__)
+#define DEM__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define DEM__INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define DEM__INDEPENDENT
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------ >>types */
+
+/* Tuning constants, each with its reason. */
+#define DEM_MATERIALS_MAX 8 /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32    /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 8 /* constants of a law, folded per contact at its birth */
+#define DEM_STATE_MAX 16    /* doubles that a law may keep per contact */
+#define DEM_BLOCK 64        /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM_WHEEL 1024      /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM_FORMAT 1u       /* version of dem_save */
+
+#define DEM_STATUSES(X)                                                                    \
+    X(DEM_OK, "ok")                                                                        \
+    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                \
+    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                \
+    X(DEM_OUT_OF_MEMORY, "out of memory")                                                  \
+    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                      \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")              \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")          \
+    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count") \
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts present")
+#define DEM__NAME(name, text) name,
+typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
+#undef DEM__NAME
+
+typedef struct dem_vec {
+    double x, y, z;
+} dem_vec;
+
+/* What a run computes; or them together. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
+enum {
+    DEM_LINEAR = 1,   /* linear spring-dashpot */
+    DEM_HERTZ = 2,    /* Hertz; with DEM_FRICTION, Mindlin's tangential stiffness */
+    DEM_FRICTION = 4, /* tangential spring with Coulomb limit, torques */
+    DEM_ROLLING = 8,  /* rolling resistance; needs DEM_FRICTION */
+    DEM_ENERGY = 16   /* energy ledger, dem_energy() */
+};
+
+/* Layers of skipping; all on by default. They change no bit of a result, only the time it takes. */
+enum {
+    DEM_SKIP_PAIRS = 1, /* pairs are not looked at before they can touch */
+    DEM_SKIP_SPACE = 2, /* walls are not looked at by particles that cannot reach them */
+    DEM_SKIP_ALL = 3
+};
+
+/* How the dashpot of DEM_LINEAR follows from the coefficient of restitution. */
+typedef enum dem_restitution {
+    DEM_CLIPPED, /* the dashpot never pulls: contact ends when the force is zero (Schwager & Poeschel 2007) */
+    DEM_NAIVE    /* the dashpot may pull at the end: contact ends when the overlap is zero */
+} dem_restitution;
+
+typedef struct dem_material {
+    double density;       /* [kg/m3] > 0 */
+    double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
+    double poisson_ratio; /* [-] 0 .. 0.5 */
+} dem_material;
+
+/* Parameters of contacts between two materials. */
+typedef struct dem_pair_def {
+    double          stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
+    double          tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
+    double          restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
+    double          friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
+    double          rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
+    double          tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
+    dem_restitution mode;               /* DEM_LINEAR only; default DEM_CLIPPED */
+} dem_pair_def;
+
+/* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
+typedef struct dem_allocator {
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
+    void *user;
+} dem_allocator;
+
+/* Everything that does not change in time. Made by dem_default_def(). */
+typedef struct dem_def {
+    uint32_t      cookie;      /* set by dem_default_def(); a definition without it is refused */
+    int           materials;   /* number of materials, by dem_add_material() */
+    int           threads;     /* >= 1; default 1 */
+    int           skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
+    double        dt;          /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
+    double        skin;        /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.15 */
+    dem_vec       gravity;     /* [m/s2]; default (0, 0, -9.81) */
+    int           periodic[3]; /* 1: that axis is periodic between low and high; default 0 */
+    dem_vec       low, high;   /* [m]; used on periodic axes only; default 0 and 1 */
+    dem_allocator allocator;   /* default: realloc and free */
+    dem_material  material[DEM_MATERIALS_MAX];
+    dem_pair_def  pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
+} dem_def;
+
+/* ---- walls ---- */
+
+typedef enum dem_profile {
+    DEM_ROUND,     /* full round wires */
+    DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
+} dem_profile;
+
+/* A woven screen as two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
+typedef struct dem_screen {
+    double      aperture;  /* clear width between bars [m] > 0; default 8e-3 */
+    double      wire;      /* width of a bar [m] > 0; default 2e-3 */
+    dem_profile profile;   /* default DEM_SEMICIRCLE */
+    int         circular;  /* 1: disc of radius half_x, 0: rectangle; default 1 */
+    double      half_x;    /* radius, or half length along x [m] > 0; default 0.095 */
+    double      half_y;    /* half length along y [m] > 0 if rectangular */
+    dem_vec     centre;    /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
+    dem_vec     normal;    /* up; default (0, 0, 1) */
+    dem_vec     direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+} dem_screen;
+
+typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT } dem_wall_kind;
+
+/* A wall. Read only; change it by functions. */
+typedef struct dem_wall {
+    int     kind, material, enabled;
+    dem_vec origin;                 /* where it was put [m] */
+    dem_vec axis[3];                /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec rest_axis[3];           /* the same at time 0 */
+    double  radius;                 /* cylinder [m] */
+    int     inside;                 /* cylinder: 1 particles inside, 0 outside */
+    double  aperture, wire;         /* screen [m] */
+    int     profile, circular;      /* screen */
+    double  half_x, half_y;         /* screen [m] */
+    dem_vec amplitude, phase;       /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double  frequency;              /* [Hz] */
+    dem_vec drift;                  /* constant velocity [m/s] */
+    dem_vec spin_axis, spin_centre; /* rotation about a fixed line */
+    double  spin;                   /* [rad/s] */
+    double  motion_start;           /* time at which the motion began [s] */
+    dem_vec position, velocity, acceleration; /* of its origin, now */
+    double  speed_bound;            /* no point of it is ever faster, spin apart [m/s] */
+    dem_vec force, torque;          /* exerted on the wall in this step [N], about its origin [N m] */
+    dem_vec impulse;                /* time integral of the force [N s] */
+} dem_wall;
+
+/* What passed an exit. Owned by the world, in the order of passing. */
+typedef struct dem_passed {
+    double   time;     /* [s] end of the step in which the centre crossed */
+    double   diameter; /* [m] */
+    dem_vec  position, velocity;
+    uint64_t id;
+    int32_t  group, exit; /* the number given to dem_add_spheres; wall index of the exit */
+} dem_passed;
+
+/* ---- laws ---- */
+
+/* What a law sees of one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
+typedef struct dem_contact {
+    double gap;              /* S = distance - r_i - r_j [m]; negative: overlap */
+    double closing;          /* -dS/dt [m/s]; positive: approaching */
+    double slip[3];          /* surface velocity of i against j, tangential [m/s] */
+    double spin[3];          /* w_i - w_j [rad/s] */
+    double normal[3];        /* n */
+    double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is asked for */
+    double rate;             /* 1 / time step of the world [1/s] */
+    double share;            /* 1 / number of contacts of the busier partner [-] */
+    const double *constants; /* as the law's prepare function left them */
+} dem_contact;
+
+/* What it answers: forces on i. */
+typedef struct dem_response {
+    double normal;        /* along n, positive repels [N] */
+    double contact;       /* the part of it that the overlap makes; 0 where there is none [N] */
+    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance as the radii do */
+    double rolling[3];    /* torque on i, the opposite on j [N m] */
+    double elastic;       /* stored energy [J] */
+    double normal_power;  /* dissipated by the normal dashpot [W] */
+    double slide_loss;    /* dissipated by sliding in this step [J] */
+    double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
+    int    ended;         /* 1: the contact is over and its state may be dropped */
+} dem_response;
+
+/* Everything that a law may need when a contact is born. */
+typedef struct dem_birth {
+    const dem_def      *def;
+    int                 features; /* that the run was asked for */
+    const dem_pair_def *pair;
+    int                 material_i, material_j;
+    double              radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
+    double              curvature;          /* of the wall at the point [1/m], 0 for a plane */
+    double              mass;               /* m_eff [kg] */
+    double              inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
+} dem_birth;
+
+/* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
+typedef struct dem_law {
+    const char *name;
+    int         version;  /* of the meaning of its state */
+    int         states;   /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
+    int         vectors;  /* the first 3 * vectors of them are tangential vectors, which the kernel turns with the contact */
+    /* fills constants, and returns the stiffness that predicts velocities [N/m]: k_n of a linear law, 0 to leave it out */
+    double (*prepare)(const dem_birth *birth, double *constants);
+    void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
+} dem_law;
+
+/* ---- the world ---- */
+
+/* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
+typedef struct dem_energy_ledger {
+    double kinetic, rotational, elastic, potential;                             /* now; potential against gravity, origin at 0 */
+    double normal_loss, sliding_loss, rolling_loss;                             /* dissipated, computed from the laws */
+    double wall_work, external_work;                                            /* done on the particles by moving walls and loads */
+    double added, removed;                                                      /* carried in and out by particles */
+    double start, start_potential, added_potential, removed_potential;          /* when the ledger began; the potential parts */
+    double released;                                                            /* potential energy given up so far, at least 0 */
+    double error;                                                               /* what does not add up: the integration error */
+} dem_energy_ledger;
+
+struct dem_world;
+typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
+
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
+   otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
+typedef struct dem_world {
+    dem_def    def;
+    int64_t    step;         /* steps done */
+    double     time;         /* [s] */
+    ptrdiff_t  count;        /* particles present; a dropped one stays, with alive = 0, until the list is rebuilt */
+    dem_status status;       /* first failure of a run; then particle and step of it */
+    uint64_t   failed_id;
+    int        walls;
+    dem_wall   wall[DEM_WALLS_MAX];
+    ptrdiff_t  passed_count;
+    dem_passed *passed;
+    int64_t    particle_steps; /* sum over steps of particles present */
+    int64_t    contact_steps;  /* sum over steps of live contacts */
+    int64_t    looks;          /* pairs and walls looked at */
+    int64_t    rebuilds;       /* of the neighbour list */
+
+    /* particles: state at their own origin step; between, x + v t + a t^2/2. dem_position() evaluates. */
+    double   *x, *y, *z, *vx, *vy, *vz, *ax, *ay, *az; /* [m], [m/s], [m/s2] */
+    double   *wx, *wy, *wz, *bx, *by, *bz;             /* spin [rad/s], its rate [rad/s2] */
+    double   *radius, *mass;                           /* [m], [kg] */
+    int64_t  *origin;                                  /* step of the state */
+    uint64_t *id;                                      /* stable, in the order of adding, from 0 */
+    int32_t  *material, *group, *alive, *touching;     /* touching: live contacts */
+
+    /* the rest is private */
+    double    dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__;
+    int64_t   start_step__, next_check__;
+    int       fresh__, stale__, leaving__, loads_on__, states__, has_periodic__, features__, ledger_on__, ledger_started__;
+    uint64_t  next_id__;
+    const dem_law *law__;
+    dem_energy_ledger ledger__;
+    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
+    void     *particle_block__, *live_block__, *near_block__, *timer_block__;
+    size_t    particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
+    double   *mx__, *my__, *mz__, *ox__, *oy__, *oz__; /* velocity and spin in the middle of the step, of active particles */
+    double   *fx__, *fy__, *fz__, *tx__, *ty__, *tz__; /* sums of forces and torques */
+    double   *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* external force [N] and torque [N m] */
+    double   *rx__, *ry__, *rz__;                      /* position when the list was built */
+    double   *ux__, *uy__, *uz__, *ball__;             /* velocity in the falling frame when timers were set, and how far it may stray */
+    double   *wall_speed__;                            /* speed that the timers of walls count on */
+    int32_t  *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__;
+
+    /* near pairs, and timers of pairs and of particles with walls */
+    ptrdiff_t near_count__, near_capacity__, timer_capacity__, adjacent_capacity__, cells_capacity__;
+    int32_t  *near_i__, *near_j__, *near_live__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
+    int32_t  *timer_next__, *timer_prev__, *timer_due__;
+    int32_t   wheel__[DEM_WHEEL];
+
+    /* live contacts, in slots; order__ sorts them by partners, which fixes every sum */
+    ptrdiff_t live_count__, live_capacity__, born__;
+    int32_t  *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *order__, *order_spare__;
+    uint8_t  *live_event__, *live_ended__;
+    double   *live_gap__, *live_force__, *live_predict__, *live_mass__;
+    double   *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
+    double   *live_out__[9];                                    /* force on i, torque on i, torque on j */
+    double   *live_event_data__[6];                             /* n, impulse, shift, sliding time */
+    double   *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+} dem_world;
+
+/* ------------------------------------------------------------------------------------------ >>declarations */
+
+DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
+    dem_vec v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+
+DEM_API const char *dem_status_text(dem_status status); /* never NULL */
+
+/* 1 if this build computes the same bits as others: doubles evaluated as doubles, no fused multiply-add. Found out at run time. */
+DEM_API int dem_build_is_deterministic(void);
+
+/* ---- definition ---- */
+
+DEM_API dem_def dem_default_def(void);
+/* Adds a material; returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
+DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
+/* The parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. */
+DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
+/* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
+DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
+
+/* ---- a world ---- */
+
+/* Makes an empty world with a copy of the definition. On failure nothing is allocated and *field (if not NULL) names what is wrong. */
+DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
+DEM_API void       dem_free(dem_world *world); /* frees all; safe on a zeroed or freed world */
+
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
+   Overlaps are allowed and push. Nothing is added on failure. Ids count up from world->next id in array order. */
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index). */
+DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
+/* Sets a constant external force [N] and torque [N m] on particle i, until changed. */
+DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
+/* Takes particle i out. */
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
+
+/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. */
+DEM_API int        dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
+DEM_API int        dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
+DEM_API dem_screen dem_default_screen(void);
+DEM_API int        dem_add_screen(dem_world *world, int material, const dem_screen *screen);
+/* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
+
+/* Motions begin now, from where the wall is. Amplitude [m] and phase [rad] by component of the world's axes; frequency [Hz].
+   Displacement A (sin(2 pi f t + phase) - sin(phase)). */
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                          /* [m/s] */
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled);                        /* 0: as if it were not there */
+
+/* ---- running ---- */
+
+/* Advances by duration [s] (to the nearest step; remainders carry over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
+   (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
+DEM_API dem_status dem_run(dem_world *world, double duration, int features);
+/* The same with a law of your own and the kernel that DEM_KERNEL made from it. */
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
+
+/* The time steps [s] that the smallest and stiffest pair present asks for; infinite where nothing limits. */
+typedef struct dem_advice {
+    double contact;  /* duration of the shortest contact, t_c */
+    double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
+    double dashpot;  /* m_eff/gamma of the strongest dashpot */
+    double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+} dem_advice;
+/* speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
+
+/* ---- reading ---- */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
+DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all particles [kg m/s] */
+/* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
+DEM_API dem_energy_ledger dem_energy(const dem_world *world);
+
+typedef struct dem_contact_info {
+    ptrdiff_t i, j;      /* particles; j < 0: wall -1 - j */
+    double    gap;       /* [m] */
+    dem_vec   force;     /* on i [N] */
+    int       element;   /* of a wall: the bar */
+    double    state[DEM_STATE_MAX]; /* of the law */
+} dem_contact_info;
+DEM_API ptrdiff_t        dem_contact_count(const dem_world *world);
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k); /* k = 0 .. dem_contact_count-1, sorted by partners */
+
+/* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
+   A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it
+   blocks if, besides, friction would hold it were gravity reversed. */
+typedef struct dem_apertures {
+    int total, free, occupied;
+} dem_apertures;
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall);
+
+/* A number that depends on every bit of the particles' state and histories. */
+DEM_API uint64_t dem_hash(const dem_world *world);
+
+/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if
+   capacity is enough (call with NULL, 0 first). */
+DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
+/* Makes a world from saved bytes. allocator may be NULL. The run goes on with the same bits. */
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
+
+/* ---- pure laws, NaN outside their domain ---- */
+
+/* Damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
+DEM_API double dem_damping_ratio(double e, dem_restitution mode);
+/* Coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
+DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
+/* Duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
+DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
+/* Duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
+DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
+
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
+   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+#ifndef RIDDLE_PORTABLE_MATH
+#define RIDDLE_PORTABLE_MATH
+#define RIDDLE_PI 3.14159265358979323846
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_LO 1.9082149292705877e-10
+
+/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+static inline double riddle__expm1_small(double r) {
+    double p = 1.0 / 87178291200.0;
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+static inline double riddle_exp(double x) {
+    if (!(x > -745.2)) return x != x ? x : 0.0;
+    if (x > 709.79) return HUGE_VAL;
+    double k = floor(x * 1.4426950408889634 + 0.5);
+    double r = (x - k * RIDDLE_LN2_HI) - k * RIDDLE_LN2_LO;
+    return ldexp(1.0 + riddle__expm1_small(r), (int)k);
+}
+
+static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
+
+/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+static inline double riddle__log1p_small(double f) {
+    double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
+    p = p * z + 2.0 / 21.0;
+    p = p * z + 2.0 / 19.0;
+    p = p * z + 2.0 / 17.0;
+    p = p * z + 2.0 / 15.0;
+    p = p * z + 2.0 / 13.0;
+    p = p * z + 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    return f - s * (f - z * p);
+}
+
+static inline double riddle_log(double x) {
+    if (!(x > 0.0)) return x == 0.0 ? -HUGE_VAL : (double)NAN;
+    if (x > 1.7976931348623157e308) return x;
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2.0;
+        e -= 1;
+    }
+    return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
+}
+
+static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+
+/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+static inline double riddle_pow(double x, double y) {
+    if (y == 0.0 || x == 1.0) return 1.0;
+    return riddle_exp(y * riddle_log(x));
+}
+
+static inline double riddle_cbrt(double x) {
+    if (x == 0.0 || !(fabs(x) <= 1.7976931348623157e308)) return x;
+    int e;
+    double m = frexp(fabs(x), &e); /* in [0.5, 1) */
+    int third = (e + 3000) / 3 - 1000, rest = e - 3 * third;
+    m = ldexp(m, rest); /* in [0.5, 4) */
+    double y = 0.65 + 0.25 * m;
+    for (int i = 0; i < 5; i++) y -= (y * y * y - m) / (3.0 * y * y);
+    return ldexp(x < 0.0 ? -y : y, third);
+}
+
+/* sin and cos of r + quarter turns, |r| <= pi/4 */
+static inline double riddle__sin_quarter(double r, int quarter) {
+    double z = r * r, p, value;
+    if (quarter & 1) {
+        p = -1.0 / 6402373705728000.0;
+        p = p * z + 1.0 / 20922789888000.0;
+        p = p * z - 1.0 / 87178291200.0;
+        p = p * z + 1.0 / 479001600.0;
+        p = p * z - 1.0 / 3628800.0;
+        p = p * z + 1.0 / 40320.0;
+        p = p * z - 1.0 / 720.0;
+        p = p * z + 1.0 / 24.0;
+        value = 1.0 - (0.5 * z - z * z * p);
+    } else {
+        p = 1.0 / 355687428096000.0;
+        p = p * z - 1.0 / 1307674368000.0;
+        p = p * z + 1.0 / 6227020800.0;
+        p = p * z - 1.0 / 39916800.0;
+        p = p * z + 1.0 / 362880.0;
+        p = p * z - 1.0 / 5040.0;
+        p = p * z + 1.0 / 120.0;
+        p = p * z - 1.0 / 6.0;
+        value = r + r * z * p;
+    }
+    return quarter & 2 ? -value : value;
+}
+
+static inline double riddle__sin_shifted(double x, int quarters) {
+    if (!(fabs(x) <= 1e6)) return (double)NAN;
+    double n = floor(x * 0.63661977236758134 + 0.5);
+    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+}
+
+/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
+static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
+
+static inline double riddle_atan(double x) {
+    double t = fabs(x), base = 0.0, sign = 1.0;
+    if (t > 1.0) {
+        t = 1.0 / t;
+        base = 0.5 * RIDDLE_PI;
+        sign = -1.0;
+    }
+    if (t > 0.26794919243112270) {
+        base += sign * (RIDDLE_PI / 6.0);
+        t = (1.7320508075688773 * t - 1.0) / (t + 1.7320508075688773);
+    }
+    double z = t * t, p = 0.0;
+    for (int k = 15; k > 0; k--) p = z * (1.0 / (2 * k + 1) - p);
+    double value = base + sign * (t - t * p);
+    return x < 0.0 ? -value : value;
+}
+
+static inline double riddle_atan2(double y, double x) {
+    if (x == 0.0 && y == 0.0) return 0.0;
+    if (x != x || y != y) return (double)NAN;
+    if (fabs(y) > fabs(x)) return (y > 0.0 ? 0.5 : -0.5) * RIDDLE_PI - riddle_atan(x / y);
+    return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
+}
+
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
+
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
+#endif /* RIDDLE_PORTABLE_MATH */
+/* <<portable-math */
+
+/* ------------------------------------------------------------------------------------------------- >>laws */
+
+/* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
+enum {
+    DEM__K,         /* k_n [N/m] */
+    DEM__GAMMA,     /* dashpot [kg/s] */
+    DEM__FLOOR,     /* 0 clipped, -inf naive [N] */
+    DEM__KT,        /* k_t [N/m] */
+    DEM__MU,        /* Coulomb coefficient [-] */
+    DEM__GAMMA_T,   /* tangential dashpot [kg/s] */
+    DEM__ROLL,      /* lever arm [m] */
+    DEM__ROLL_CAP   /* I_red/2 [kg m2]: more would reverse the spin within a step */
+};
+/* State: DEM__XI.. tangential displacement [m], rotated with the contact by the kernel. */
+enum { DEM__XI };
+
+/* Resistance to rolling, relative and capped: at most the torque that stops the relative spin in two steps. */
+DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
+    const double *n = c->normal, *w = c->spin;
+    double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
+    double x = w[0] - along * n[0], y = w[1] - along * n[1], z = w[2] - along * n[2];
+    double speed = sqrt(x * x + y * y + z * z) + 1e-300;
+    double torque = arm * normal / speed, most = cap * c->share * c->rate;
+    torque = torque < most ? torque : most;
+    r->rolling[0] = -torque * x;
+    r->rolling[1] = -torque * y;
+    r->rolling[2] = -torque * z;
+    r->rolling_power += torque * speed * speed;
+}
+
+DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r, int features) {
+    const double *p = c->constants;
+    double        spring = -p[DEM__K] * c->gap, force = spring + p[DEM__GAMMA] * c->closing;
+    force = force > p[DEM__FLOOR] ? force : p[DEM__FLOOR];
+    force = c->gap < 0.0 ? force : 0.0;
+    r->normal = r->contact = force;
+    r->ended = !(c->gap < 0.0);
+    r->elastic = c->gap < 0.0 ? 0.5 * spring * -c->gap : 0.0;
+    r->normal_power = c->gap < 0.0 ? (force - spring) * c->closing : 0.0;
+    r->slide_loss = 0.0;
+    r->rolling_power = 0.0;
+    if (!(features & DEM_FRICTION)) return;
+
+    double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
+    double xi[3], t[3];
+    for (int a = 0; a < 3; a++) {
+        xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
+        t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
+    }
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
+    scale = size > limit ? scale : 1.0;
+    for (int a = 0; a < 3; a++) {
+        double kept = scale * xi[a]; /* the dashpot's share of a sliding force is not stored: it relaxes within the contact */
+        r->slide_loss += 0.5 * p[DEM__KT] * (xi[a] * xi[a] - kept * kept);
+        r->elastic += 0.5 * p[DEM__KT] * kept * kept;
+        r->rolling_power += scale * p[DEM__GAMMA_T] * c->slip[a] * c->slip[a];
+        state[DEM__XI + a] = kept;
+        r->tangential[a] = -scale * t[a];
+    }
+    if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__ROLL], p[DEM__ROLL_CAP], r);
+}
+
+static inline double dem__prepare_linear(const dem_birth *b, double *constants) {
+    const dem_pair_def *pair = b->pair;
+    double              k = pair->stiffness;
+    double gamma = 2.0 * dem_damping_ratio(pair->restitution, pair->mode) * sqrt(k * b->mass);
+    constants[DEM__K] = k;
+    constants[DEM__GAMMA] = gamma;
+    constants[DEM__FLOOR] = pair->mode == DEM_CLIPPED ? 0.0 : -HUGE_VAL;
+    constants[DEM__KT] = k * pair->tangential_ratio;
+    constants[DEM__MU] = b->features & DEM_FRICTION ? pair->friction : 0.0;
+    constants[DEM__GAMMA_T] = gamma * pair->tangential_damping;
+    constants[DEM__ROLL] = b->features & DEM_ROLLING ? pair->rolling : 0.0;
+    constants[DEM__ROLL_CAP] = 0.5 * b->inertia;
+    return k;
+}
+
+/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e
+   exactly: Antypov & Elliott 2011), tangential force by increments of 8 G* sqrt(R* delta), scaled down with the contact radius on
+   unloading (Thornton, Cummins & Cleary 2013), so that unloading makes no energy. */
+enum { DEM__HERTZ_K, DEM__HERTZ_GAMMA, DEM__HERTZ_RADIUS, DEM__HERTZ_G, DEM__HERTZ_MU, DEM__HERTZ_GAMMA_T, DEM__HERTZ_ROLL, DEM__HERTZ_CAP };
+enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
+
+DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r, int features) {
+    const double *p = c->constants;
+    double        overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
+    double        spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
+    double        force = spring + damping * c->closing;
+    r->normal = r->contact = force;
+    r->ended = !(c->gap < 0.0);
+    r->elastic = 0.4 * spring * overlap;
+    r->normal_power = damping * c->closing * c->closing;
+    r->slide_loss = 0.0;
+    r->rolling_power = 0.0;
+    if (!(features & DEM_FRICTION)) return;
+
+    double push = force > 0.0 ? force : 0.0, limit = p[DEM__HERTZ_MU] * push;
+    double kt = p[DEM__HERTZ_G] * area, before = state[DEM__AREA];
+    double shrink = area < before ? area / (before + 1e-300) : 1.0;
+    double t[3], f[3], old = 0.0, work = 0.0, now = 0.0;
+    for (int a = 0; a < 3; a++) {
+        old += state[DEM__FT + a] * state[DEM__FT + a];
+        f[a] = shrink * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
+        t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
+    }
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
+    scale = size > limit ? scale : 1.0;
+    for (int a = 0; a < 3; a++) {
+        double kept = scale * f[a];
+        work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
+        now += kept * kept;
+        r->rolling_power += scale * damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a] * c->slip[a];
+        state[DEM__FT + a] = kept;
+        r->tangential[a] = -scale * t[a];
+    }
+    double stored = 0.5 * now / (kt + 1e-300);
+    r->slide_loss = 0.5 * old / (p[DEM__HERTZ_G] * before + 1e-300) + work - stored;
+    r->elastic += stored;
+    state[DEM__AREA] = area;
+    if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__HERTZ_ROLL], p[DEM__HERTZ_CAP], r);
+}
+
+/* shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 + nu)) */
+static inline double dem__prepare_hertz(const dem_birth *b, double *constants) {
+    const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
+    double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus + (1.0 - j->poisson_ratio * j->poisson_ratio) / j->young_modulus);
+    double shear = 0.5 / ((2.0 - i->poisson_ratio) * (1.0 + i->poisson_ratio) / i->young_modulus + (2.0 - j->poisson_ratio) * (1.0 + j->poisson_ratio) / j->young_modulus);
+    double inverse = 1.0 / b->radius_i + (b->radius_j > 0.0 ? 1.0 / b->radius_j : b->curvature);
+    double log_e = riddle_log(b->pair->restitution), beta = -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
+    constants[DEM__HERTZ_K] = 4.0 / 3.0 * modulus;
+    constants[DEM__HERTZ_GAMMA] = sqrt(5.0) * beta * sqrt(4.0 / 3.0 * modulus * b->mass);
+    constants[DEM__HERTZ_RADIUS] = 1.0 / inverse;
+    constants[DEM__HERTZ_G] = 8.0 * shear;
+    constants[DEM__HERTZ_MU] = b->features & DEM_FRICTION ? b->pair->friction : 0.0;
+    constants[DEM__HERTZ_GAMMA_T] = b->pair->tangential_damping;
+    constants[DEM__HERTZ_ROLL] = b->features & DEM_ROLLING ? b->pair->rolling : 0.0;
+    constants[DEM__HERTZ_CAP] = 0.5 * b->inertia;
+    return 0.0;
+}
+
+#define DEM__FORCE(name, body, features) \
+    DEM_INLINE void name(const dem_contact *c, double *state, dem_response *r) { body(c, state, r, features); }
+DEM__FORCE(dem__force_linear, dem__linear, DEM_LINEAR)
+DEM__FORCE(dem__force_linear_friction, dem__linear, DEM_FRICTION)
+DEM__FORCE(dem__force_linear_rolling, dem__linear, DEM_FRICTION | DEM_ROLLING)
+DEM__FORCE(dem__force_hertz, dem__hertz, DEM_HERTZ)
+DEM__FORCE(dem__force_hertz_friction, dem__hertz, DEM_FRICTION)
+DEM__FORCE(dem__force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
+
+/* ---------------------------------------------------------------------------------------------- >>geometry */
+
+DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
+DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
+DEM_INLINE dem_vec dem__scale(double s, dem_vec a) { return dem_vec3(s * a.x, s * a.y, s * a.z); }
+DEM_INLINE double  dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
+    return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
+
+/* Rotation of v by an angle [rad] about a unit axis (Rodrigues). */
+static inline dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
+    double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
+    double s = riddle_sin(phase), c = riddle_cos(phase);
+    return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
+}
+
+DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, double rate, double *velocity, double *acceleration) {
+    if (amplitude == 0.0) {
+        *velocity = *acceleration = 0.0;
+        return 0.0;
+    }
+    double angle = 2.0 * RIDDLE_PI * (turns - floor(turns)) + phase, s = riddle_sin(angle);
+    *velocity = amplitude * rate * riddle_cos(angle);
+    *acceleration = -amplitude * rate * rate * s;
+    return amplitude * (s - riddle_sin(phase));
+}
+
+/* Puts a wall where it is at a time. */
+static inline void dem__move_wall(dem_wall *w, double time) {
+    double  t = time - w->motion_start, rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
+    dem_vec shift, v, a;
+    shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &v.x, &a.x);
+    shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &v.y, &a.y);
+    shift.z = dem__vibration(w->amplitude.z, w->phase.z, turns, rate, &v.z, &a.z);
+    shift = dem__add(shift, dem__scale(t, w->drift));
+    w->velocity = dem__add(v, w->drift);
+    w->acceleration = a;
+    dem_vec origin = w->origin;
+    if (w->spin != 0.0) {
+        double angle = w->spin * t;
+        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->rest_axis[k], w->spin_axis, angle);
+        dem_vec arm = dem__rotated(dem__sub(w->origin, w->spin_centre), w->spin_axis, angle), omega = dem__scale(w->spin, w->spin_axis);
+        dem_vec turning = dem__cross(omega, arm);
+        origin = dem__add(w->spin_centre, arm);
+        w->velocity = dem__add(w->velocity, turning);
+        w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
+    }
+    w->position = dem__add(origin, shift);
+}
+
+/* One place where a sphere is near a wall. */
+typedef struct dem__touch {
+    double  gap, curvature;
+    dem_vec normal; /* from the wall to the sphere */
+    int32_t element;
+} dem__touch;
+
+enum { DEM__TOUCHES = 4 };
+
+DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
+
+/* Bar `index` of a family, at (index - 1/2) pitch: along is the coordinate of the sphere's centre parallel to the bars, across the one
+   over them. The normal is left in (along, across, up). Returns 0 if there is no such bar. */
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius, dem__touch *out) {
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
+    double       end = family ? w->half_y : w->half_x, inner = half;
+    if (w->circular) {
+        if (!(fabs(bar) < w->half_x)) return 0;
+        end = sqrt((w->half_x - bar) * (w->half_x + bar));
+    } else if (!(fabs(bar) <= (family ? w->half_x : w->half_y))) return 0;
+    double da = along - dem__clamp(along, -end, end), dc = across - bar;
+    if (w->profile == DEM_SEMICIRCLE && up < 0.0) {
+        dc -= dem__clamp(dc, -half, half);
+        inner = 0.0;
+    }
+    const double distance = sqrt(da * da + dc * dc + up * up), inverse = 1.0 / distance;
+    out->gap = distance - inner - radius;
+    out->curvature = inner > 0.0 ? 0.5 / half : 0.0;
+    out->normal = dem_vec3(da * inverse, dc * inverse, up * inverse);
+    out->element = 2 * (int32_t)index + family;
+    return distance > 0.0;
+}
+
+/* (along, across, up) of a family to the world's axes. */
+DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
+    const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]), u = dem__scale(v.z, w->axis[2]);
+    return dem__add(dem__add(a, c), u);
+}
+
+/* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES); *least becomes a lower bound of the gap. */
+static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
+    dem_vec d = dem__sub(centre, w->position);
+    double  up = dem__dot(d, w->axis[2]);
+    int     n = 0;
+    out[0].element = 0;
+    out[0].curvature = 0.0;
+    if (w->kind == DEM_PLANE || w->kind == DEM_EXIT) {
+        out[0].gap = up - (w->kind == DEM_PLANE ? radius : 0.0);
+        out[0].normal = w->axis[2];
+        *least = out[0].gap;
+        return out[0].gap < limit;
+    }
+    if (w->kind == DEM_CYLINDER) {
+        dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
+        double  distance = dem__length(radial);
+        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
+        *least = out[0].gap;
+        if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
+        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, radial);
+        out[0].curvature = (w->inside ? -0.5 : 0.5) / w->radius;
+        return 1;
+    }
+    *least = fabs(up) - radius - 0.5 * w->wire;
+    if (!(*least < limit)) return 0;
+    /* only the two nearest bars of a family count: the third is at least this far away while none overlaps */
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, third = sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
+    double       bound = third;
+    for (int family = 0; family < 2; family++) {
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), nearest = floor(across / pitch + 0.5);
+        if (!(fabs(nearest) < 1e6)) continue;
+        for (int side = 0; side < 2; side++) {
+            if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
+            bound = out[n].gap < bound ? out[n].gap : bound;
+            if (!(out[n].gap < limit)) continue;
+            out[n].normal = dem__from_bar(w, family, out[n].normal);
+            n++;
+        }
+    }
+    *least = bound > *least ? bound : *least;
+    return n;
+}
+
+/* The one place that an element of a wall touches, at any gap. */
+static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem__touch *out) {
+    double least;
+    if (w->kind == DEM_SCREEN) {
+        const dem_vec d = dem__sub(centre, w->position);
+        const int     family = (int)((uint32_t)element & 1u);
+        const double  index = (double)((element - family) / 2);
+        out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
+        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out)) out->normal = dem__from_bar(w, family, out->normal);
+        return;
+    }
+    out->gap = HUGE_VAL, out->normal = w->axis[2];
+    dem__touch_wall(w, centre, radius, HUGE_VAL, out, &least);
+}
+
+/* Velocity of a wall's material point. */
+DEM_INLINE dem_vec dem__wall_velocity(const dem_wall *w, dem_vec point) {
+    if (w->spin == 0.0) return w->velocity;
+    return dem__add(w->velocity, dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position)));
+}
+DEM_INLINE dem_vec dem__wall_acceleration(const dem_wall *w, dem_vec point) {
+    if (w->spin == 0.0) return w->acceleration;
+    dem_vec omega = dem__scale(w->spin, w->spin_axis);
+    return dem__add(w->acceleration, dem__cross(omega, dem__cross(omega, dem__sub(point, w->position))));
+}
+
+#ifdef DEM__BODIES
+
+/* ------------------------------------------------------------------------------------------------ >>memory */
+
+static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
+    (void)user;
+    (void)old_size;
+    if (new_size > 0) return realloc(old, new_size);
+    free(old);
+    return NULL;
+}
+
+/* The arrays of a group: their addresses, so that growing, freeing and saving are loops. */
+typedef struct dem__array {
+    void  *address; /* of the pointer */
+    size_t size;    /* of an entry */
+} dem__array;
+enum { DEM__ARRAYS_MAX = 64 };
+
+static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
+    int      n = 0;
+    double **doubles[] = {&w->x,    &w->y,    &w->z,    &w->vx,   &w->vy,   &w->vz,   &w->ax,   &w->ay,   &w->az,   &w->wx,  &w->wy,
+                          &w->wz,   &w->bx,   &w->by,   &w->bz,   &w->radius, &w->mass, &w->lx__, &w->ly__, &w->lz__, &w->qx__, &w->qy__,
+                          &w->qz__, &w->mx__, &w->my__, &w->mz__, &w->ox__, &w->oy__, &w->oz__, &w->fx__, &w->fy__, &w->fz__, &w->tx__,
+                          &w->ty__, &w->tz__, &w->rx__, &w->ry__, &w->rz__, &w->ux__, &w->uy__, &w->uz__, &w->ball__, &w->wall_speed__};
+    int32_t **integers[] = {&w->material, &w->group, &w->alive, &w->touching, &w->active__, &w->wall_head__, &w->adjacent_start__,
+                            &w->cell_next__, &w->remap__, &w->is_active__};
+    for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
+        list[n].address = doubles[k], list[n].size = sizeof(double);
+    }
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    }
+    list[n].address = &w->origin, list[n++].size = sizeof(int64_t);
+    list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
+    return n;
+}
+
+static inline int dem__live_arrays(dem_world *w, dem__array *list) {
+    int       n = 0;
+    int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->order__, &w->live_near__, &w->live_wall_next__, &w->order_spare__};
+    double  **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM_CONSTANTS_MAX; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 6; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
+    if (w->ledger_on__) {
+        list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
+        for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
+        for (int k = 0; k < 4; k++, n++) list[n].address = &w->live_loss__[k], list[n].size = sizeof(double);
+    }
+    list[n].address = &w->live_event__, list[n++].size = 1;
+    list[n].address = &w->live_ended__, list[n++].size = 1;
+    return n;
+}
+
+/* All arrays of a group lie in one block, so that growing works for all or changes nothing. */
+static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity, ptrdiff_t wanted) {
+    ptrdiff_t larger = *capacity + *capacity / 2 + 64;
+    size_t    total = 0;
+    if (larger < wanted) larger = wanted;
+    for (int k = 0; k < n; k++) {
+        if ((size_t)larger > (SIZE_MAX / 4 - total) / list[k].size) return 0;
+        total += ((size_t)larger * list[k].size + 63) & ~(size_t)63;
+    }
+    char *fresh = (char *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, total), *at = fresh;
+    if (!fresh) return 0;
+    memset(fresh, 0, total);
+    for (int k = 0; k < n; k++) {
+        void *old = NULL, *now = at;
+        memcpy(&old, list[k].address, sizeof old);
+        if (old) memcpy(now, old, (size_t)*capacity * list[k].size);
+        memcpy(list[k].address, &now, sizeof now);
+        at += ((size_t)larger * list[k].size + 63) & ~(size_t)63;
+    }
+    if (*block) w->def.allocator.fn(w->def.allocator.user, *block, *bytes, 0);
+    *block = fresh;
+    *bytes = total;
+    *capacity = larger;
+    return 1;
+}
+
+static inline int dem__near_arrays(dem_world *w, dem__array *list) {
+    int       n = 0;
+    int32_t **integers[] = {&w->near_i__, &w->near_j__, &w->near_live__};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    }
+    return n;
+}
+
+static inline int dem__timer_arrays(dem_world *w, dem__array *list) {
+    int       n = 0;
+    int32_t **integers[] = {&w->timer_next__, &w->timer_prev__, &w->timer_due__};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
+        list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    }
+    return n;
+}
+
+/* One plain array as a group of its own. */
+static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
+    if (wanted <= *capacity) return 1;
+    ptrdiff_t larger = wanted + wanted / 4 + 64;
+    int32_t  *fresh = (int32_t *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    if (*array) w->def.allocator.fn(w->def.allocator.user, *array, (size_t)*capacity * sizeof **array, 0);
+    *array = fresh;
+    *capacity = larger;
+    return 1;
+}
+
+/* -------------------------------------------------------------------------------------------- >>definition */
+
+DEM_API const char *dem_status_text(dem_status status) {
+    switch (status) {
+#define DEM__CASE(name, text) \
+    case name: return text;
+        DEM_STATUSES(DEM__CASE)
+#undef DEM__CASE
+    case DEM_STATUS_COUNT: break;
+    }
+    return "unknown status";
+}
+
+DEM_API int dem_build_is_deterministic(void) {
+    volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
+    double          x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
+    return FLT_EVAL_METHOD == 0 && fused == 0.0;
+}
+
+DEM_API dem_def dem_default_def(void) {
+    dem_def def;
+    memset(&def, 0, sizeof def);
+    def.cookie = 0x6d656452u;
+    def.threads = 1;
+    def.skip = DEM_SKIP_ALL;
+    def.dt = 1e-6;
+    def.skin = 0.15;
+    def.gravity = dem_vec3(0.0, 0.0, -9.81);
+    def.high = dem_vec3(1.0, 1.0, 1.0);
+    def.allocator.fn = dem__default_allocator;
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
+            dem_pair_def *pair = &def.pair[a][b];
+            pair->stiffness = 1e5;
+            pair->tangential_ratio = 2.0 / 7.0;
+            pair->restitution = 0.8;
+            pair->friction = 0.3;
+        }
+    }
+    return def;
+}
+
+DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio) {
+    if (!def || def->materials < 0 || def->materials >= DEM_MATERIALS_MAX) return -1;
+    dem_material *material = &def->material[def->materials];
+    material->density = density;
+    material->young_modulus = young_modulus;
+    material->poisson_ratio = poisson_ratio;
+    return def->materials++;
+}
+
+DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b) {
+    if (!def || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
+    return a < b ? &def->pair[a][b] : &def->pair[b][a];
+}
+
+static inline int dem__finite(double v) { return fabs(v) <= DBL_MAX; }
+static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__finite(v.y) && dem__finite(v.z); }
+static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
+static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
+
+static const char *dem__bad_pair(const dem_pair_def *p) {
+    if (!dem__positive(p->stiffness)) return "pair.stiffness";
+    if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
+    if (!(p->restitution > 0.0 && p->restitution <= 1.0)) return "pair.restitution";
+    if (!dem__not_negative(p->friction)) return "pair.friction";
+    if (!dem__not_negative(p->rolling)) return "pair.rolling";
+    if (!dem__not_negative(p->tangential_damping)) return "pair.tangential_damping";
+    if (p->mode != DEM_CLIPPED && p->mode != DEM_NAIVE) return "pair.mode";
+    return NULL;
+}
+
+static const char *dem__bad_field(const dem_def *def) {
+    if (!def) return "def";
+    if (def->cookie != 0x6d656452u) return "cookie";
+    if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
+    if (def->threads < 1 || def->threads > 4096) return "threads";
+    if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
+    if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
+    if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
+    if (!dem__finite_vec(def->gravity)) return "gravity";
+    const double *low = &def->low.x, *high = &def->high.x;
+    for (int a = 0; a < 3; a++) {
+        if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
+        if (def->periodic[a] && !(dem__finite(low[a]) && dem__finite(high[a]) && high[a] > low[a])) return "high";
+    }
+    if (!def->allocator.fn) return "allocator.fn";
+    for (int a = 0; a < def->materials; a++) {
+        if (!dem__positive(def->material[a].density)) return "material.density";
+        if (!dem__positive(def->material[a].young_modulus)) return "material.young_modulus";
+        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5)) return "material.poisson_ratio";
+        for (int b = a; b < def->materials; b++) {
+            const char *bad = dem__bad_pair(&def->pair[a][b]);
+            if (bad) return bad;
+        }
+    }
+    return NULL;
+}
+
+DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
+    const char *bad = dem__bad_field(def);
+    if (field) *field = bad;
+    return bad ? DEM_BAD_DEFINITION : DEM_OK;
+}
+
+DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
+    if (!world) return DEM_BAD_ARGUMENT;
+    memset(world, 0, sizeof *world);
+    dem_status status = dem_check_def(def, field);
+    if (status != DEM_OK) return status;
+    world->def = *def;
+    world->dt__ = def->dt;
+    world->fresh__ = world->stale__ = 1;
+    world->has_periodic__ = def->periodic[0] | def->periodic[1] | def->periodic[2];
+    return DEM_OK;
+}
+
+DEM_API void dem_free(dem_world *world) {
+    if (!world || !world->def.allocator.fn) return;
+    dem_allocator a = world->def.allocator;
+    if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
+    if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
+    if (world->near_block__) a.fn(a.user, world->near_block__, world->near_bytes__, 0);
+    if (world->timer_block__) a.fn(a.user, world->timer_block__, world->timer_bytes__, 0);
+    if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
+    if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
+    if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
+    memset(world, 0, sizeof *world);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>scene */
+
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->origin[i]) * w->dt__; }
+
+DEM_INLINE double dem__wrapped(double v, double low, double high) {
+    double length = high - low;
+    return v - length * floor((v - low) / length);
+}
+
+/* Position on the parabola at tau after the origin step. */
+DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem_vec3(w->x[i] + tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] + tau * (w->vy[i] + 0.5 * tau * w->ay[i]),
+                    w->z[i] + tau * (w->vz[i] + 0.5 * tau * w->az[i]));
+}
+DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem_vec3(w->vx[i] + tau * w->ax[i], w->vy[i] + tau * w->ay[i], w->vz[i] + tau * w->az[i]);
+}
+
+/* Makes the present step the origin: the parabola's state becomes the stored one. */
+static inline void dem__settle(dem_world *w, ptrdiff_t i) {
+    double  tau = dem__now(w, i);
+    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    w->x[i] = x.x, w->y[i] = x.y, w->z[i] = x.z;
+    w->vx[i] = v.x, w->vy[i] = v.y, w->vz[i] = v.z;
+    w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
+    w->origin[i] = w->step;
+}
+
+DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->mass[i] * w->radius[i] * w->radius[i]; }
+
+DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
+    dem_vec v = dem__velocity_at(w, i, dem__now(w, i));
+    return 0.5 * w->mass[i] * dem__dot(v, v);
+}
+DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
+    double  tau = dem__now(w, i);
+    dem_vec s = dem_vec3(w->wx[i] + tau * w->bx[i], w->wy[i] + tau * w->by[i], w->wz[i] + tau * w->bz[i]);
+    return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
+}
+DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) { return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i))); }
+
+/* Acceleration without contacts. */
+static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
+    double m = 1.0 / w->mass[i], inertia = 1.0 / dem__inertia(w, i);
+    w->ax[i] = w->def.gravity.x + w->lx__[i] * m;
+    w->ay[i] = w->def.gravity.y + w->ly__[i] * m;
+    w->az[i] = w->def.gravity.z + w->lz__[i] * m;
+    w->bx[i] = w->qx__[i] * inertia, w->by[i] = w->qy__[i] * inertia, w->bz[i] = w->qz__[i] * inertia;
+}
+
+DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials) return DEM_BAD_ARGUMENT;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__positive(diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) || !dem__finite(centres[3 * k + 2])) return DEM_BAD_ARGUMENT;
+        double volume = RIDDLE_PI / 6.0 * diameters[k] * diameters[k] * diameters[k];
+        if (!dem__positive(volume * w->def.material[material].density * diameters[k] * diameters[k])) return DEM_BAD_ARGUMENT;
+    }
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    if (w->count + n + 1 > w->capacity__) {
+        dem__array list[DEM__ARRAYS_MAX];
+        int        arrays = dem__particle_arrays(w, list);
+        if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1)) return DEM_OUT_OF_MEMORY;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) {
+        ptrdiff_t i = w->count++;
+        double    d = diameters[k];
+        w->x[i] = w->def.periodic[0] ? dem__wrapped(centres[3 * k], w->def.low.x, w->def.high.x) : centres[3 * k];
+        w->y[i] = w->def.periodic[1] ? dem__wrapped(centres[3 * k + 1], w->def.low.y, w->def.high.y) : centres[3 * k + 1];
+        w->z[i] = w->def.periodic[2] ? dem__wrapped(centres[3 * k + 2], w->def.low.z, w->def.high.z) : centres[3 * k + 2];
+        w->vx[i] = w->vy[i] = w->vz[i] = w->wx[i] = w->wy[i] = w->wz[i] = 0.0;
+        w->lx__[i] = w->ly__[i] = w->lz__[i] = w->qx__[i] = w->qy__[i] = w->qz__[i] = 0.0;
+        w->radius[i] = 0.5 * d;
+        w->mass[i] = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+        w->origin[i] = w->step;
+        w->id[i] = w->next_id__++;
+        w->material[i] = material;
+        w->group[i] = group;
+        w->alive[i] = 1;
+        w->touching[i] = w->is_active__[i] = 0;
+        w->wall_head__[i] = -1;
+        w->ball__[i] = w->ux__[i] = w->uy__[i] = w->uz__[i] = 0.0;
+        dem__free_acceleration(w, i);
+        if (w->ledger_on__) {
+            w->ledger__.added += dem__potential(w, i);
+            w->ledger__.added_potential += dem__potential(w, i);
+        }
+    }
+    if (n > 0) w->fresh__ = w->stale__ = 1;
+    return DEM_OK;
+}
+
+DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+    return w->lx__[i] != 0.0 || w->ly__[i] != 0.0 || w->lz__[i] != 0.0 || w->qx__[i] != 0.0 || w->qy__[i] != 0.0 || w->qz__[i] != 0.0;
+}
+
+static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
+
+DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
+    if (w->ledger_on__) w->ledger__.added -= dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__settle(w, i);
+    w->vx[i] = velocity.x, w->vy[i] = velocity.y, w->vz[i] = velocity.z;
+    w->wx[i] = spin.x, w->wy[i] = spin.y, w->wz[i] = spin.z;
+    if (w->ledger_on__) w->ledger__.added += dem__kinetic(w, i) + dem__rotational(w, i);
+    w->stale__ = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
+    dem__settle(w, i);
+    double m = 1.0 / w->mass[i], inertia = 1.0 / dem__inertia(w, i);
+    w->ax[i] += (force.x - w->lx__[i]) * m, w->ay[i] += (force.y - w->ly__[i]) * m, w->az[i] += (force.z - w->lz__[i]) * m;
+    w->bx[i] += (torque.x - w->qx__[i]) * inertia, w->by[i] += (torque.y - w->qy__[i]) * inertia, w->bz[i] += (torque.z - w->qz__[i]) * inertia;
+    w->lx__[i] = force.x, w->ly__[i] = force.y, w->lz__[i] = force.z;
+    w->qx__[i] = torque.x, w->qy__[i] = torque.y, w->qz__[i] = torque.z;
+    if (!w->touching[i]) dem__free_acceleration(w, i);
+    if (!w->is_active__[i]) { /* a loaded particle is no free flight: it takes steps */
+        w->is_active__[i] = 1;
+        w->active__[w->active_count__++] = (int32_t)i;
+    }
+    w->loads_on__ = w->stale__ = 1;
+    return DEM_OK;
+}
+
+static inline int dem__unit(dem_vec v, dem_vec *unit) {
+    double length = dem__length(v);
+    if (!dem__positive(length)) return 0;
+    *unit = dem__scale(1.0 / length, v);
+    return 1;
+}
+
+/* Completes a frame whose third axis is given: first axis near `along`, or any if that is parallel. */
+static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
+    dem_vec z, x;
+    if (!dem__unit(normal, &z)) return 0;
+    x = dem__sub(along, dem__scale(dem__dot(along, z), z));
+    if (!(dem__length(x) > 1e-6)) {
+        dem_vec other = fabs(z.x) < 0.9 ? dem_vec3(1, 0, 0) : dem_vec3(0, 1, 0);
+        x = dem__sub(other, dem__scale(dem__dot(other, z), z));
+    }
+    if (!dem__unit(x, &x)) return 0;
+    wall->axis[0] = wall->rest_axis[0] = x;
+    wall->axis[1] = wall->rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->rest_axis[2] = z;
+    return 1;
+}
+
+static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    w->wall[w->walls] = *wall;
+    w->wall[w->walls].enabled = 1;
+    w->wall[w->walls].position = wall->origin;
+    w->wall[w->walls].motion_start = w->time;
+    w->stale__ = w->fresh__ = 1;
+    return w->walls++;
+}
+
+static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = kind;
+    wall.material = material;
+    wall.origin = point;
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal) {
+    return dem__add_flat(world, DEM_PLANE, material, point, normal);
+}
+DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!world || material < 0 || material >= world->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = DEM_CYLINDER;
+    wall.material = material;
+    wall.origin = point;
+    wall.radius = radius;
+    wall.inside = inside != 0;
+    return dem__add_wall(world, &wall);
+}
+
+DEM_API dem_screen dem_default_screen(void) {
+    dem_screen s;
+    memset(&s, 0, sizeof s);
+    s.aperture = 8e-3;
+    s.wire = 2e-3;
+    s.profile = DEM_SEMICIRCLE;
+    s.circular = 1;
+    s.half_x = s.half_y = 0.095;
+    s.normal = dem_vec3(0, 0, 1);
+    s.direction = dem_vec3(1, 0, 0);
+    return s;
+}
+
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) || !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__positive(screen->aperture) || !dem__positive(screen->wire) || !dem__positive(screen->half_x)) return -(int)DEM_BAD_ARGUMENT;
+    if (!screen->circular && !dem__positive(screen->half_y)) return -(int)DEM_BAD_ARGUMENT;
+    if (!(screen->half_x / (screen->aperture + screen->wire) < 1e5) || !(screen->half_y / (screen->aperture + screen->wire) < 1e5)) return -(int)DEM_BAD_ARGUMENT;
+    if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = DEM_SCREEN;
+    wall.material = material;
+    wall.origin = screen->centre;
+    wall.aperture = screen->aperture;
+    wall.wire = screen->wire;
+    wall.profile = (int)screen->profile;
+    wall.circular = screen->circular != 0;
+    wall.half_x = screen->half_x;
+    wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    return dem__add_wall(world, &wall);
+}
+
+/* A new motion begins where the wall is. */
+static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
+    if (!w || wall < 0 || wall >= w->walls) return NULL;
+    dem_wall *a = &w->wall[wall];
+    dem__move_wall(a, w->time);
+    a->origin = a->position;
+    for (int k = 0; k < 3; k++) a->rest_axis[k] = a->axis[k];
+    a->spin_centre = dem__add(a->spin_centre, dem__scale(w->time - a->motion_start, a->drift));
+    a->motion_start = w->time;
+    w->stale__ = 1;
+    return a;
+}
+
+static inline void dem__bound_speed(dem_wall *a) {
+    double rate = 2.0 * RIDDLE_PI * a->frequency;
+    a->speed_bound = rate * (fabs(a->amplitude.x) + fabs(a->amplitude.y) + fabs(a->amplitude.z)) + dem__length(a->drift);
+}
+
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) || !dem__not_negative(frequency)) return DEM_BAD_ARGUMENT;
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->amplitude = amplitude;
+    a->phase = phase;
+    a->frequency = frequency;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->drift = velocity;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) || !dem__unit(axis, &unit)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->spin_centre = centre;
+    a->spin_axis = unit;
+    a->spin = spin;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].enabled = enabled != 0;
+    world->stale__ = world->fresh__ = 1;
+    return DEM_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>lists */
+
+/* A timer is a pair (p < near_count) or a particle and a wall (near_count + i * walls + k). Each waits in the bucket of the step
+   at which it must be looked at; a look finds a contact, or the next time when one is possible. */
+
+DEM_INLINE void dem__stop_timer(dem_world *w, int32_t e) {
+    if (w->timer_due__[e] < 0) return;
+    int32_t next = w->timer_next__[e], prev = w->timer_prev__[e];
+    if (prev >= 0) w->timer_next__[prev] = next;
+    else w->wheel__[w->timer_due__[e]] = next;
+    if (next >= 0) w->timer_prev__[next] = prev;
+    w->timer_due__[e] = -1;
+}
+
+DEM_INLINE void dem__set_timer(dem_world *w, int32_t e, int64_t step) {
+    int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head;
+    if (w->timer_due__[e] == bucket) return;
+    dem__stop_timer(w, e);
+    head = w->wheel__[bucket];
+    w->timer_due__[e] = bucket;
+    w->timer_prev__[e] = -1;
+    w->timer_next__[e] = head;
+    if (head >= 0) w->timer_prev__[head] = e;
+    w->wheel__[bucket] = e;
+}
+
+/* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
+DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
+    double n = t / w->dt__ * (1.0 - 1e-9);
+    return n < (double)(DEM_WHEEL - 2) ? 1 + (int)n : DEM_WHEEL - 1;
+}
+
+DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
+    if (w->has_periodic__) {
+        double x = w->def.high.x - w->def.low.x, y = w->def.high.y - w->def.low.y, z = w->def.high.z - w->def.low.z;
+        if (w->def.periodic[0]) d.x -= x * floor(d.x / x + 0.5);
+        if (w->def.periodic[1]) d.y -= y * floor(d.y / y + 0.5);
+        if (w->def.periodic[2]) d.z -= z * floor(d.z / z + 0.5);
+    }
+    return d;
+}
+
+/* Earliest time at which spheres a distance d apart can touch, if their relative velocity stays within `stray` of v. */
+DEM_INLINE double dem__time_to_touch(dem_vec d, dem_vec v, double sum, double stray) {
+    double a = dem__dot(v, v) - stray * stray, b = dem__dot(d, v) - sum * stray, c = dem__dot(d, d) - sum * sum;
+    double root = b * b - a * c;
+    if (!(root > 0.0)) return HUGE_VAL;
+    double below = sqrt(root) - b;
+    return below > 0.0 ? c / below : HUGE_VAL;
+}
+
+/* Time in which something at speed s, falling besides with g, covers a distance. */
+DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
+    return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
+}
+
+/* Both centres at a step; the gap, and when to look again (from that step). */
+DEM_INLINE double dem__pair_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step, dem_vec *d) {
+    *d = dem__apart(w, dem__sub(dem__at(w, i, (double)(step - w->origin[i]) * w->dt__), dem__at(w, j, (double)(step - w->origin[j]) * w->dt__)));
+    return dem__dot(*d, *d);
+}
+
+static inline void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, dem_vec d) {
+    ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
+    dem_vec   v = dem_vec3(w->ux__[i] - w->ux__[j], w->uy__[i] - w->uy__[j], w->uz__[i] - w->uz__[j]);
+    double    t = dem__time_to_touch(d, v, w->radius[i] + w->radius[j], w->ball__[i] + w->ball__[j]);
+    dem__set_timer(w, p, step + dem__steps_until(w, t));
+}
+
+/* A new contact, in the next slot; made ready in dem__admit_born. */
+static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
+    if (w->live_count__ + 1 > w->live_capacity__) {
+        dem__array list[DEM__ARRAYS_MAX];
+        int        n = dem__live_arrays(w, list);
+        if (w->live_count__ > INT32_MAX / 2 || !dem__grow_group(w, list, n, &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return 0;
+        }
+    }
+    ptrdiff_t c = w->live_count__++;
+    w->live_i__[c] = (int32_t)i;
+    w->live_j__[c] = (int32_t)j;
+    w->live_element__[c] = element;
+    w->live_near__[c] = near_pair;
+    w->born__++;
+    return 1;
+}
+
+static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
+    ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
+    dem_vec   d;
+    double    square = dem__pair_gap(w, i, j, step, &d), sum = w->radius[i] + w->radius[j];
+    w->looks++;
+    if (square < sum * sum) {
+        if (dem__bear(w, i, j, 0, p)) {
+            w->near_live__[p] = 1;
+            return;
+        }
+    }
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, p, step, d);
+}
+
+static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
+    for (int32_t c = w->wall_head__[i]; c >= 0; c = w->live_wall_next__[c]) {
+        if (w->live_j__[c] == -1 - wall && w->live_element__[c] == element) return 1;
+    }
+    return 0;
+}
+
+static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
+
+/* Looks at particle i and a wall at a step at which the wall already is. */
+static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
+    int32_t   rest = e - (int32_t)w->near_count__;
+    ptrdiff_t i = rest / w->walls;
+    int       k = (int)(rest % w->walls), found;
+    dem_wall *wall = &w->wall[k];
+    w->looks++;
+    if (!wall->enabled || !w->alive[i]) return;
+    double     tau = (double)(step - w->origin[i]) * w->dt__, least;
+    dem_vec    x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    dem__touch touch[DEM__TOUCHES];
+    found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : 0.0, touch, &least);
+    if (wall->kind == DEM_EXIT) {
+        if (least < 0.0) {
+            dem__drop(w, i, k);
+            return;
+        }
+    } else if (found > 0) {
+        least = w->reach__;
+        for (int q = 0; q < found; q++) {
+            if (dem__touches_element(w, i, k, touch[q].element)) continue;
+            if (touch[q].gap < 0.0) {
+                if (!dem__bear(w, i, -1 - k, touch[q].element, wall->kind == DEM_SCREEN ? -1 : e)) return;
+                if (wall->kind != DEM_SCREEN) return; /* one contact is all there can be */
+            } else least = touch[q].gap < least ? touch[q].gap : least;
+        }
+    }
+    if (!(w->def.skip & DEM_SKIP_SPACE)) return;
+    double speed = dem__length(v) + 2.0 * w->ball__[i];
+    speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
+    if (wall->spin != 0.0) speed += fabs(wall->spin) * (dem__length(dem__sub(x, wall->position)) + dem__length(dem__sub(wall->position, wall->spin_centre)) + w->reach__);
+    dem__set_timer(w, e, step + dem__steps_until(w, dem__time_to_cover(least, speed, w->fall__)));
+}
+
+/* A particle's velocity left the ball that its timers count on: a new ball, and new timers. */
+static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
+    double  t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
+    dem_vec v = dem__velocity_at(w, i, tau), g = w->def.gravity;
+    dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
+    w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
+    w->ball__[i] = w->slack__ + 16.0 * w->dt__ * dem__length(a);
+    double speed = dem__length(v) + 2.0 * w->ball__[i];
+    dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
+    int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
+    if (due < w->next_check__) w->next_check__ = due;
+    if (w->def.skip & DEM_SKIP_PAIRS) {
+        for (int32_t a0 = w->adjacent_start__[i]; a0 < w->adjacent_start__[i + 1]; a0++) {
+            int32_t p = w->adjacent__[a0];
+            if (w->near_live__[p]) continue;
+            dem_vec d;
+            dem__pair_gap(w, w->near_i__[p], w->near_j__[p], step, &d);
+            dem__wait_for_pair(w, p, step, d);
+        }
+    }
+    if ((w->def.skip & DEM_SKIP_SPACE) && speed > w->wall_speed__[i]) {
+        w->wall_speed__[i] = 1.25 * speed;
+        for (int k = 0; k < w->walls; k++) {
+            int32_t e = (int32_t)w->near_count__ + (int32_t)i * w->walls + k;
+            if (w->timer_due__[e] >= 0) dem__set_timer(w, e, step + 1); /* the look at the next step finds the time */
+        }
+    }
+}
+
+/* Takes dropped particles out of the arrays, keeping the order of the others. */
+static inline void dem__compact(dem_world *w) {
+    if (!w->dropped__) return;
+    ptrdiff_t  to = 0;
+    dem__array list[DEM__ARRAYS_MAX];
+    int        n = dem__particle_arrays(w, list);
+    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? (int32_t)to++ : -1;
+    int32_t *remap = w->remap__;
+    for (int k = 0; k < n; k++) {
+        char *base;
+        memcpy(&base, list[k].address, sizeof base);
+        if ((void *)base == (void *)remap) continue;
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            if (remap[i] >= 0 && remap[i] != i) memcpy(base + (size_t)remap[i] * list[k].size, base + (size_t)i * list[k].size, list[k].size);
+        }
+    }
+    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+        w->live_i__[c] = remap[w->live_i__[c]];
+        if (w->live_j__[c] >= 0) w->live_j__[c] = remap[w->live_j__[c]];
+    }
+    w->count = to;
+    w->dropped__ = 0;
+    w->active_count__ = 0;
+    for (ptrdiff_t i = 0; i < to; i++) {
+        if (w->is_active__[i]) w->active__[w->active_count__++] = (int32_t)i;
+    }
+}
+
+typedef struct dem__grid {
+    double  low[3], inverse; /* of the cell size */
+    int32_t n[3];
+    int     wraps[3];
+} dem__grid;
+
+DEM_INLINE int32_t dem__cell(double v, double low, double inverse, int32_t n) {
+    double c = floor((v - low) * inverse);
+    return c > 0.0 ? (c < (double)n ? (int32_t)c : n - 1) : 0;
+}
+
+/* Cells no smaller than `size`, at most four a particle. */
+static inline dem__grid dem__make_grid(const dem_world *w, double size) {
+    dem__grid     g;
+    const double *at[3] = {w->rx__, w->ry__, w->rz__}, *low = &w->def.low.x, *high = &w->def.high.x;
+    double        span[3];
+    for (int a = 0; a < 3; a++) {
+        double least = HUGE_VAL, most = -HUGE_VAL;
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            least = at[a][i] < least ? at[a][i] : least;
+            most = at[a][i] > most ? at[a][i] : most;
+        }
+        g.wraps[a] = w->def.periodic[a];
+        g.low[a] = g.wraps[a] ? low[a] : least;
+        span[a] = g.wraps[a] ? high[a] - low[a] : most - least;
+    }
+    for (;;) {
+        double cells = 1.0;
+        for (int a = 0; a < 3; a++) cells *= floor(span[a] / size) + 1.0;
+        if (cells <= 4.0 * (double)w->count + 64.0) break;
+        size *= 1.26;
+    }
+    g.inverse = 1.0 / size;
+    for (int a = 0; a < 3; a++) {
+        double n = floor(span[a] / size);
+        g.n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: whole cells, each a little larger, by the scale below */
+        if (!g.wraps[a]) g.n[a]++;
+    }
+    return g;
+}
+
+/* Finds the near pairs: gap below margin, i < j. Returns 0 when out of memory. */
+static inline int dem__find_pairs(dem_world *w) {
+    double largest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) largest = w->radius[i] > largest ? w->radius[i] : largest;
+    dem__grid g = dem__make_grid(w, 2.0 * largest + w->margin__);
+    double    scale[3];
+    ptrdiff_t cells = (ptrdiff_t)g.n[0] * g.n[1] * g.n[2];
+    for (int a = 0; a < 3; a++) scale[a] = g.wraps[a] ? g.n[a] / ((&w->def.high.x)[a] - (&w->def.low.x)[a]) : g.inverse;
+    if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells)) return 0;
+    for (ptrdiff_t c = 0; c < cells; c++) w->cells__[c] = -1;
+    for (ptrdiff_t i = w->count - 1; i >= 0; i--) { /* backwards, so that each list rises */
+        int32_t   cx = dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), cy = dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]);
+        ptrdiff_t c = ((ptrdiff_t)dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2]) * g.n[1] + cy) * g.n[0] + cx;
+        w->cell_next__[i] = w->cells__[c];
+        w->cells__[c] = (int32_t)i;
+    }
+    w->near_count__ = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        int32_t at[3] = {dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]),
+                         dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2])};
+        for (int code = 0; code < 27; code++) {
+            int32_t cell[3], step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
+            int     outside = 0;
+            for (int a = 0; a < 3; a++) {
+                cell[a] = at[a] + step[a];
+                if (g.wraps[a] && g.n[a] >= 3) cell[a] = cell[a] < 0 ? cell[a] + g.n[a] : (cell[a] >= g.n[a] ? cell[a] - g.n[a] : cell[a]);
+                outside |= cell[a] < 0 || cell[a] >= g.n[a];
+            }
+            if (outside) continue; /* with one or two periodic cells the plain neighbours are all there are */
+            for (int32_t j = w->cells__[((ptrdiff_t)cell[2] * g.n[1] + cell[1]) * g.n[0] + cell[0]]; j >= 0; j = w->cell_next__[j]) {
+                if (j <= i) continue;
+                dem_vec d = dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j]));
+                double  reach = w->radius[i] + w->radius[j] + w->margin__;
+                if (!(dem__dot(d, d) < reach * reach)) continue;
+                if (w->near_count__ >= w->near_capacity__) {
+                    dem__array list[DEM__ARRAYS_MAX];
+                    int        n = dem__near_arrays(w, list);
+                    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1)) return 0;
+                }
+                w->near_i__[w->near_count__] = (int32_t)i;
+                w->near_j__[w->near_count__] = j;
+                w->near_live__[w->near_count__++] = 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The near pairs of each particle, both ways. */
+static inline int dem__find_adjacent(dem_world *w) {
+    if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 2 * w->near_count__)) return 0;
+    int32_t *start = w->adjacent_start__;
+    for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near_i__[p]]++, start[w->near_j__[p]]++;
+    for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
+        sum += start[i];
+        start[i] = (int32_t)sum;
+    }
+    for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
+        w->adjacent__[--start[w->near_i__[p]]] = (int32_t)p;
+        w->adjacent__[--start[w->near_j__[p]]] = (int32_t)p;
+    }
+    return 1;
+}
+
+/* Which near pair, or wall timer, a live contact is. */
+static inline void dem__link_contacts(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
+    for (int32_t c = 0; c < (int32_t)w->live_count__; c++) {
+        int32_t i = w->live_i__[c], j = w->live_j__[c];
+        w->live_near__[c] = -1;
+        if (j < 0) {
+            int k = -1 - j;
+            w->live_wall_next__[c] = w->wall_head__[i];
+            w->wall_head__[i] = c;
+            if (w->wall[k].kind != DEM_SCREEN) w->live_near__[c] = (int32_t)w->near_count__ + i * w->walls + k;
+            continue;
+        }
+        for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
+            int32_t p = w->adjacent__[a];
+            if (w->near_i__[p] == i && w->near_j__[p] == j) {
+                w->live_near__[c] = p;
+                w->near_live__[p] = 1;
+                break;
+            }
+        }
+    }
+}
+
+/* Builds everything that is about who is near whom. */
+static DEM__COLD int dem__rebuild(dem_world *w) {
+    dem__compact(w);
+    double smallest = HUGE_VAL;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem_vec x = dem__at(w, i, dem__now(w, i));
+        w->rx__[i] = w->def.periodic[0] ? dem__wrapped(x.x, w->def.low.x, w->def.high.x) : x.x;
+        w->ry__[i] = w->def.periodic[1] ? dem__wrapped(x.y, w->def.low.y, w->def.high.y) : x.y;
+        w->rz__[i] = w->def.periodic[2] ? dem__wrapped(x.z, w->def.low.z, w->def.high.z) : x.z;
+        smallest = w->radius[i] < smallest ? w->radius[i] : smallest;
+        if (!(fabs(w->rx__[i]) < 1e100 && fabs(w->ry__[i]) < 1e100 && fabs(w->rz__[i]) < 1e100)) {
+            w->status = DEM_NOT_FINITE;
+            w->failed_id = w->id[i];
+            return 0;
+        }
+    }
+    w->margin__ = w->count > 0 ? 2.0 * smallest * w->def.skin : 1.0;
+    w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
+    w->reach__ = 4.0 * w->margin__;
+    w->fall__ = dem__length(w->def.gravity);
+    dem__array list[DEM__ARRAYS_MAX];
+    if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    ptrdiff_t timers = w->near_count__ + w->count * w->walls;
+    if (timers > INT32_MAX / 2) {
+        w->status = DEM_TOO_MANY;
+        return 0;
+    }
+    if (timers > w->timer_capacity__ && !dem__grow_group(w, list, dem__timer_arrays(w, list), &w->timer_block__, &w->timer_bytes__, &w->timer_capacity__, timers)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    for (int b = 0; b < DEM_WHEEL; b++) w->wheel__[b] = -1;
+    for (ptrdiff_t e = 0; e < timers; e++) w->timer_due__[e] = -1;
+    dem__link_contacts(w);
+    w->next_check__ = INT64_MAX;
+    w->stale__ = 0;
+    w->rebuilds++;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->wall_speed__[i] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i, w->step);
+    if (w->def.skip & DEM_SKIP_SPACE) {
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            for (int k = 0; k < w->walls; k++) {
+                int32_t e = (int32_t)w->near_count__ + (int32_t)i * w->walls + k;
+                if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)) dem__set_timer(w, e, w->step + 1);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
+static DEM__COLD int dem__check_list(dem_world *w) {
+    int64_t due = INT64_MAX;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        double  tau = dem__now(w, i);
+        dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
+        double  left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->ball__[i];
+        int     steps = dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
+        if (steps < 12) return dem__rebuild(w);
+        if (w->step + steps < due) due = w->step + steps;
+    }
+    w->next_check__ = due;
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------ >>kernel */
+
+/* What the law answers within contact, at given gap and closing speed, its history untouched. */
+DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic, const dem_law *law) {
+    dem_contact  c = *contact;
+    dem_response r;
+    double       s[DEM_STATE_MAX];
+    for (int k = 0; k < law->states; k++) s[k] = state[k];
+    c.gap = gap < 0.0 ? gap : -DBL_MIN;
+    c.closing = closing;
+    c.dt = 0.0;
+    law->force(&c, s, &r);
+    *elastic = r.elastic;
+    return r.normal;
+}
+
+/* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
+DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
+    double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
+    double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
+    double u2 = u + 0.5 * t * a1, a2 = -m * dem__force_alone(c, state, g - 0.5 * t * u, u2, &elastic, law);
+    double u3 = u + 0.5 * t * a2, a3 = -m * dem__force_alone(c, state, g - 0.5 * t * u2, u3, &elastic, law);
+    double u4 = u + t * a3, a4 = -m * dem__force_alone(c, state, g - t * u3, u4, &elastic, law);
+    *gap = g - t / 6.0 * (u + 2.0 * u2 + 2.0 * u3 + u4);
+    *closing = u + t / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    return dem__force_alone(c, state, *gap, *closing, &elastic, law);
+}
+
+/* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
+   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. */
+typedef struct dem__event {
+    double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
+    double gap, closing;   /* at the end of the step */
+    double duration;       /* of contact within the step [s] */
+    double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
+} dem__event;
+
+/* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
+DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem__event *e, const dem_law *law) {
+    double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
+    if (!(c->closing > 0.0)) return 0;
+    e->duration = t < h ? t : h;
+    e->gap = 0.0;
+    e->closing = c->closing;
+    dem__flow(c, state, &e->gap, &e->closing, e->duration, law);
+    dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
+    e->impulse = c->mass * (c->closing - e->closing);
+    e->shift = c->mass * (e->gap - c->gap);
+    e->elastic = elastic;
+    e->loss = 0.5 * c->mass * (c->closing * c->closing - e->closing * e->closing) - elastic;
+    return 1;
+}
+
+/* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
+DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, double gap, double force, dem__event *e, const dem_law *law) {
+    double h = 1.0 / c->rate, u = (gap - c->gap) * c->rate + 0.5 * h * force / c->mass;
+    double t = 0.0, g = gap, v = u, f = force, before, after;
+    if (!(u < 0.0 && gap < 0.0)) return 0;
+    dem__force_alone(c, state, gap, u, &before, law);
+    for (int k = 0; k < 3; k++) {
+        double rest, last = h - t;
+        if (force < 0.0) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
+        else { /* a clipped one when the force is: follow its slope, found by a probe */
+            double probe = 0.125 * (k == 0 ? h : t), gp = g, vp = v, fp = dem__flow(c, state, &gp, &vp, probe, law);
+            rest = fp < f ? probe * f / (f - fp) : last;
+            if (k < 2) rest *= 0.9;
+        }
+        rest = rest < last ? rest : last;
+        f = dem__flow(c, state, &g, &v, rest, law);
+        t += rest;
+    }
+    e->duration = t;
+    e->closing = v;
+    e->gap = g - (h - t) * v;
+    dem__force_alone(c, state, e->gap, v, &after, law);
+    e->impulse = c->mass * (u - v);
+    e->shift = c->mass * (e->gap - c->gap);
+    e->elastic = e->gap < 0.0 ? after : 0.0;
+    e->loss = before - e->elastic + 0.5 * c->mass * (u * u - v * v);
+    return 1;
+}
+
+typedef double dem__row[DEM_BLOCK];
+
+/* What is known of a block of contacts before the law is asked. */
+typedef struct dem__rows {
+    dem__row dx, dy, dz, sum;            /* centre of i from that of j (wall: from the nearest point), r_i + r_j */
+    dem__row vx, vy, vz, ax, ay, az;     /* relative velocity in the middle of the step, relative acceleration */
+    dem__row wi[3], wj[3], part_i, part_j; /* spins; radii */
+    dem__row share, nx, ny, nz, gap, inverse;
+} dem__rows;
+
+/* The geometry of contact k, as the law sees it. */
+DEM_INLINE void dem__view(const dem__rows *b, int k, double half, int turns, dem_contact *q, double *arm_i, double *arm_j) {
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
+    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
+    q->gap = b->gap[k];
+    q->share = b->share[k];
+    q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
+    if (!turns) return;
+    /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
+    const double stretch = (b->sum[k] + b->gap[k]) / b->sum[k], ai = b->part_i[k] * stretch, aj = b->part_j[k] * stretch;
+    const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k], sz = ai * b->wi[2][k] + aj * b->wj[2][k];
+    *arm_i = ai, *arm_j = aj;
+    q->slip[0] = b->vx[k] - along * nx + (ny * sz - nz * sy);
+    q->slip[1] = b->vy[k] - along * ny + (nz * sx - nx * sz);
+    q->slip[2] = b->vz[k] - along * nz + (nx * sy - ny * sx);
+    q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
+}
+
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
+   connects, to second order without a root; and about the normal with the mean spin. */
+DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = 0.5 * h * b->inverse[k];
+    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
+    const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
+    s[0] = x - out * (nx - by * (b->vx[k] - along * nx)) + twist * (ny * z - nz * y);
+    s[1] = y - out * (ny - by * (b->vy[k] - along * ny)) + twist * (nz * x - nx * z);
+    s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
+}
+
+/* Force on i, torques on i and j. */
+DEM_INLINE void dem__put_force(dem_world *w, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j, int features) {
+    const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
+    double     **out = w->live_out__;
+    if (!(features & DEM_FRICTION)) {
+        out[0][c] = r->normal * nx, out[1][c] = r->normal * ny, out[2][c] = r->normal * nz;
+        return;
+    }
+    const double tx = r->tangential[0], ty = r->tangential[1], tz = r->tangential[2];
+    const double mx = ny * tz - nz * ty, my = nz * tx - nx * tz, mz = nx * ty - ny * tx;
+    const double rx = features & DEM_ROLLING ? r->rolling[0] : 0.0, ry = features & DEM_ROLLING ? r->rolling[1] : 0.0;
+    const double rz = features & DEM_ROLLING ? r->rolling[2] : 0.0;
+    out[0][c] = r->normal * nx + tx, out[1][c] = r->normal * ny + ty, out[2][c] = r->normal * nz + tz;
+    out[3][c] = rx - arm_i * mx, out[4][c] = ry - arm_i * my, out[5][c] = rz - arm_i * mz;
+    out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
+}
+
+/* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
+DEM_INLINE void dem__put_losses(dem_world *w, ptrdiff_t c, const dem_response *r, double h, int idle) {
+    w->live_loss__[0][c] = idle ? w->live_elastic__[c] - r->elastic : 0.5 * h * (w->live_power__[0][c] + r->normal_power);
+    w->live_loss__[1][c] = r->slide_loss;
+    w->live_loss__[2][c] = 0.5 * h * (w->live_power__[1][c] + r->rolling_power);
+    w->live_power__[0][c] = r->normal_power;
+    w->live_power__[1][c] = r->rolling_power;
+    w->live_elastic__[c] = r->elastic;
+}
+
+/* Wall contact c: where, and how fast the wall is there. Fills row k; returns the wall's velocity at the point. */
+DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t c, dem__rows *b, int k, double half, dem__touch *touch) {
+    const ptrdiff_t i = w->live_i__[c];
+    const dem_wall *wall = &w->wall[-1 - w->live_j__[c]];
+    const dem_vec   x = dem_vec3(w->x[i], w->y[i], w->z[i]);
+    dem__touch_element(wall, x, w->radius[i], w->live_element__[c], touch);
+    const double  reach = w->radius[i] + touch->gap;
+    const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
+    const dem_vec a = dem__wall_acceleration(wall, point), v = dem__wall_velocity(wall, point), middle = dem__sub(v, dem__scale(half, a));
+    b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
+    b->sum[k] = b->part_i[k] = w->radius[i], b->part_j[k] = 0.0;
+    b->vx[k] = w->mx__[i] - middle.x, b->vy[k] = w->my__[i] - middle.y, b->vz[k] = w->mz__[i] - middle.z;
+    b->ax[k] = w->ax[i] - a.x, b->ay[k] = w->ay[i] - a.y, b->az[k] = w->az[i] - a.z;
+    b->wj[0][k] = wall->spin * wall->spin_axis.x, b->wj[1][k] = wall->spin * wall->spin_axis.y, b->wj[2][k] = wall->spin * wall->spin_axis.z;
+    return v;
+}
+
+DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t c, dem__rows *b, int k, int turns) {
+    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+    b->dx[k] = w->x[i] - w->x[j], b->dy[k] = w->y[i] - w->y[j], b->dz[k] = w->z[i] - w->z[j];
+    b->part_i[k] = w->radius[i], b->part_j[k] = w->radius[j];
+    b->sum[k] = b->part_i[k] + b->part_j[k];
+    b->vx[k] = w->mx__[i] - w->mx__[j], b->vy[k] = w->my__[i] - w->my__[j], b->vz[k] = w->mz__[i] - w->mz__[j];
+    b->ax[k] = w->ax[i] - w->ax[j], b->ay[k] = w->ay[i] - w->ay[j], b->az[k] = w->az[i] - w->az[j];
+    if (turns) b->wj[0][k] = w->ox__[j], b->wj[1][k] = w->oy__[j], b->wj[2][k] = w->oz__[j];
+}
+
+/* Nearest images; positions of active particles lie within the periodic box. */
+DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
+    const double half = 0.5 * length;
+    for (int k = 0; k < n; k++) {
+        double d = row[k];
+        d = d > half ? d - length : d;
+        row[k] = d < -half ? d + length : d;
+    }
+}
+
+/* A first or last step of contact c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force, dem_vec wall_speed,
+                          const dem_law *law, int features) {
+    const double h = 1.0 / q->rate;
+    double       s[DEM_STATE_MAX];
+    dem__event   e;
+    dem_response r;
+    double       extra, sliding = 0.0;
+    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 ? 0.0 : w->live_state__[a][c];
+    w->live_event__[c] = 0;
+    if (force == 0.0) {
+        if (!dem__begin_contact(q, s, &e, law)) return;
+        q->gap = e.gap;
+        q->closing = e.closing;
+        q->dt = e.duration;
+        law->force(q, s, &r);
+        for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
+        dem__put_force(w, c, q, &r, arm_i, arm_j, features);
+        w->live_force__[c] = r.contact;
+        extra = e.impulse - 0.5 * h * r.normal;
+        sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
+        if (features & DEM_ENERGY) dem__put_losses(w, c, &r, 0.0, 0);
+    } else {
+        if (!dem__end_contact(q, s, gap, force, &e, law)) return;
+        extra = e.impulse - 0.5 * h * force;
+    }
+    w->live_gap__[c] = e.gap;
+    w->live_event__[c] = 1;
+    double **data = w->live_event_data__;
+    data[0][c] = q->normal[0], data[1][c] = q->normal[1], data[2][c] = q->normal[2];
+    data[3][c] = extra, data[4][c] = e.shift, data[5][c] = sliding;
+    if (features & DEM_ENERGY) {
+        const double across = wall_speed.x * q->normal[0] + wall_speed.y * q->normal[1] + wall_speed.z * q->normal[2];
+        w->live_loss__[0][c] = e.loss;
+        if (force != 0.0) w->live_elastic__[c] = e.elastic;
+        w->live_loss__[3][c] = e.impulse * across;
+        w->live_power__[2][c] = force == 0.0 ? r.normal * across : 0.0;
+    }
+}
+
+/* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
+   do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. */
+DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
+    const int    turns = (features & DEM_FRICTION) != 0;
+    const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
+    dem__rows    b;
+    for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
+        const int  n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
+        int        wall[DEM_BLOCK], walls = 0;
+        dem__touch touch[DEM_BLOCK];
+        dem_vec    wall_speed[DEM_BLOCK];
+        double     old_gap[DEM_BLOCK], old_force[DEM_BLOCK];
+
+        for (int k = 0; k < n; k++) {
+            const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
+            int             busy = w->touching[i];
+            if (turns) b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
+            if (j >= 0) {
+                dem__gather_pair(w, c, &b, k, turns);
+                busy = busy > w->touching[j] ? busy : w->touching[j];
+            } else {
+                wall_speed[walls] = dem__gather_wall(w, c, &b, k, half, &touch[walls]);
+                wall[walls++] = k;
+            }
+            b.share[k] = busy > 1 ? 1.0 / (double)busy : 1.0;
+        }
+        if (w->def.periodic[0]) dem__wrap_row(b.dx, n, w->def.high.x - w->def.low.x);
+        if (w->def.periodic[1]) dem__wrap_row(b.dy, n, w->def.high.y - w->def.low.y);
+        if (w->def.periodic[2]) dem__wrap_row(b.dz, n, w->def.high.z - w->def.low.z);
+        for (int k = 0; k < n; k++) {
+            const double distance = sqrt(b.dx[k] * b.dx[k] + b.dy[k] * b.dy[k] + b.dz[k] * b.dz[k]), inverse = 1.0 / distance;
+            b.nx[k] = b.dx[k] * inverse, b.ny[k] = b.dy[k] * inverse, b.nz[k] = b.dz[k] * inverse;
+            b.inverse[k] = inverse;
+            b.gap[k] = distance - b.sum[k];
+        }
+        for (int q = 0; q < walls; q++) {
+            const int k = wall[q];
+            b.nx[k] = touch[q].normal.x, b.ny[k] = touch[q].normal.y, b.nz[k] = touch[q].normal.z;
+            b.gap[k] = touch[q].gap;
+        }
+
+        DEM__INDEPENDENT
+        for (int k = 0; k < n; k++) {
+            const ptrdiff_t c = base + k;
+            dem_contact     q;
+            dem_response    r;
+            double          s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+            for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = w->live_constant__[a][c];
+            for (int a = 0; a < law->states; a++) s[a] = w->live_state__[a][c];
+            for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
+            dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
+            q.closing *= w->live_predict__[c];
+            q.mass = w->live_mass__[c];
+            q.dt = h;
+            q.rate = rate;
+            q.constants = p;
+            law->force(&q, s, &r);
+            for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
+            const double was_gap = w->live_gap__[c], was_force = w->live_force__[c];
+            old_gap[k] = was_gap, old_force[k] = was_force;
+            w->live_event__[c] = (uint8_t)(((was_force == 0.0) != (r.contact == 0.0)) & ((was_force != 0.0) | (was_gap > 0.0)));
+            w->live_force__[c] = r.contact;
+            w->live_gap__[c] = b.gap[k];
+            w->live_ended__[c] = (uint8_t)(r.ended != 0);
+            dem__put_force(w, c, &q, &r, arm_i, arm_j, features);
+            if (features & DEM_ENERGY) dem__put_losses(w, c, &r, h, was_force == 0.0 && r.contact == 0.0);
+        }
+        if (features & DEM_ENERGY) {
+            for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
+            for (int q = 0; q < walls; q++) {
+                const ptrdiff_t c = base + wall[q];
+                const double    power = w->live_out__[0][c] * wall_speed[q].x + w->live_out__[1][c] * wall_speed[q].y + w->live_out__[2][c] * wall_speed[q].z;
+                w->live_loss__[3][c] = half * (w->live_power__[2][c] + power);
+                w->live_power__[2][c] = power;
+            }
+        }
+        if (h > 0.0) {
+            for (int k = 0, q = 0; k < n; k++) {
+                const ptrdiff_t c = base + k;
+                const int       is_wall = q < walls && wall[q] == k;
+                if (w->live_event__[c]) {
+                    dem_contact view;
+                    double      p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+                    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = w->live_constant__[a][c];
+                    dem__view(&b, k, half, turns, &view, &arm_i, &arm_j);
+                    view.mass = w->live_mass__[c];
+                    view.dt = 0.0;
+                    view.rate = rate;
+                    view.constants = p;
+                    dem__mend(w, c, &view, arm_i, arm_j, old_gap[k], old_force[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
+                }
+                q += is_wall;
+            }
+        }
+    }
+}
+
+#define DEM_KERNEL(name, law, features) \
+    static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }
+
+/* -------------------------------------------------------------------------------------------------- >>step */
+
+static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
+    double  tau = (double)(w->step + 1 - w->origin[i]) * w->dt__;
+    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    if (w->passed_count >= w->passed_capacity__) {
+        ptrdiff_t   larger = w->passed_capacity__ * 2 + 256;
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed, (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        if (!fresh) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return;
+        }
+        w->passed = fresh;
+        w->passed_capacity__ = larger;
+    }
+    /* in the order of ids, whatever the order of the looks in this step */
+    double    time = w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__;
+    ptrdiff_t at = w->passed_count++;
+    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
+    dem_passed *p = &w->passed[at];
+    p->time = time;
+    p->diameter = 2.0 * w->radius[i];
+    p->position = x;
+    p->velocity = v;
+    p->id = w->id[i];
+    p->group = w->group[i];
+    p->exit = wall;
+    w->alive[i] = -1; /* leaves at the end of the step */
+    w->leaving__ = 1;
+}
+
+/* Takes particle i out of all lists; its slot goes with the next rebuild. */
+static inline void dem__forget(dem_world *w, ptrdiff_t i) {
+    if (w->ledger_on__) {
+        w->ledger__.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
+        w->ledger__.removed_potential += dem__potential(w, i);
+    }
+    w->alive[i] = 0;
+    w->dropped__++;
+    if (w->stale__) return;
+    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
+        int32_t p = w->adjacent__[a];
+        dem__stop_timer(w, p);
+        if (!w->near_live__[p]) w->near_live__[p] = 2;
+    }
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls + k);
+}
+
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    dem__forget(w, i);
+    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+        if (w->live_i__[c] == i || w->live_j__[c] == i) w->live_ended__[c] = 1;
+    }
+    w->stale__ = w->fresh__ = 1;
+    return DEM_OK;
+}
+
+/* Order of contacts: by i, then j (walls last), then element. */
+DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
+    if (w->live_i__[a] != w->live_i__[b]) return w->live_i__[a] < w->live_i__[b];
+    int64_t ja = w->live_j__[a], jb = w->live_j__[b];
+    ja = ja < 0 ? INT32_MAX - ja : ja, jb = jb < 0 ? INT32_MAX - jb : jb;
+    if (ja != jb) return ja < jb;
+    return w->live_element__[a] < w->live_element__[b];
+}
+
+static inline void dem__sift(const dem_world *w, int32_t *heap, ptrdiff_t root, ptrdiff_t n) {
+    for (;;) {
+        ptrdiff_t child = 2 * root + 1;
+        if (child >= n) return;
+        if (child + 1 < n && dem__before(w, heap[child], heap[child + 1])) child++;
+        if (!dem__before(w, heap[root], heap[child])) return;
+        int32_t t = heap[root];
+        heap[root] = heap[child], heap[child] = t;
+        root = child;
+    }
+}
+
+static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
+    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift(w, slots, k, n);
+    for (ptrdiff_t k = n - 1; k > 0; k--) {
+        int32_t t = slots[0];
+        slots[0] = slots[k], slots[k] = t;
+        dem__sift(w, slots, 0, k);
+    }
+}
+
+DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
+    w->touching[i]++;
+    if (w->is_active__[i]) return;
+    w->is_active__[i] = 1;
+    w->active__[w->active_count__++] = (int32_t)i;
+}
+
+static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
+    dem_birth       b;
+    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+    double          constants[DEM_CONSTANTS_MAX] = {0.0}, inertia = dem__inertia(w, i), k;
+    memset(&b, 0, sizeof b);
+    b.def = &w->def;
+    b.features = features;
+    b.material_i = w->material[i];
+    b.radius_i = w->radius[i];
+    if (j >= 0) {
+        double other = dem__inertia(w, j);
+        b.material_j = w->material[j];
+        b.radius_j = w->radius[j];
+        b.mass = w->mass[i] * w->mass[j] / (w->mass[i] + w->mass[j]);
+        b.inertia = inertia * other / (inertia + other);
+    } else {
+        dem__touch touch;
+        dem__touch_element(&w->wall[-1 - j], dem_vec3(w->x[i], w->y[i], w->z[i]), w->radius[i], w->live_element__[c], &touch);
+        b.material_j = w->wall[-1 - j].material;
+        b.curvature = touch.curvature;
+        b.mass = w->mass[i];
+        b.inertia = inertia;
+    }
+    b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
+    k = law->prepare(&b, constants);
+    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) w->live_constant__[a][c] = constants[a];
+    w->live_mass__[c] = b.mass;
+    /* the next term of the Taylor series of the velocity that the dashpot sees, for the two bodies alone */
+    w->live_predict__[c] = 1.0 - 0.5 * k * w->dt__ * w->dt__ / b.mass;
+}
+
+/* Makes the contacts born since the last call ready, and puts them into the order. */
+static inline void dem__admit_born(dem_world *w, double gap) {
+    ptrdiff_t born = w->born__, old = w->live_count__ - born;
+    if (!born) return;
+    for (ptrdiff_t c = old; c < w->live_count__; c++) {
+        ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+        dem__activate(w, i);
+        if (j >= 0) dem__activate(w, j);
+        else {
+            w->live_wall_next__[c] = w->wall_head__[i];
+            w->wall_head__[i] = (int32_t)c;
+        }
+        for (int a = 0; a < w->states__; a++) w->live_state__[a][c] = 0.0;
+        w->live_gap__[c] = gap;
+        w->live_force__[c] = 0.0;
+        w->live_event__[c] = w->live_ended__[c] = 0;
+        if (w->ledger_on__) {
+            w->live_elastic__[c] = 0.0;
+            for (int a = 0; a < 3; a++) w->live_power__[a][c] = 0.0;
+        }
+        w->order_spare__[c - old] = (int32_t)c;
+    }
+    dem__sort(w, w->order_spare__, born);
+    for (ptrdiff_t to = w->live_count__ - 1, a = old - 1, b = born - 1; b >= 0; to--) {
+        if (a >= 0 && dem__before(w, w->order_spare__[b], w->order__[a])) w->order__[to] = w->order__[a--];
+        else w->order__[to] = w->order_spare__[b--];
+    }
+    w->born__ = 0;
+}
+
+static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t slot, int32_t replacement) {
+    int32_t *link = &w->wall_head__[i];
+    while (*link >= 0 && *link != slot) link = &w->live_wall_next__[*link];
+    if (*link == slot) *link = replacement >= 0 ? replacement : w->live_wall_next__[slot];
+}
+
+/* Takes out contacts that ended: the last slot fills the gap, the order keeps. */
+static inline void dem__bury(dem_world *w, int64_t step) {
+    dem__array list[DEM__ARRAYS_MAX];
+    int        n = dem__live_arrays(w, list);
+    ptrdiff_t  kept = 0, last = w->live_count__;
+    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+        int32_t c = w->order__[k];
+        if (!w->live_ended__[c]) {
+            w->order__[kept++] = c;
+            continue;
+        }
+        ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+        int32_t   near_pair = w->live_near__[c];
+        w->touching[i]--;
+        if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
+        if (j >= 0) {
+            w->touching[j]--;
+            if (near_pair >= 0 && !w->stale__) {
+                dem_vec d;
+                w->near_live__[near_pair] = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
+                if (!w->near_live__[near_pair] && (w->def.skip & DEM_SKIP_PAIRS)) {
+                    dem__pair_gap(w, i, j, step, &d);
+                    dem__wait_for_pair(w, near_pair, step, d);
+                }
+            }
+        } else {
+            dem__unlink_wall_contact(w, i, c, -1);
+            if (near_pair >= 0 && !w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE)) dem__set_timer(w, near_pair, step + 1);
+        }
+    }
+    /* the slots: two ends walk towards each other */
+    for (ptrdiff_t c = 0; c < last; c++) {
+        if (!w->live_ended__[c]) continue;
+        while (last > c + 1 && w->live_ended__[last - 1]) last--;
+        if (--last <= c) break;
+        if (w->live_j__[last] < 0) {
+            w->live_wall_next__[c] = w->live_wall_next__[last];
+            dem__unlink_wall_contact(w, w->live_i__[last], (int32_t)last, (int32_t)c);
+        }
+        for (int a = 0; a < n; a++) {
+            char *base;
+            memcpy(&base, list[a].address, sizeof base);
+            if (a == 3 || a == 6) continue; /* the orders are no property of a slot */
+            memcpy(base + (size_t)c * list[a].size, base + (size_t)last * list[a].size, list[a].size);
+        }
+        w->order_spare__[last] = (int32_t)c;
+    }
+    for (ptrdiff_t k = 0; k < kept; k++) {
+        if (w->order__[k] >= (int32_t)kept) w->order__[k] = w->order_spare__[w->order__[k]];
+    }
+    w->live_count__ = kept;
+}
+
+/* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
+static inline void dem__advance(dem_world *w, double h) {
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+        const ptrdiff_t i = w->active__[k];
+        const double    tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__, back = 0.5 * h;
+        w->x[i] += tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] += tau * (w->vy[i] + 0.5 * tau * w->ay[i]);
+        w->z[i] += tau * (w->vz[i] + 0.5 * tau * w->az[i]);
+        w->vx[i] += tau * w->ax[i], w->vy[i] += tau * w->ay[i], w->vz[i] += tau * w->az[i];
+        w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
+        w->mx__[i] = w->vx[i] - back * w->ax[i], w->my__[i] = w->vy[i] - back * w->ay[i], w->mz__[i] = w->vz[i] - back * w->az[i];
+        w->ox__[i] = w->wx[i] - back * w->bx[i], w->oy__[i] = w->wy[i] - back * w->by[i], w->oz__[i] = w->wz[i] - back * w->bz[i];
+        w->fx__[i] = w->lx__[i], w->fy__[i] = w->ly__[i], w->fz__[i] = w->lz__[i];
+        w->tx__[i] = w->qx__[i], w->ty__[i] = w->qy__[i], w->tz__[i] = w->qz__[i];
+        w->origin[i] = w->step + (h > 0.0);
+        if (w->has_periodic__) {
+            if (w->def.periodic[0]) w->x[i] = dem__wrapped(w->x[i], w->def.low.x, w->def.high.x);
+            if (w->def.periodic[1]) w->y[i] = dem__wrapped(w->y[i], w->def.low.y, w->def.high.y);
+            if (w->def.periodic[2]) w->z[i] = dem__wrapped(w->z[i], w->def.low.z, w->def.high.z);
+        }
+    }
+}
+
+/* Sums forces and torques, always in the same order. */
+static inline int dem__gather(dem_world *w, double h, int turns) {
+    double *const *out = w->live_out__;
+    int            ended = 0;
+    for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+        const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
+        const double  fx = out[0][c], fy = out[1][c], fz = out[2][c];
+        w->fx__[i] += fx, w->fy__[i] += fy, w->fz__[i] += fz;
+        if (turns) w->tx__[i] += out[3][c], w->ty__[i] += out[4][c], w->tz__[i] += out[5][c];
+        if (j >= 0) {
+            w->fx__[j] -= fx, w->fy__[j] -= fy, w->fz__[j] -= fz;
+            if (turns) w->tx__[j] += out[6][c], w->ty__[j] += out[7][c], w->tz__[j] += out[8][c];
+        } else {
+            dem_wall *wall = &w->wall[-1 - j];
+            dem_vec   f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
+            dem_vec   t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
+            wall->force = dem__add(wall->force, f);
+            wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
+        }
+        ended |= w->live_ended__[c];
+    }
+    if (h > 0.0) {
+        for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__add(w->wall[k].impulse, dem__scale(h, w->wall[k].force));
+    }
+    return ended;
+}
+
+static inline void dem__gather_losses(dem_world *w) {
+    dem_energy_ledger *l = &w->ledger__;
+    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+        const int32_t c = w->order__[k];
+        l->normal_loss += w->live_loss__[0][c];
+        l->sliding_loss += w->live_loss__[1][c];
+        l->rolling_loss += w->live_loss__[2][c];
+        l->wall_work += w->live_loss__[3][c];
+    }
+    for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
+        const ptrdiff_t i = w->active__[k];
+        l->external_work += w->dt__ * (w->lx__[i] * w->mx__[i] + w->ly__[i] * w->my__[i] + w->lz__[i] * w->mz__[i]);
+        l->external_work += w->dt__ * (w->qx__[i] * w->ox__[i] + w->qy__[i] * w->oy__[i] + w->qz__[i] * w->oz__[i]);
+    }
+}
+
+/* New accelerations, and velocities corrected from predicted to final. */
+static inline int dem__kick(dem_world *w, double h) {
+    const double half = 0.5 * h;
+    double       check = 0.0;
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+        const ptrdiff_t i = w->active__[k];
+        const double    m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
+        const double    ax = w->fx__[i] * m + w->def.gravity.x, ay = w->fy__[i] * m + w->def.gravity.y, az = w->fz__[i] * m + w->def.gravity.z;
+        const double    bx = w->tx__[i] * turn, by = w->ty__[i] * turn, bz = w->tz__[i] * turn;
+        w->vx[i] += half * (ax - w->ax[i]), w->vy[i] += half * (ay - w->ay[i]), w->vz[i] += half * (az - w->az[i]);
+        w->wx[i] += half * (bx - w->bx[i]), w->wy[i] += half * (by - w->by[i]), w->wz[i] += half * (bz - w->bz[i]);
+        w->ax[i] = ax, w->ay[i] = ay, w->az[i] = az;
+        w->bx[i] = bx, w->by[i] = by, w->bz[i] = bz;
+        check += 0.0 * (ax + ay + az + bx + by + bz);
+    }
+    return check == 0.0; /* not if anything is infinite or NaN */
+}
+
+/* Impulses and shifts of contacts that began or ended within the step. */
+static inline void dem__settle_events(dem_world *w, int turns) {
+    double *const *data = w->live_event_data__, *const *out = w->live_out__;
+    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+        const int32_t c = w->order__[k];
+        if (!w->live_event__[c]) continue;
+        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+        const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
+        const double  extra = data[5][c], along = dem__dot(f, n);
+        const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
+        for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
+            const int32_t a = side ? j : i;
+            const double  m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
+            w->vx[a] += m * impulse.x, w->vy[a] += m * impulse.y, w->vz[a] += m * impulse.z;
+            w->x[a] += m * data[4][c] * n.x, w->y[a] += m * data[4][c] * n.y, w->z[a] += m * data[4][c] * n.z;
+            if (turns) {
+                w->wx[a] += turn * extra * out[3 + 3 * side][c], w->wy[a] += turn * extra * out[4 + 3 * side][c];
+                w->wz[a] += turn * extra * out[5 + 3 * side][c];
+            }
+        }
+        if (j < 0) w->wall[-1 - j].impulse = dem__sub(w->wall[-1 - j].impulse, impulse);
+    }
+}
+
+/* Active particles whose velocity left its ball, or whose flight begins, get new timers. */
+static inline int dem__watch(dem_world *w) {
+    const double t = (double)w->step * w->dt__;
+    ptrdiff_t    kept = 0;
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+        const ptrdiff_t i = w->active__[k];
+        const double    x = w->vx[i] - t * w->def.gravity.x - w->ux__[i], y = w->vy[i] - t * w->def.gravity.y - w->uy__[i];
+        const double    z = w->vz[i] - t * w->def.gravity.z - w->uz__[i];
+        if (!w->alive[i]) {
+            w->is_active__[i] = 0;
+            continue;
+        }
+        if (!w->stale__ && (!(x * x + y * y + z * z < w->ball__[i] * w->ball__[i]) || w->touching[i] == 0)) dem__restart(w, i, w->step);
+        if (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i))) w->active__[kept++] = (int32_t)i;
+        else w->is_active__[i] = 0;
+    }
+    w->active_count__ = kept;
+    return 1;
+}
+
+static inline int dem__fail(dem_world *w, dem_status status) {
+    w->status = status;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        double v = w->vx[i] + w->vy[i] + w->vz[i] + w->ax[i] + w->ay[i] + w->az[i] + w->wx[i] + w->wy[i] + w->wz[i] + w->bx[i] + w->by[i] + w->bz[i];
+        if (!(fabs(v) <= DBL_MAX)) {
+            w->failed_id = w->id[i];
+            break;
+        }
+    }
+    return 0;
+}
+
+/* Looks at everything whose time has come, at the given step. */
+static inline void dem__look(dem_world *w, int64_t step) {
+    int32_t *head = &w->wheel__[step & (DEM_WHEEL - 1)];
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) {
+        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
+            if (!w->near_live__[p]) dem__look_at_pair(w, p, step);
+        }
+    }
+    if (!(w->def.skip & DEM_SKIP_SPACE)) {
+        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
+            ptrdiff_t i = e / w->walls;
+            int       k = (int)(e % w->walls);
+            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)) dem__look_at_wall(w, e + (int32_t)w->near_count__, step);
+        }
+    }
+    while (*head >= 0) {
+        int32_t e = *head;
+        dem__stop_timer(w, e);
+        if (e < (int32_t)w->near_count__) dem__look_at_pair(w, e, step);
+        else dem__look_at_wall(w, e, step);
+    }
+}
+
+static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h) {
+    w->kernel_dt__ = h;
+#ifdef _OPENMP
+    if (w->def.threads > 1 && w->live_count__ >= 4 * DEM_BLOCK) {
+        const ptrdiff_t blocks = (w->live_count__ + DEM_BLOCK - 1) / DEM_BLOCK;
+        ptrdiff_t       b;
+#pragma omp parallel for schedule(static) num_threads(w->def.threads)
+        for (b = 0; b < blocks; b++) {
+            const ptrdiff_t first = b * DEM_BLOCK, end = first + DEM_BLOCK;
+            kernel(w, first, end < w->live_count__ ? end : w->live_count__);
+        }
+        return;
+    }
+#endif
+    if (w->live_count__ > 0) kernel(w, 0, w->live_count__);
+}
+
+/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
+static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+    if (w->stale__) {
+        for (ptrdiff_t c = 0; c < w->live_count__; c++) { /* contacts with walls that were taken away */
+            if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
+        }
+        dem__bury(w, w->step);
+        if (!dem__rebuild(w)) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    if (w->fresh__) {
+        int skip = w->def.skip;
+        w->def.skip = 0; /* everything, once; the timers stay */
+        ptrdiff_t old = w->live_count__;
+        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
+            if (!w->near_live__[p]) dem__look_at_pair(w, p, w->step);
+        }
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            for (int k = 0; k < w->walls; k++) {
+                int32_t e = (int32_t)(w->near_count__ + i * w->walls + k);
+                if (w->wall[k].kind != DEM_EXIT && (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))) dem__look_at_wall(w, e, w->step);
+            }
+        }
+        w->def.skip = skip;
+        if (w->status != DEM_OK) return 0;
+        dem__admit_born(w, 0.0);
+        for (ptrdiff_t c = old; c < w->live_count__; c++) {
+            if (w->live_near__[c] >= 0) dem__stop_timer(w, w->live_near__[c]);
+        }
+    }
+    if (w->fresh__ || w->features__ != features || w->law__ != law) {
+        for (ptrdiff_t c = 0; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
+    }
+    if (w->fresh__) {
+        dem__advance(w, 0.0);
+        dem__call_kernel(w, kernel, 0.0);
+        int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
+        if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+        if (ended) dem__bury(w, w->step);
+        dem__watch(w);
+    }
+    w->fresh__ = 0;
+    w->features__ = features;
+    w->law__ = law;
+    if ((features & DEM_ENERGY) && !w->ledger_started__) {
+        w->ledger_started__ = 1;
+        dem_energy_ledger now = dem_energy(w);
+        w->ledger__.start = now.kinetic + now.rotational + now.elastic + now.potential;
+        w->ledger__.start_potential = now.potential;
+    }
+    return 1;
+}
+
+static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+    const int turns = (features & DEM_FRICTION) != 0;
+    if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].speed_bound > 0.0 || w->wall[k].spin != 0.0) dem__move_wall(&w->wall[k], w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__);
+    }
+    dem__look(w, w->step + 1);
+    if (w->status != DEM_OK) return 0;
+    if (w->born__) {
+        ptrdiff_t old = w->live_count__ - w->born__;
+        dem__admit_born(w, 1.0);
+        dem__advance(w, w->dt__);
+        for (ptrdiff_t c = old; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
+    } else dem__advance(w, w->dt__);
+    dem__call_kernel(w, kernel, w->dt__);
+    int ended = dem__gather(w, w->dt__, turns);
+    if (!dem__kick(w, w->dt__)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__settle_events(w, turns);
+    if (features & DEM_ENERGY) dem__gather_losses(w);
+    w->particle_steps += w->count - w->dropped__;
+    w->contact_steps += w->live_count__;
+    w->step++;
+    w->time = w->start_time__ + (double)(w->step - w->start_step__) * w->dt__;
+    if (w->leaving__) {
+        for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+            ptrdiff_t j = w->live_j__[c];
+            if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1, ended = 1;
+        }
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            if (w->alive[i] < 0) dem__forget(w, i);
+        }
+        w->leaving__ = 0;
+    }
+    if (ended) dem__bury(w, w->step);
+    dem__watch(w);
+    return 1;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    if (law->states < 0 || law->states > DEM_STATE_MAX || 3 * law->vectors > law->states) return DEM_BAD_ARGUMENT;
+    double remaining = (w->target__ + duration - w->time) / w->dt__;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    if (w->status != DEM_OK) return w->status;
+    for (int a = 0; a < 3; a++) {
+        double longest = 0.0;
+        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->radius[i] > longest ? w->radius[i] : longest;
+        if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest)) return DEM_BAD_DEFINITION;
+    }
+    if (law->states != w->states__) {
+        if (w->live_count__ > 0) return DEM_LAW_MISMATCH;
+        if (w->live_block__) w->def.allocator.fn(w->def.allocator.user, w->live_block__, w->live_bytes__, 0);
+        dem__array list[DEM__ARRAYS_MAX];
+        w->live_block__ = NULL;
+        w->live_bytes__ = 0;
+        w->live_capacity__ = 0;
+        for (int k = 0, n = dem__live_arrays(w, list); k < n; k++) memset(list[k].address, 0, sizeof(void *));
+        w->states__ = law->states;
+    }
+    if ((features & DEM_ENERGY) && !w->ledger_on__) {
+        dem__array list[DEM__ARRAYS_MAX];
+        w->ledger_on__ = 1;
+        if (w->live_capacity__ > 0 && !dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
+            w->ledger_on__ = 0;
+            return DEM_OUT_OF_MEMORY;
+        }
+    }
+    if (!dem__prepare_run(w, law, kernel, features)) return w->status;
+    w->target__ += duration;
+    for (int64_t n = (int64_t)floor(remaining + 0.5); n > 0; n--) {
+        if (!dem__step(w, law, kernel, features)) return w->status;
+    }
+    return DEM_OK;
+}
+
+static const dem_law dem_law_linear = {"linear", 1, 0, 0, dem__prepare_linear, dem__force_linear};
+static const dem_law dem_law_linear_friction = {"linear with friction", 1, 3, 1, dem__prepare_linear, dem__force_linear_friction};
+static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1, 3, 1, dem__prepare_linear, dem__force_linear_rolling};
+static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, dem__prepare_hertz, dem__force_hertz};
+static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 1, dem__prepare_hertz, dem__force_hertz_friction};
+static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1, 4, 1, dem__prepare_hertz, dem__force_hertz_rolling};
+
+DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
+DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_linear_rolling, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_linear_energy, dem_law_linear_rolling, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+DEM_KERNEL(dem__kernel_hertz, dem_law_hertz, DEM_HERTZ)
+DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_FRICTION)
+DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
+
+DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
+    /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
+    switch (features) {
+    case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);
+    case DEM_LINEAR | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_linear_friction, dem__kernel_linear_friction, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_rolling, features);
+    case DEM_HERTZ: return dem_run_law(world, duration, &dem_law_hertz, dem__kernel_hertz, features);
+    case DEM_HERTZ | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_hertz_friction, dem__kernel_hertz_friction, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_rolling, features);
+    case DEM_LINEAR | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_energy, features);
+    case DEM_HERTZ | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
+        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_energy, features);
+    default: return DEM_BAD_ARGUMENT;
+    }
+}
+
+/* ----------------------------------------------------------------------------------------------- >>reading */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    dem_vec        x = dem__at(world, i, dem__now(world, i));
+    const dem_def *d = &world->def;
+    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
+    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
+    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
+    return x;
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->mass[i], dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world) return l;
+    l = world->ledger__;
+    l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+    }
+    for (ptrdiff_t c = 0; world->ledger_on__ && c < world->live_count__; c++) l.elastic += world->live_elastic__[c];
+    if (!world->ledger_started__) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start - l.added - l.wall_work - l.external_work;
+    return l;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || k < 0 || k >= world->live_count__) return info;
+    const int32_t c = world->order__[k];
+    info.i = world->live_i__[c];
+    info.j = world->live_j__[c];
+    info.gap = world->live_gap__[c];
+    info.force = dem_vec3(world->live_out__[0][c], world->live_out__[1][c], world->live_out__[2][c]);
+    info.element = world->live_element__[c];
+    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][c];
+    return info;
+}
+
+/* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double    pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int       nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->radius[i])) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int     n = 0, holding = 0;
+        for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
+            dem__touch touch;
+            if (world->live_j__[c] != -1 - wall) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->radius[i], world->live_element__[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int     m = s->material < world->material[i] ? s->material : world->material[i];
+        const double  mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b)) holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}
+
+/* ---- bytes in and out: one description serves saving, loading and hashing ---- */
+
+typedef struct dem__stream {
+    unsigned char       *to;   /* saving, or NULL to count */
+    const unsigned char *from; /* loading */
+    size_t               size, at;
+    uint64_t             hash;
+    int                  loading, failed;
+} dem__stream;
+
+static inline void dem__u64(dem__stream *s, uint64_t *v) {
+    unsigned char byte[8];
+    if (s->loading) {
+        if (s->size - s->at < 8) {
+            s->failed = 1;
+            *v = 0;
+            return;
+        }
+        *v = 0;
+        for (int k = 0; k < 8; k++) *v |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+    }
+    for (int k = 0; k < 8; k++) {
+        byte[k] = (unsigned char)(*v >> (8 * k) & 255u);
+        s->hash = (s->hash ^ byte[k]) * 0x100000001b3u;
+    }
+    if (!s->loading && s->to && s->at + 8 <= s->size) memcpy(s->to + s->at, byte, 8);
+    s->at += 8;
+}
+
+static inline void dem__f64(dem__stream *s, double *v) {
+    uint64_t bits;
+    memcpy(&bits, v, sizeof bits);
+    dem__u64(s, &bits);
+    memcpy(v, &bits, sizeof bits);
+}
+
+static inline void dem__i64(dem__stream *s, int64_t *v) {
+    uint64_t bits = (uint64_t)*v;
+    dem__u64(s, &bits);
+    *v = (int64_t)bits;
+}
+
+static inline void dem__i32(dem__stream *s, int32_t *v) {
+    int64_t wide = *v;
+    dem__i64(s, &wide);
+    if (wide < INT32_MIN || wide > INT32_MAX) s->failed = 1;
+    *v = (int32_t)wide;
+}
+
+static inline void dem__doubles(dem__stream *s, double *v, size_t n) {
+    for (size_t k = 0; k < n; k++) dem__f64(s, &v[k]);
+}
+static inline void dem__vecs(dem__stream *s, dem_vec *v, size_t n) {
+    for (size_t k = 0; k < n; k++) dem__f64(s, &v[k].x), dem__f64(s, &v[k].y), dem__f64(s, &v[k].z);
+}
+static inline void dem__ints(dem__stream *s, int *v, size_t n) {
+    for (size_t k = 0; k < n; k++) {
+        int32_t a = v[k];
+        dem__i32(s, &a);
+        v[k] = a;
+    }
+}
+
+static inline void dem__stream_def(dem__stream *s, dem_def *d) {
+    int32_t cookie = (int32_t)d->cookie;
+    dem__i32(s, &cookie);
+    d->cookie = (uint32_t)cookie;
+    dem__ints(s, &d->materials, 1), dem__ints(s, &d->threads, 1), dem__ints(s, &d->skip, 1), dem__ints(s, d->periodic, 3);
+    dem__f64(s, &d->dt), dem__f64(s, &d->skin);
+    dem__vecs(s, &d->gravity, 1), dem__vecs(s, &d->low, 1), dem__vecs(s, &d->high, 1);
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        dem__f64(s, &d->material[a].density), dem__f64(s, &d->material[a].young_modulus), dem__f64(s, &d->material[a].poisson_ratio);
+        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
+            dem_pair_def *p = &d->pair[a][b];
+            int           mode = (int)p->mode;
+            dem__f64(s, &p->stiffness), dem__f64(s, &p->tangential_ratio), dem__f64(s, &p->restitution), dem__f64(s, &p->friction);
+            dem__f64(s, &p->rolling), dem__f64(s, &p->tangential_damping);
+            dem__ints(s, &mode, 1);
+            p->mode = mode == (int)DEM_NAIVE ? DEM_NAIVE : DEM_CLIPPED;
+        }
+    }
+}
+
+static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular};
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    double *numbers[] = {&w->radius, &w->aperture, &w->wire, &w->half_x, &w->half_y, &w->frequency, &w->spin, &w->motion_start, &w->speed_bound};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
+    dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
+    dem_vec *vectors[] = {&w->origin, &w->amplitude, &w->phase, &w->drift, &w->spin_axis, &w->spin_centre, &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
+}
+
+/* Particles present and contacts in order; remap__[i] must be the index among those present. */
+static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
+    double *const columns[] = {w->x, w->y, w->z, w->vx, w->vy, w->vz, w->ax, w->ay, w->az, w->wx, w->wy, w->wz,
+                               w->bx, w->by, w->bz, w->radius, w->mass, w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) dem__f64(s, &columns[k][i]);
+        dem__i64(s, &w->origin[i]);
+        dem__u64(s, &w->id[i]);
+        dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
+    }
+    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+        const int32_t c = s->loading ? (int32_t)k : w->order__[k];
+        int32_t       i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
+        if (remap && j >= 0) j = remap[j];
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
+        if (s->loading) w->live_i__[c] = i, w->live_j__[c] = j;
+        dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
+        for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
+        if (!with_forces) continue;
+        for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
+        if (w->ledger_on__) {
+            dem__f64(s, &w->live_elastic__[c]);
+            for (int a = 0; a < 3; a++) dem__f64(s, &w->live_power__[a][c]);
+        }
+    }
+}
+
+static inline void dem__number_present(const dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? n++ : -1;
+}
+
+DEM_API uint64_t dem_hash(const dem_world *world) {
+    dem__stream s;
+    memset(&s, 0, sizeof s);
+    s.hash = 0xcbf29ce484222325u;
+    if (!world || !world->def.allocator.fn) return s.hash;
+    dem_world w = *world; /* shares the arrays; a stream that saves changes none of them */
+    dem__number_present(&w);
+    dem__i64(&s, &w.step);
+    dem__stream_state(&s, &w, w.remap__, 0);
+    return s.hash;
+}
+
+static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
+    uint64_t magic = 0x0a1a64656d52u, version = DEM_FORMAT;
+    dem__u64(s, &magic), dem__u64(s, &version);
+    if (magic != 0x0a1a64656d52u || version != DEM_FORMAT) s->failed = 1;
+    dem__stream_def(s, &w->def);
+    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
+    dem__u64(s, &w->next_id__);
+    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    int *flags[] = {&w->walls, &w->fresh__, &w->ledger_on__, &w->ledger_started__, &w->loads_on__, &w->states__};
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
+    for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
+    dem_energy_ledger *l = &w->ledger__;
+    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work, &l->external_work, &l->added, &l->removed, &l->start,
+                      &l->start_potential, &l->added_potential, &l->removed_potential};
+    for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
+    int64_t live = w->live_count__, passed = w->passed_count;
+    dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed);
+    if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
+    w->live_count__ = (ptrdiff_t)live;
+    w->passed_count = (ptrdiff_t)passed;
+}
+
+static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->passed_count && !s->failed; k++) {
+        dem_passed *p = &w->passed[k];
+        dem__f64(s, &p->time), dem__f64(s, &p->diameter), dem__vecs(s, &p->position, 1), dem__vecs(s, &p->velocity, 1);
+        dem__u64(s, &p->id), dem__i32(s, &p->group), dem__i32(s, &p->exit);
+    }
+}
+
+DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
+    dem__stream s;
+    if (!world || !world->def.allocator.fn) return 0;
+    for (int pass = 0; pass < 2; pass++) {
+        dem_world w = *world;
+        int64_t   present = w.count - w.dropped__;
+        uint64_t  check;
+        memset(&s, 0, sizeof s);
+        s.hash = 0xcbf29ce484222325u;
+        s.to = pass && buffer ? (unsigned char *)buffer : NULL;
+        s.size = capacity;
+        dem__number_present(&w);
+        dem__stream_head(&s, &w, &present);
+        dem__stream_state(&s, &w, w.remap__, 1);
+        dem__stream_passed(&s, &w);
+        check = s.hash;
+        dem__u64(&s, &check);
+        if (s.at > capacity) break; /* too small: nothing is written */
+    }
+    return s.at;
+}
+
+/* Every index and number in loaded data that the code relies on. */
+static inline int dem__loaded_is_sound(const dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!dem__positive(w->radius[i]) || !dem__positive(w->mass[i]) || w->material[i] < 0 || w->material[i] >= w->def.materials || w->origin[i] > w->step || w->origin[i] < 0) return 0;
+        if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
+    }
+    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
+        if (w->origin[i] != w->step || (j >= 0 && w->origin[j] != w->step)) return 0;
+        if (c > 0 && !dem__before(w, (int32_t)c - 1, (int32_t)c)) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        const dem_wall *a = &w->wall[k];
+        if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_EXIT) return 0;
+        if (a->kind == DEM_SCREEN && !(a->aperture > 0.0 && a->wire > 0.0)) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
+    dem_world  *w = world;
+    dem__stream s;
+    int64_t     present = 0;
+    uint64_t    check, found = 0;
+    if (!w || !buffer) return DEM_BAD_ARGUMENT;
+    memset(w, 0, sizeof *w);
+    memset(&s, 0, sizeof s);
+    s.hash = 0xcbf29ce484222325u;
+    s.from = (const unsigned char *)buffer;
+    s.size = size;
+    s.loading = 1;
+    dem_allocator memory;
+    memory.fn = dem__default_allocator;
+    memory.user = NULL;
+    if (allocator) memory = *allocator;
+    w->def.allocator = memory;
+    dem__stream_head(&s, w, &present);
+    const size_t per_particle = 27 * 8, per_contact = 14 * 8;
+    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact || (size_t)w->passed_count > size / 80) {
+        memset(w, 0, sizeof *w);
+        return DEM_BAD_DATA;
+    }
+    dem__array list[DEM__ARRAYS_MAX];
+    ptrdiff_t  live = w->live_count__, passed = w->passed_count;
+    int        enough;
+    w->live_count__ = w->passed_count = 0;
+    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__, (ptrdiff_t)present + 1);
+    enough = enough && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, live + 1);
+    if (enough && passed > 0) {
+        w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        enough = w->passed != NULL;
+        w->passed_capacity__ = passed;
+    }
+    if (!enough) {
+        dem_free(w);
+        return DEM_OUT_OF_MEMORY;
+    }
+    w->count = (ptrdiff_t)present;
+    w->live_count__ = live;
+    w->passed_count = passed;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1;
+    dem__stream_state(&s, w, NULL, 1);
+    dem__stream_passed(&s, w);
+    check = s.hash;
+    dem__u64(&s, &found);
+    if (s.failed || found != check || s.at != size || !dem__loaded_is_sound(w)) {
+        dem_free(w);
+        return DEM_BAD_DATA;
+    }
+    w->dt__ = w->def.dt;
+    w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    w->stale__ = 1;
+    for (ptrdiff_t c = 0; c < live; c++) {
+        w->order__[c] = (int32_t)c;
+        dem__activate(w, w->live_i__[c]);
+        if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_loaded(w, i) && !w->is_active__[i]) {
+            dem__activate(w, i);
+            w->touching[i]--;
+        }
+    }
+    return DEM_OK;
+}
+
+/* ------------------------------------------------------------------------------------------- >>scalar laws */
+
+/* Half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007): one form for any damping. */
+DEM_INLINE double dem__half_duration(double zeta) {
+    double d = zeta - 1.0;
+    if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
+    if (zeta < 1.0) return riddle_acos(zeta) / sqrt((1.0 - zeta) * (1.0 + zeta));
+    double root = sqrt((zeta - 1.0) * (zeta + 1.0));
+    return riddle_log(zeta + root) / root;
+}
+
+DEM_API double dem_restitution_of(double zeta, dem_restitution mode) {
+    if (!(zeta >= 0.0 && zeta <= DBL_MAX)) return (double)NAN;
+    if (mode == DEM_CLIPPED) return riddle_exp(-2.0 * zeta * dem__half_duration(zeta));
+    return zeta < 1.0 ? riddle_exp(-RIDDLE_PI * zeta / sqrt((1.0 - zeta) * (1.0 + zeta))) : (double)NAN;
+}
+
+DEM_API double dem_damping_ratio(double e, dem_restitution mode) {
+    if (!(e > 0.0 && e <= 1.0)) return (double)NAN;
+    double log_e = riddle_log(e), zeta = -log_e / sqrt(RIDDLE_PI * RIDDLE_PI + log_e * log_e);
+    if (mode == DEM_NAIVE || e == 1.0) return e == 1.0 ? 0.0 : zeta;
+    if (e < 0.02) zeta = 1.0 / (2.0 * sqrt(e)); /* e -> 1/(4 zeta^2) */
+    for (int k = 0; k < 60; k++) {
+        double g = dem__half_duration(zeta), d = zeta - 1.0;
+        double slope = fabs(d) < 1e-3 ? 2.0 / 3.0 - d * 4.0 / 15.0 * 0.5 : (g - zeta) / ((1.0 - zeta) * (1.0 + zeta));
+        double next = zeta - (log_e + 2.0 * zeta * g) / (2.0 * slope);
+        next = next > 0.0 ? next : 0.5 * zeta;
+        double change = fabs(next - zeta);
+        zeta = next;
+        if (!(change > 2e-16 * zeta)) break;
+    }
+    return zeta;
+}
+
+DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode) {
+    if (!(k > 0.0 && mass > 0.0 && zeta >= 0.0) || !(zeta <= DBL_MAX) || (mode == DEM_NAIVE && !(zeta < 1.0))) return (double)NAN;
+    double period = sqrt(mass / k);
+    return mode == DEM_CLIPPED ? 2.0 * dem__half_duration(zeta) * period : RIDDLE_PI * period / sqrt((1.0 - zeta) * (1.0 + zeta));
+}
+
+DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed) {
+    if (!(modulus > 0.0 && radius > 0.0 && mass > 0.0 && speed > 0.0)) return (double)NAN;
+    double k = 16.0 / 15.0 * modulus * sqrt(radius); /* energy 2/5 * 4/3 E* sqrt(R) delta^2.5 = m v^2/2 */
+    double overlap = riddle_exp(0.4 * riddle_log(mass * speed * speed / k));
+    return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
+}
+
+/* The pair (a, b) of radii and materials that is present and asks for the smallest step. */
+DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
+    dem_advice      a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
+    double          smallest[DEM_MATERIALS_MAX];
+    const dem_world *w = world;
+    if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
+    for (int m = 0; m < DEM_MATERIALS_MAX; m++) smallest[m] = HUGE_VAL;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] && w->radius[i] < smallest[w->material[i]]) smallest[w->material[i]] = w->radius[i];
+    }
+    for (int m = 0; m < w->def.materials; m++) {
+        if (!(smallest[m] < HUGE_VAL)) continue;
+        const dem_material *mat = &w->def.material[m];
+        double mass_m = 4.0 / 3.0 * RIDDLE_PI * smallest[m] * smallest[m] * smallest[m] * mat->density;
+        double shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
+        double rayleigh = RIDDLE_PI * smallest[m] * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
+        a.rayleigh = rayleigh < a.rayleigh ? rayleigh : a.rayleigh;
+        for (int q = 0; q < w->def.materials; q++) {
+            int is_wall = 0;
+            for (int k = 0; k < w->walls; k++) is_wall |= w->wall[k].material == q && w->wall[k].kind != DEM_EXIT;
+            for (int side = 0; side < 2; side++) { /* 0: a sphere of material q, 1: a wall of it */
+                if (side ? !is_wall : !(smallest[q] < HUGE_VAL)) continue;
+                dem_birth b;
+                double    constants[DEM_CONSTANTS_MAX];
+                double    mass_q = side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
+                memset(&b, 0, sizeof b);
+                b.def = &w->def;
+                b.features = features;
+                b.pair = m < q ? &w->def.pair[m][q] : &w->def.pair[q][m];
+                b.material_i = m, b.material_j = q;
+                b.radius_i = smallest[m], b.radius_j = side ? 0.0 : smallest[q];
+                b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
+                double contact, damping;
+                if (features & DEM_HERTZ) {
+                    dem__prepare_hertz(&b, constants);
+                    contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+                    double overlap = speed * contact / 2.943275175395;
+                    damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
+                } else {
+                    double zeta = dem_damping_ratio(b.pair->restitution, b.pair->mode);
+                    contact = dem_contact_time(b.pair->stiffness, b.mass, zeta, b.pair->mode);
+                    damping = 2.0 * zeta * sqrt(b.pair->stiffness * b.mass);
+                }
+                a.contact = contact < a.contact ? contact : a.contact;
+                if (damping > 0.0 && b.mass / damping < a.dashpot) a.dashpot = b.mass / damping;
+            }
+        }
+    }
+    a.advised = a.contact / 20.0;
+    if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
+    if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
+    return a;
+}
+
+#endif /* DEM__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* DEM_H */
