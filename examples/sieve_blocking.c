@@ -1,0 +1,536 @@
+/* Sieve-hole blocking by blocking.h, after Lawinska, Modrzewski & Wodzinski, Granular Matter 18 (2016) 13, "the paper".
+
+   1. table2.svg: the exponentials of Table 2, experiment beside model.
+   2. fit.svg: rate constants from counted holes. Without --data the readings are drawn from a row of Table 2 with the counting noise of
+      four templates of 100 holes, at the paper's times 0, 1, 2, 4 ... 2048 s: the paper does not print its raw counts.
+   3. polynomials.svg: mean free fraction f*(K, x_h) of Table 3, cut to 1 where the cubic exceeds it.
+   4. deck.svg: the deck area for a duty, from the fitted curve and from Table 3.
+
+   Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows of one time are
+                                                             added up) or time_s,free_fraction
+   Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h for --opening-mm
+   Your own machine:  --frequency-hz 23.3 --amplitude-mm 0.7 --slope-deg 15, or --k 1.5 */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "blocking.h"
+#include "common.h"
+
+enum { MOST_READINGS = 200, GRID = 121, CURVE = 241 };
+
+static const double pi = 3.14159265358979323846;
+static const double z95 = 1.96;
+
+/* ---- Table 2 ---- */
+
+typedef struct row {
+    const char *figure, *what;
+    double f_inf, A, k; /* f = f_inf + A exp(-k t); [-] [-] [1/s] */
+} row;
+
+static const row table2[] = {
+    {"7a", "experiment", .960, .0209, .0421},  {"7a", "model", .961, .0210, .0353},      {"7b", "experiment", .714, .235, .0101},
+    {"7b", "model", .704, .257, .00667},       {"8a", "experiment", .909, -.214, .0234}, {"8a", "model", .932, -.301, .0433},
+    {"8b", "experiment", .960, -.0907, .0119}, {"8b", "model", .965, -.072, .0197},
+};
+static const char *const titles[] = {"Fig 7a: spherical, 1 mm, K = 1.5", "Fig 7b: spherical, 1 mm, K = 3.5",
+                                     "Fig 8a: irregular, 0.5 mm, K = 1.5", "Fig 8b: irregular, 0.5 mm, K = 3.5"};
+
+static double at(const row *r, double t) { return blocking_curve(r->f_inf + r->A, r->f_inf, r->k, t); }
+
+static void draw_table2(const program *self, json *report) {
+    plot *figure = plot_new("Free holes in time, Table 2", 2, 2);
+    csv *file =
+        csv_open(self->out, "table2.csv",
+                 "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
+    table t = table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
+    double time[CURVE], f[8][CURVE];
+    for (int i = 0; i < CURVE; i++) {
+        double line[9] = {time[i] = 300.0 * i / (CURVE - 1)};
+        for (int j = 0; j < 8; j++) line[j + 1] = f[j][i] = at(&table2[j], time[i]);
+        csv_row(file, line, 9);
+    }
+    json_array_begin(report, "table2");
+    for (int j = 0; j < 8; j++) {
+        const row *r = &table2[j], *other = &table2[j ^ 1];
+        double f0 = r->f_inf + r->A, difference = 0.0, when = 0.0;
+        for (double s = 0.0; s <= 2048.0; s += 1.0)
+            if (fabs(at(r, s) - at(other, s)) > difference) {
+                difference = fabs(at(r, s) - at(other, s));
+                when = s;
+            }
+        double mean = blocking_time_mean(f0, r->f_inf, r->k, 60.0), k1 = blocking_k1(r->f_inf, r->k), k2 = blocking_k2(r->f_inf, r->k);
+        table_cell(&t, "%s %s", r->figure, r->what);
+        table_cell(&t, "%.4f", f0);
+        table_cell(&t, "%.4f", at(r, 30.0));
+        table_cell(&t, "%.4f", mean);
+        table_cell(&t, "%.3f", r->f_inf);
+        table_cell(&t, "%.5f", k1);
+        table_cell(&t, "%.5f", k2);
+        if (j % 2 == 0) table_cell(&t, "%.4f at %.0f s", difference, when);
+        else table_cell(&t, "%s", "");
+        json_object_begin(report, NULL);
+        json_string(report, "figure", r->figure);
+        json_string(report, "row", r->what);
+        json_number(report, "f0", f0);
+        json_number(report, "f_inf", r->f_inf);
+        json_number(report, "k_per_s", r->k);
+        json_number(report, "f_30_s", at(r, 30.0));
+        json_number(report, "mean_60_s", mean);
+        json_number(report, "largest_difference", difference);
+        json_object_end(report);
+        if (j % 2 == 0) {
+            plot_panel(figure, j / 4, j / 2 % 2, "time [s]", "free holes f [-]");
+            plot_title(figure, titles[j / 2]);
+        }
+        plot_line(figure, r->what, time, f[j], CURVE);
+        if (j % 2) plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+    }
+    json_array_end(report);
+    table_end(&t);
+    csv_close(file);
+    plot_write(figure, self->out, "table2.svg");
+}
+
+/* ---- readings ---- */
+
+/* Leaves: the file of an option is no good for this reason. */
+static void refuse_file(const program *self, const char *option_name, const char *path, const char *what, const char *reason) {
+    char text[600];
+    snprintf(text, sizeof text, "%s; this one: %s", what, reason);
+    program_refuse(self, option_name, path, text);
+}
+
+static const char *const counts_file = "a file with the columns time_s,free_holes,holes or time_s,free_fraction";
+static const char *const sizes_file = "a file with the columns size_mm,passing";
+
+typedef struct readings {
+    double t[MOST_READINGS], f[MOST_READINGS], sigma[MOST_READINGS];
+    double free_holes[MOST_READINGS], holes[MOST_READINGS];
+    int n, counted; /* counted: sigma comes from numbers of holes */
+} readings;
+
+/* The standard error of a count; two holes are added so that a sieve counted all free is not taken for certain (Agresti & Coull 1998). */
+static double counting_error(double free_holes, double holes) {
+    double f = (free_holes + 1.0) / (holes + 2.0);
+    return sqrt(f * (1.0 - f) / holes);
+}
+
+static double next_random(uint64_t *s) { /* 0 <= u < 1, splitmix64 */
+    uint64_t x = *s += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return (double)((x ^ x >> 31) >> 11) * 0x1p-53;
+}
+
+static void draw_readings(readings *r, const row *from, int holes, uint64_t seed) {
+    r->n = 0;
+    r->counted = 1;
+    for (double t = 0.0; t <= 2048.0; t = t > 0.0 ? 2.0 * t : 1.0) {
+        int count = 0;
+        for (int i = 0; i < holes; i++) count += next_random(&seed) < at(from, t);
+        r->t[r->n] = t;
+        r->free_holes[r->n] = count;
+        r->holes[r->n] = holes;
+        r->n++;
+    }
+}
+
+static void read_readings(const program *self, const char *path, readings *r) {
+    csv_data data;
+    char message[400];
+    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "data", path, counts_file, message);
+    r->counted = csv_column(&data, "free_holes") >= 0 && csv_column(&data, "holes") >= 0;
+    if (csv_column(&data, "time_s") < 0 || !(r->counted || csv_column(&data, "free_fraction") >= 0))
+        program_refuse(self, "data", path, counts_file);
+    r->n = 0;
+    for (int i = 0; i < data.rows; i++) {
+        double t = csv_value(&data, i, "time_s");
+        if (r->n == 0 || t != r->t[r->n - 1]) {
+            if (r->n == MOST_READINGS) program_refuse(self, "data", path, "a file with at most 200 different times");
+            r->t[r->n] = t;
+            r->free_holes[r->n] = r->holes[r->n] = 0.0;
+            r->n++;
+        }
+        r->free_holes[r->n - 1] += csv_value(&data, i, r->counted ? "free_holes" : "free_fraction");
+        r->holes[r->n - 1] += r->counted ? csv_value(&data, i, "holes") : 1.0;
+        if (r->counted && !(r->holes[r->n - 1] > 0.0 && r->free_holes[r->n - 1] <= r->holes[r->n - 1]))
+            refuse_file(self, "data", path, counts_file, blocking_status_text(BLOCKING_BAD_COUNT));
+    }
+    csv_free(&data);
+}
+
+/* ---- rate constants ---- */
+
+static blocking_status fit_readings(readings *r, blocking_fit_result *fit) {
+    blocking_fit_def def = blocking_default_fit_def();
+    def.z = z95;
+    for (int i = 0; i < r->n; i++) {
+        r->f[i] = r->free_holes[i] / r->holes[i];
+        if (r->counted) r->sigma[i] = counting_error(r->free_holes[i], r->holes[i]);
+    }
+    return blocking_fit(&def, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, fit);
+}
+
+static void report_fit(json *report, const readings *r, blocking_status status, const blocking_fit_result *fit, const char *source) {
+    common_print("\nReadings: %s, %d times\nLeast squares: %s\n", source, r->n, blocking_status_text(status));
+    common_print("  f0 %.4f +- %.4f, f_inf %.4f +- %.4f, k %.5f +- %.5f 1/s, R2 %.3f\n", fit->f0, fit->error_f0, fit->f_inf,
+                 fit->error_f_inf, fit->k, fit->error_k, fit->r2);
+    common_print("  k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking); 95 %% range of k: %.5f .. %.5f 1/s\n", fit->k1, fit->k2,
+                 fit->k_lowest, fit->k_highest);
+    json_object_begin(report, "fit");
+    json_string(report, "source", source);
+    json_string(report, "status", blocking_status_text(status));
+    json_integer(report, "readings", r->n);
+    json_number(report, "f0", fit->f0);
+    json_number(report, "f_inf", fit->f_inf);
+    json_number(report, "k_per_s", fit->k);
+    json_number(report, "k1_per_s", fit->k1);
+    json_number(report, "k2_per_s", fit->k2);
+    json_number(report, "error_f0", fit->error_f0);
+    json_number(report, "error_f_inf", fit->error_f_inf);
+    json_number(report, "error_k_per_s", fit->error_k);
+    json_number(report, "k_lowest_per_s", fit->k_lowest);
+    json_number(report, "k_highest_per_s", fit->k_highest);
+    json_number(report, "r2", fit->r2);
+    json_number(report, "mean_60_s", blocking_time_mean(fit->f0, fit->f_inf, fit->k, 60.0));
+    json_object_end(report);
+}
+
+/* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
+static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
+    int found = 0;
+    table t = table_begin("three readings [s]|f_inf|+-|k [1/s]|+-|status");
+    json_array_begin(report, "three_point");
+    for (int i = 1; i + 1 < r->n; i++) {
+        const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
+        double sigma =
+            r->counted ? sqrt((r->sigma[0] * r->sigma[0] + r->sigma[i] * r->sigma[i] + r->sigma[i + 1] * r->sigma[i + 1]) / 3.0) : 0.0;
+        blocking_estimate e;
+        blocking_status status = blocking_three_point(times, f, sigma, BLOCKING_TOLERANCE, &e);
+        table_cell(&t, "%g, %g, %g", times[0], times[1], times[2]);
+        table_cell(&t, "%.3f", e.f_inf);
+        table_cell(&t, "%.3f", e.error_f_inf);
+        table_cell(&t, "%.4f", e.k);
+        table_cell(&t, "%.4f", e.error_k);
+        table_cell(&t, "%s", blocking_status_text(status));
+        json_object_begin(report, NULL);
+        json_array(report, "time_s", times, 3);
+        json_number(report, "f_inf", e.f_inf);
+        json_number(report, "k_per_s", e.k);
+        json_number(report, "error_k_per_s", e.error_k);
+        json_string(report, "status", blocking_status_text(status));
+        json_object_end(report);
+        if (!(e.k > 0.0)) continue;
+        first[found] = times[1];
+        k[found] = e.k;
+        error[found] = e.error_k;
+        found++;
+    }
+    json_array_end(report);
+    table_end(&t);
+    return found;
+}
+
+/* from: the row of Table 2 that the readings were drawn from, or NULL */
+static void draw_fit(const program *self, json *report, const readings *r, const blocking_fit_result *fit, const char *source,
+                     const row *from) {
+    double first[MOST_READINGS], k[MOST_READINGS], error[MOST_READINGS], bar[MOST_READINGS], t[CURVE], f[CURVE], origin[CURVE];
+    int found = three_points(report, r, first, k, error);
+    double last = r->t[r->n - 1], shown = fit->k > 0.0 && 8.0 / fit->k < last ? 8.0 / fit->k : last;
+    for (int i = 0; i < CURVE; i++) {
+        t[i] = shown * i / (CURVE - 1);
+        f[i] = fit->k > 0.0 ? blocking_curve(fit->f0, fit->f_inf, fit->k, t[i]) : fit->f_inf;
+        if (from) origin[i] = at(from, t[i]);
+    }
+    for (int i = 0; i < r->n; i++) bar[i] = r->counted ? z95 * r->sigma[i] : 0.0;
+    char title[200];
+    snprintf(title, sizeof title, "Rate constants from counted holes: %s", source);
+    plot *figure = plot_new(title, 1, 2);
+    plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
+    plot_range_x(figure, -0.03 * shown, 1.03 * shown);
+    plot_line(figure, "least squares", t, f, CURVE);
+    if (from) {
+        plot_line(figure, "Table 2", t, origin, CURVE);
+        plot_style(figure, PLOT_DASHED | PLOT_THIN, PLOT_BLACK);
+    }
+    if (r->counted) plot_error_bars(figure, "readings, 95 %", r->t, r->f, bar, r->n);
+    else plot_points(figure, "readings", r->t, r->f, r->n);
+    plot_panel(figure, 0, 1, "second reading at [s]", "k [1/s]");
+    plot_log_x(figure);
+    plot_log_y(figure);
+    for (int i = 0; i < found; i++) error[i] = fmin(z95 * error[i], 0.95 * k[i]); /* down to a twentieth on the log axis */
+    if (found && r->counted) plot_error_bars(figure, "three readings, 95 %", first, k, error, found);
+    else if (found) plot_points(figure, "three readings", first, k, found);
+    if (fit->k > 0.0) {
+        plot_horizontal(figure, "least squares", fit->k);
+        if (fit->k_lowest > 0.0 && fit->k_highest < 1e300) {
+            double ends[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, low[2] = {fit->k_lowest, fit->k_lowest},
+                   high[2] = {fit->k_highest, fit->k_highest};
+            plot_band(figure, "its 95 % range", ends, low, high, 2);
+        }
+    }
+    plot_write(figure, self->out, "fit.svg");
+    csv *file = csv_open(self->out, "fit.csv", "time_s,free_fraction,standard_error,fitted");
+    for (int i = 0; i < r->n; i++) {
+        double line[4] = {r->t[i], r->f[i], r->counted ? r->sigma[i] : (double)NAN, blocking_curve(fit->f0, fit->f_inf, fit->k, r->t[i])};
+        csv_row(file, line, 4);
+    }
+    csv_close(file);
+}
+
+/* ---- Table 3 ---- */
+
+/* Pieces of the line raw = 1 on the grid, each two points and a gap: where the sign of raw - 1 changes along the sides of a cell. */
+static int contour_of_one(const double *raw, double *x, double *y, int most) {
+    int n = 0;
+    for (int j = 0; j + 1 < GRID; j++)
+        for (int i = 0; i + 1 < GRID; i++) {
+            const int corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+            int crossings = 0;
+            for (int side = 0; side < 4 && n + 3 <= most; side++) {
+                const int *p = corner[side], *q = corner[side + 1];
+                double a = raw[(j + p[1]) * GRID + i + p[0]] - 1.0, b = raw[(j + q[1]) * GRID + i + q[0]] - 1.0;
+                if ((a > 0.0) == (b > 0.0)) continue;
+                double share = a / (a - b);
+                x[n] = 0.6 + 4.4 * (i + p[0] + share * (q[0] - p[0])) / (GRID - 1);
+                y[n] = (j + p[1] + share * (q[1] - p[1])) / (GRID - 1);
+                n++;
+                if (++crossings % 2 == 0) {
+                    x[n] = y[n] = (double)NAN;
+                    n++;
+                }
+            }
+        }
+    return n;
+}
+
+static void draw_polynomials(const program *self, json *report, double K, double x_h) {
+    static double raw[GRID * GRID], cut[GRID * GRID], x[8 * GRID * 3], y[8 * GRID * 3];
+    plot *figure = plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
+    csv *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
+    table t = table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
+    blocking_conditions c = blocking_default_conditions();
+    c.K = K;
+    c.x_h = x_h;
+    json_object_begin(report, "polynomial");
+    json_number(report, "K", K);
+    json_number(report, "x_h", x_h);
+    json_array_begin(report, "shapes");
+    for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) {
+        blocking_shape shape = (blocking_shape)s;
+        double least = HUGE_VAL, largest = -HUGE_VAL;
+        int above = 0, rising = 0;
+        for (int j = 0; j < GRID; j++)
+            for (int i = 0; i < GRID; i++) {
+                double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), f = blocking_table3(shape, k, h);
+                raw[j * GRID + i] = f;
+                cut[j * GRID + i] = fmin(f, 1.0);
+                least = fmin(least, f);
+                largest = fmax(largest, f);
+                above += f > 1.0;
+                rising += blocking_table3_slope(shape, k, h) > 0.0;
+            }
+        blocking_average a;
+        blocking_status status = blocking_average_free(shape, &c, &a);
+        const char *remark = status == BLOCKING_OK ? "" : blocking_status_text(status);
+        for (unsigned flag = 1; flag <= BLOCKING_FLAG_RISING && !*remark; flag *= 2)
+            if (a.flags & flag) remark = blocking_flag_text(flag);
+        table_cell(&t, "%s", blocking_shape_text(shape));
+        table_cell(&t, "%.4f", least);
+        table_cell(&t, "%.4f", largest);
+        table_cell(&t, "%.1f %%", 100.0 * above / GRID / GRID);
+        table_cell(&t, "%.1f %%", 100.0 * rising / GRID / GRID);
+        table_cell(&t, "%.4f", a.value);
+        table_cell(&t, "%s", remark);
+        json_object_begin(report, NULL);
+        json_string(report, "shape", blocking_shape_text(shape));
+        json_number(report, "f_star", a.value);
+        json_number(report, "f_star_raw", a.raw);
+        json_integer(report, "flags", a.flags);
+        json_string(report, "remark", remark);
+        json_number(report, "least", least);
+        json_number(report, "largest", largest);
+        json_number(report, "share_above_one", (double)above / GRID / GRID);
+        json_object_end(report);
+        plot_panel(figure, s / 2, s % 2, "toss indicator K [-]", "hard-to-screen content x_h [-]");
+        plot_title(figure, blocking_shape_text(shape));
+        plot_heat(figure, "f* [-]", cut, GRID, GRID, 0.6, 5.0, 0.0, 1.0);
+        plot_heat_range(figure, 0.5, 1.0);
+        plot_line(figure, "cubic = 1", x, y, contour_of_one(raw, x, y, (int)(sizeof x / sizeof *x)));
+        plot_style(figure, 0, PLOT_BLACK);
+        if (K >= 0.6 && K <= 5.0) {
+            plot_points(figure, "yours", &K, &x_h, 1);
+            plot_style(figure, 0, 1);
+        }
+    }
+    json_array_end(report);
+    json_object_end(report);
+    common_print("\n");
+    table_end(&t);
+    for (int j = 0; j < GRID; j += 5)
+        for (int i = 0; i < GRID; i += 5) {
+            double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), line[6] = {k, h};
+            for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) line[2 + s] = blocking_table3((blocking_shape)s, k, h);
+            csv_row(file, line, 6);
+        }
+    csv_close(file);
+    plot_write(figure, self->out, "polynomials.svg");
+}
+
+/* ---- deck ---- */
+
+static void design(const program *self, json *report, blocking_duty duty, const blocking_average *average, blocking_shape shape) {
+    blocking_deck deck;
+    const char *field;
+    if (blocking_check_duty(&duty, &field) != BLOCKING_OK) {
+        common_fail("no deck is designed: the fit leaves %s open", field);
+        return;
+    }
+    blocking_design(&duty, &deck);
+    double from_table = deck.area_clean / average->value;
+    common_print("\nDeck for %.3g kg/s through holes that pass %.3g kg/(s m2), clearance %.3f, cleaned every %.0f s:\n", duty.passing,
+                 duty.capacity, duty.clearance, duty.run_time);
+    common_print("  nothing blocked %.4f m2; on average over the run %.4f m2 (f %.4f); at every moment %.4f m2 (f %.4f)\n", deck.area_clean,
+                 deck.area_mean, deck.free_mean, deck.area_lowest, deck.free_lowest);
+    common_print("  by Table 3, %s: %.4f m2 (f* %.4f)%s\n", blocking_shape_text(shape), from_table, average->value,
+                 average->flags & BLOCKING_FLAG_BOX ? ", an extrapolation" : "");
+    json_object_begin(report, "deck");
+    json_number(report, "passing_kg_per_s", duty.passing);
+    json_number(report, "capacity_kg_per_s_m2", duty.capacity);
+    json_number(report, "clearance", duty.clearance);
+    json_number(report, "run_time_s", duty.run_time);
+    json_number(report, "free_mean", deck.free_mean);
+    json_number(report, "free_lowest", deck.free_lowest);
+    json_number(report, "effective_area_m2", deck.effective_area);
+    json_number(report, "area_clean_m2", deck.area_clean);
+    json_number(report, "area_mean_m2", deck.area_mean);
+    json_number(report, "area_lowest_m2", deck.area_lowest);
+    json_number(report, "area_table3_m2", from_table);
+    json_object_end(report);
+
+    double T[CURVE], now[CURVE], mean[CURVE], area_mean[CURVE], area_lowest[CURVE];
+    double longest = fmax(10.0 * duty.run_time, duty.k > 0.0 ? 20.0 / duty.k : 0.0);
+    csv *file = csv_open(self->out, "deck.csv", "run_time_s,free_now,free_mean,area_mean_m2,area_lowest_m2");
+    for (int i = 0; i < CURVE; i++) {
+        duty.run_time = T[i] = longest * pow(1e-4, 1.0 - (double)i / (CURVE - 1));
+        blocking_deck d;
+        blocking_design(&duty, &d);
+        now[i] = blocking_curve(duty.f0, duty.f_inf, duty.k, T[i]);
+        mean[i] = d.free_mean;
+        area_mean[i] = d.area_mean;
+        area_lowest[i] = d.area_lowest;
+        double line[5] = {T[i], now[i], mean[i], area_mean[i], area_lowest[i]};
+        csv_row(file, line, 5);
+    }
+    csv_close(file);
+    plot *figure = plot_new("Deck area after blocking", 1, 2);
+    plot_panel(figure, 0, 0, "time since cleaning [s]", "free holes f [-]");
+    plot_log_x(figure);
+    plot_line(figure, "now", T, now, CURVE);
+    plot_line(figure, "mean since cleaning", T, mean, CURVE);
+    plot_panel(figure, 0, 1, "time between cleanings [s]", "deck area [m²]");
+    plot_log_x(figure);
+    plot_line(figure, "duty met at every moment", T, area_lowest, CURVE);
+    plot_line(figure, "duty met on average", T, area_mean, CURVE);
+    plot_horizontal(figure, "nothing blocked", deck.area_clean);
+    if (!(average->flags & BLOCKING_FLAG_BOX)) plot_horizontal(figure, "by Table 3", from_table);
+    plot_write(figure, self->out, "deck.svg");
+}
+
+/* x_h of a size curve in a file. */
+static double hard_content(const program *self, const char *path, double opening) {
+    csv_data data;
+    char message[400];
+    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "sizes", path, sizes_file, message);
+    if (csv_column(&data, "size_mm") < 0 || csv_column(&data, "passing") < 0) program_refuse(self, "sizes", path, sizes_file);
+    size_t n = (size_t)data.rows;
+    double *size = malloc(2 * (n + 1) * sizeof *size), *passing = size + n + 1;
+    if (!size) exit((common_fail("out of memory"), common_exit_status()));
+    for (size_t i = 0; i < n; i++) {
+        size[i] = 1e-3 * csv_value(&data, (int)i, "size_mm");
+        passing[i] = csv_value(&data, (int)i, "passing");
+    }
+    blocking_hard hard;
+    blocking_status status = blocking_hard_from_curve(size, passing, n, opening, &hard);
+    free(size);
+    csv_free(&data);
+    if (status != BLOCKING_OK) refuse_file(self, "sizes", path, sizes_file, blocking_status_text(status));
+    common_print("Hard-to-screen content of %s for %g mm: x_h %.4f = %.4f below the opening + %.4f above it\n\n", path, 1e3 * opening,
+                 hard.x_h, hard.below, hard.above);
+    return hard.x_h;
+}
+
+int main(int argc, char **argv) {
+    const char *data = NULL, *sizes = NULL;
+    int which = 1, holes = 400, shape = 0;
+    double K = 1.5, x_h = 0.5, n = 70.0 / 3.0, A = 0.7, slope = 15.0, direction = 90.0;
+    double opening = 0.63, wire = 0.4, passing = 0.08, capacity = 2.0, run_time = 600.0;
+    option options[] = {
+        option_string("data", "FILE", &data, "counted holes: CSV with time_s,free_holes,holes or time_s,free_fraction"),
+        option_choice("row", &which, "7a|7b|8a|8b", "without --data: the experiment of Table 2 to draw readings from"),
+        option_int("holes", "N", &holes, 1, 100000, "without --data: holes counted at each time"),
+        option_string("sizes", "FILE", &sizes, "size curve of the feed: CSV with size_mm,passing (0..1); gives x_h"),
+        option_double("xh", "X", &x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], a fraction"),
+        option_double("k", "K", &K, 0.0, 100.0, "toss indicator [-]; otherwise from the next four"),
+        option_positive("frequency-hz", "N", &n, 1000.0, "frequency of the deck [Hz]"),
+        option_positive("amplitude-mm", "A", &A, 100.0, "amplitude of the deck, half its stroke [mm]"),
+        option_double("direction-deg", "BETA", &direction, 0.0, 180.0, "direction of the vibration against the deck [degrees]"),
+        option_double("slope-deg", "ALPHA", &slope, 0.0, 89.0, "slope of the deck [degrees]"),
+        option_choice("shape", &shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
+        option_positive("opening-mm", "L", &opening, 1000.0, "size of the holes [mm]"),
+        option_double("wire-mm", "W", &wire, 0.0, 1000.0, "diameter of the wires [mm]"),
+        option_positive("passing-kg-s", "M", &passing, 1e6, "duty: undersize that must pass [kg/s]"),
+        option_positive("capacity", "C", &capacity, 1e6,
+                        "what passes a square metre of free holes [kg/(s m2)]; from a test with your feed"),
+        option_double("run-time-s", "T", &run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
+    };
+    program self = program_start(
+        "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
+        options, (int)(sizeof options / sizeof *options), argc, argv);
+    const option *frequency = &options[6], *given_k = &options[5];
+    if (!given_k->given) K = blocking_toss_indicator(n, 1e-3 * A, direction * pi / 180.0, slope * pi / 180.0, 9.81);
+    else if (frequency->given || options[7].given || options[8].given || options[9].given)
+        program_refuse(&self, "k", NULL, "either --k or the motion of the deck");
+    if (sizes && options[4].given) program_refuse(&self, "xh", NULL, "either --xh or --sizes");
+    readings r;
+    char source[200];
+    if (data) read_readings(&self, data, &r);
+    else draw_readings(&r, &table2[2 * which], holes, self.seed);
+    if (data) snprintf(source, sizeof source, "%.150s", data);
+    else snprintf(source, sizeof source, "drawn from Table 2 row %s, %d holes", table2[2 * which].figure, holes);
+    blocking_fit_result fit;
+    blocking_status status = fit_readings(&r, &fit);
+    if (status >= BLOCKING_OUT_OF_RANGE) refuse_file(&self, "data", data, counts_file, blocking_status_text(status));
+    if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
+
+    json *report = json_open(self.json);
+    common_print("Toss indicator K %.4f: %s\n\n", K, blocking_toss_text(blocking_toss_range(K)));
+    json_number(report, "toss_indicator", K);
+    json_string(report, "toss_range", blocking_toss_text(blocking_toss_range(K)));
+    draw_table2(&self, report);
+    report_fit(report, &r, status, &fit, source);
+    draw_fit(&self, report, &r, &fit, source, data ? NULL : &table2[2 * which]);
+    draw_polynomials(&self, report, K, x_h);
+
+    blocking_conditions conditions = blocking_default_conditions();
+    conditions.K = K;
+    conditions.x_h = x_h;
+    conditions.opening = 1e-3 * opening;
+    blocking_average average;
+    blocking_average_free((blocking_shape)shape, &conditions, &average);
+    blocking_duty duty = blocking_default_duty();
+    duty.passing = passing;
+    duty.capacity = capacity;
+    duty.clearance = blocking_open_area(opening, wire);
+    duty.f0 = fit.f0;
+    duty.f_inf = fit.f_inf;
+    duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
+    duty.run_time = run_time;
+    design(&self, report, duty, &average, (blocking_shape)shape);
+    json_program(report, &self);
+    json_close(report);
+    return common_exit_status();
+}
