@@ -15,7 +15,7 @@ need() {
     if command -v apt-get >/dev/null 2>&1 && as_root true 2>/dev/null; then
         echo "installing:$packages"
         # shellcheck disable=SC2086 # a list of words
-        { as_root apt-get -q -o DPkg::Lock::Timeout=300 update &&
+        { as_root apt-get -q -o DPkg::Lock::Timeout=300 update || true
             as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends $packages
         } >"${TMPDIR:-/tmp}/riddle-apt.$$" 2>&1 || tail -n 5 "${TMPDIR:-/tmp}/riddle-apt.$$" >&2
         rm -f "${TMPDIR:-/tmp}/riddle-apt.$$"
