@@ -1360,10 +1360,11 @@ BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, do
 
 BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
                                      bridge *b) {
-    double smallest, largest, volume = given_i + given_j;
     bridge__clear(b);
+    if (pair->cookie != BRIDGE__COOKIE) return BRIDGE_INVALID;
+    double smallest, largest, volume = given_i + given_j;
     bridge_volume_range(pair, radius_i, radius_j, &smallest, &largest);
-    if (pair->cookie != BRIDGE__COOKIE || !(given_i >= 0.0 && given_j >= 0.0 && smallest > 0.0)) return BRIDGE_INVALID;
+    if (!(given_i >= 0.0 && given_j >= 0.0 && smallest > 0.0)) return BRIDGE_INVALID;
     if (!(volume >= smallest && volume <= largest)) return BRIDGE_VOLUME;
     b->volume = volume;
     b->radius = bridge_harmonic_radius(radius_i, radius_j);
