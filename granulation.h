@@ -1914,6 +1914,8 @@ typedef struct granulation__sweep {
     double end;     /* [s] of path */
     double mean[3]; /* velocity of the frame of the cells [m/s] */
     double fastest, widest, shift;
+    double allowed; /* of fastest [m/s]: beyond it a search would reach the next image */
+    double spacing; /* [m] mean distance of granules */
 } granulation__sweep;
 
 static inline double granulation__frame_speed(const granulation_sim *sim, const granulation__sweep *w, int i) {
@@ -2001,82 +2003,107 @@ static inline bool granulation__make_room(granulation_sim *sim, granulation__swe
     return true;
 }
 
+/* Bounds of the granules as they stand, and how long the next sweep may be: longest at most */
+static inline granulation_status granulation__begin_sweep(granulation_sim *sim, granulation__sweep *w, double longest) {
+    granulation__motion *motion = (granulation__motion *)sim->motion;
+    int n = sim->n;
+    double box = sim->def.box, count = n > 0 ? n : 1;
+    memset(w, 0, sizeof *w);
+    if (sim->def.bounce == GRANULATION_CONSERVING) { /* reversal turns velocities about zero, not about their mean */
+        for (int i = 0; i < n; i++) {
+            w->mean[0] += sim->vx[i] / count;
+            w->mean[1] += sim->vy[i] / count;
+            w->mean[2] += sim->vz[i] / count;
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        double speed = granulation__frame_speed(sim, w, i), radius = 0.5 * sim->body[i].diameter;
+        w->fastest = speed > w->fastest ? speed : w->fastest;
+        w->widest = radius > w->widest ? radius : w->widest;
+        motion[i].time = 0.0;
+        motion[i].stamp = motion[i].gone = 0;
+    }
+    double room = 0.5 * box - 2.0 * w->widest;
+    if (!(room > 0.0)) return GRANULATION_TOO_LARGE;
+    w->spacing = box / riddle_cbrt(count);
+    double skin = w->spacing < 0.5 * room ? w->spacing : 0.5 * room; /* half and twice the spacing were measured to cost more */
+    double parts = w->fastest * longest > 0.5 * skin ? floor(w->fastest * longest / (0.5 * skin)) + 1.0 : 1.0;
+    w->end = longest / parts;
+    if (!(w->end > 0.0)) return GRANULATION_EVENTS;
+    w->allowed = 0.5 * room / w->end;
+    sim->events = 0;
+    return granulation__sort(sim, &w->cells) ? GRANULATION_OK : GRANULATION_NO_MEMORY;
+}
+
+/* every pair of the sweep's start, once */
+static inline bool granulation__predict_all(granulation_sim *sim, const granulation__sweep *w) {
+    const granulation__item *items = (const granulation__item *)sim->items;
+    double box = sim->def.box, other = w->fastest * w->end;
+    for (int a = 0; a < sim->n; a++) {
+        const granulation__item p = items[a];
+        double sx = p.vx - w->mean[0], sy = p.vy - w->mean[1], sz = p.vz - w->mean[2];
+        double reach = granulation__reach(sim->def.contact, p.radius, w->widest) + sqrt(sx * sx + sy * sy + sz * sz) * w->end + other;
+        granulation__walk walk = granulation__near(sim, w->cells, p.x, p.y, p.z, reach * (1.0 + 1e-12));
+        while (granulation__next(&walk))
+            for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
+                const granulation__item *q = items + b;
+                double dx = granulation__nearest(p.x - q->x, box), dy = granulation__nearest(p.y - q->y, box);
+                double dz = granulation__nearest(p.z - q->z, box);
+                double t = granulation__contact_time(dx, dy, dz, p.vx - q->vx, p.vy - q->vy, p.vz - q->vz,
+                                                     granulation__reach(sim->def.contact, p.radius, q->radius));
+                if (!(t >= 0.0 && t <= w->end)) continue;
+                granulation__hit hit = {t, p.id < q->id ? p.id : q->id, p.id < q->id ? q->id : p.id, 0, 0};
+                if (!granulation__push(sim, hit)) return false;
+            }
+    }
+    return true;
+}
+
+/* One contact of the heap; contacts foreseen before one of the two met another have an old stamp */
+static inline granulation_status granulation__handle(granulation_sim *sim, granulation__sweep *w, granulation__hit hit, double time) {
+    granulation__motion *motion = (granulation__motion *)sim->motion;
+    int i = hit.i, j = hit.j;
+    granulation__bring(sim, i, hit.time);
+    granulation__bring(sim, j, hit.time);
+    bool merged = granulation__meet(sim, i, j, time);
+    motion[i].stamp++;
+    motion[j].stamp++;
+    double radius = 0.5 * sim->body[i].diameter, speed_i = granulation__frame_speed(sim, w, i);
+    double speed_j = merged ? 0.0 : granulation__frame_speed(sim, w, j);
+    w->widest = radius > w->widest ? radius : w->widest;
+    w->fastest = speed_i > w->fastest ? speed_i : w->fastest;
+    w->fastest = speed_j > w->fastest ? speed_j : w->fastest;
+    if (merged && !(2.0 * radius < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    bool known = merged ? granulation__make_room(sim, w, i, hit.time) : granulation__predict(sim, w, j, hit.time);
+    return known && granulation__predict(sim, w, i, hit.time) ? GRANULATION_OK : GRANULATION_NO_MEMORY;
+}
+
 static inline granulation_status granulation__swept_step(granulation_sim *sim, double path_time) {
-    double left = path_time, box = sim->def.box;
-    int64_t budget = sim->def.most_events * (sim->n + 1), sweeps = 0;
+    double left = path_time;
+    int64_t budget = sim->def.most_events * (sim->n + (int64_t)1), sweeps = 0;
     granulation_status status = GRANULATION_OK;
     while (left > 0.0 && status == GRANULATION_OK) {
-        granulation__motion *motion = (granulation__motion *)sim->motion;
         granulation__sweep w;
-        memset(&w, 0, sizeof w);
-        int n = sim->n;
-        double n_mean = n > 0 ? n : 1;
-        if (sim->def.bounce == GRANULATION_CONSERVING) { /* reversal turns velocities about zero, not about their mean */
-            for (int i = 0; i < n; i++) {
-                w.mean[0] += sim->vx[i];
-                w.mean[1] += sim->vy[i];
-                w.mean[2] += sim->vz[i];
-            }
-            for (int k = 0; k < 3; k++) w.mean[k] /= n_mean;
-        }
-        for (int i = 0; i < n; i++) {
-            double speed = granulation__frame_speed(sim, &w, i), radius = 0.5 * sim->body[i].diameter;
-            w.fastest = speed > w.fastest ? speed : w.fastest;
-            w.widest = radius > w.widest ? radius : w.widest;
-            motion[i].time = 0.0;
-            motion[i].stamp = motion[i].gone = 0;
-        }
-        double room = 0.5 * box - 2.0 * w.widest, spacing = box / riddle_cbrt(n_mean);
-        if (!(room > 0.0)) return GRANULATION_TOO_LARGE;
-        double skin = spacing < 0.5 * room ? spacing : 0.5 * room; /* measured: half and twice as long cost more */
-        double parts = w.fastest * left > 0.5 * skin ? floor(w.fastest * left / (0.5 * skin)) + 1.0 : 1.0;
-        w.end = left / parts;
-        double allowed = 0.5 * room / w.end; /* of fastest: beyond it a search would reach the next image */
-        if (++sweeps > 1000000 || !(w.end > 0.0)) return GRANULATION_EVENTS;
-        if (!granulation__sort(sim, &w.cells)) return GRANULATION_NO_MEMORY;
-        sim->events = 0;
-        const granulation__item *items = (const granulation__item *)sim->items;
-        double other = w.fastest * w.end;
-        for (int a = 0; a < n && status == GRANULATION_OK; a++) {
-            const granulation__item p = items[a];
-            double sx = p.vx - w.mean[0], sy = p.vy - w.mean[1], sz = p.vz - w.mean[2];
-            double reach = granulation__reach(sim->def.contact, p.radius, w.widest) + sqrt(sx * sx + sy * sy + sz * sz) * w.end + other;
-            granulation__walk walk = granulation__near(sim, w.cells, p.x, p.y, p.z, reach * (1.0 + 1e-12));
-            while (granulation__next(&walk))
-                for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
-                    const granulation__item *q = items + b;
-                    double dx = granulation__nearest(p.x - q->x, box), dy = granulation__nearest(p.y - q->y, box);
-                    double dz = granulation__nearest(p.z - q->z, box);
-                    double t = granulation__contact_time(dx, dy, dz, p.vx - q->vx, p.vy - q->vy, p.vz - q->vz,
-                                                         granulation__reach(sim->def.contact, p.radius, q->radius));
-                    if (!(t >= 0.0 && t <= w.end)) continue;
-                    granulation__hit hit = {t, p.id < q->id ? p.id : q->id, p.id < q->id ? q->id : p.id, 0, 0};
-                    if (!granulation__push(sim, hit)) return GRANULATION_NO_MEMORY;
-                }
-        }
+        status = ++sweeps > 1000000 ? GRANULATION_EVENTS : granulation__begin_sweep(sim, &w, left);
+        if (status != GRANULATION_OK) return status;
+        if (!granulation__predict_all(sim, &w)) return GRANULATION_NO_MEMORY;
+        const granulation__motion *motion = (const granulation__motion *)sim->motion;
         double stop = w.end;
-        while (sim->events > 0) {
+        for (int i = 0; left == path_time && i < sim->n; i++) { /* daughters lie where their mother lay, and beside it */
+            if (sim->broken[i] != sim->steps || granulation__make_room(sim, &w, i, 0.0)) continue;
+            status = GRANULATION_NO_MEMORY;
+            stop = 0.0;
+            break;
+        }
+        while (sim->events > 0 && status == GRANULATION_OK) {
             granulation__hit hit = granulation__pop(sim);
-            int i = hit.i, j = hit.j;
-            if (motion[i].gone || motion[j].gone || motion[i].stamp != hit.stamp_i || motion[j].stamp != hit.stamp_j) continue;
-            granulation__bring(sim, i, hit.time);
-            granulation__bring(sim, j, hit.time);
-            bool merged = granulation__meet(sim, i, j, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
-            motion[i].stamp++;
-            motion[j].stamp++;
-            double radius = 0.5 * sim->body[i].diameter, speed_i = granulation__frame_speed(sim, &w, i);
-            double speed_j = merged ? 0.0 : granulation__frame_speed(sim, &w, j);
-            w.widest = radius > w.widest ? radius : w.widest;
-            w.fastest = speed_i > w.fastest ? speed_i : w.fastest;
-            w.fastest = speed_j > w.fastest ? speed_j : w.fastest;
-            bool known = merged ? granulation__make_room(sim, &w, i, hit.time) : granulation__predict(sim, &w, j, hit.time);
-            if (!known || !granulation__predict(sim, &w, i, hit.time)) status = GRANULATION_NO_MEMORY;
-            if (merged && !(2.0 * radius < 0.5 * box)) status = GRANULATION_TOO_LARGE;
+            if (motion[hit.i].gone || motion[hit.j].gone || motion[hit.i].stamp != hit.stamp_i || motion[hit.j].stamp != hit.stamp_j)
+                continue;
+            status = granulation__handle(sim, &w, hit, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
             if (--budget < 0) status = GRANULATION_EVENTS;
-            if (status != GRANULATION_OK || w.fastest > allowed || w.shift > 0.25 * spacing) {
-                stop = hit.time; /* a new sweep with new bounds */
-                break;
-            }
+            if (status == GRANULATION_OK && w.fastest <= w.allowed && w.shift <= 0.25 * w.spacing) continue;
+            stop = hit.time; /* a new sweep with new bounds */
+            break;
         }
         for (int i = 0; i < sim->n; i++)
             if (!motion[i].gone) granulation__bring(sim, i, stop);
@@ -2090,14 +2117,22 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
 
 static inline void granulation__consolidate_all(granulation_sim *sim) {
     double decay = riddle_exp(-sim->def.consolidation * sim->def.step), capillary = granulation__capillary(&sim->def.laws);
+    double released = 0.0, px = 0.0, py = 0.0, pz = 0.0; /* summed apart: the ledger would lose the digits of small terms */
     for (int i = 0; i < sim->n; i++) {
         granulation_granule g = sim->body[i].volumes;
         double air = granulation__consolidated(g.s + g.l, g.a, decay), before = sim->body[i].mass;
-        sim->ledger.air_released += g.a - air;
+        released += g.a - air;
         g.a = air;
         sim->body[i] = granulation__body(&sim->def.laws, &g, capillary);
-        granulation__note_momentum(sim, i, before - sim->body[i].mass, -1.0);
+        before -= sim->body[i].mass;
+        px += before * sim->vx[i];
+        py += before * sim->vy[i];
+        pz += before * sim->vz[i];
     }
+    sim->ledger.air_released += released;
+    sim->ledger.momentum[0] -= px;
+    sim->ledger.momentum[1] -= py;
+    sim->ledger.momentum[2] -= pz;
 }
 
 /* (28), (36): two halves of one velocity that touch, in a random direction about the old centre */
