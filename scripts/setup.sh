@@ -14,11 +14,10 @@ need() {
     [ -n "$packages" ] || return 0
     if command -v apt-get >/dev/null 2>&1 && as_root true 2>/dev/null; then
         echo "installing:$packages"
+        said=$(as_root apt-get -q -o DPkg::Lock::Timeout=300 update 2>&1) || true # the lists at hand may do
         # shellcheck disable=SC2086 # a list of words
-        { as_root apt-get -q -o DPkg::Lock::Timeout=300 update || true
-            as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends $packages
-        } >"${TMPDIR:-/tmp}/riddle-apt.$$" 2>&1 || tail -n 5 "${TMPDIR:-/tmp}/riddle-apt.$$" >&2
-        rm -f "${TMPDIR:-/tmp}/riddle-apt.$$"
+        said=$(as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends $packages 2>&1) ||
+            printf '%s\n' "$said" | tail -n 5 >&2
         hash -r 2>/dev/null || true
     fi
     missing=
