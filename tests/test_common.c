@@ -418,12 +418,16 @@ static void test_table(void **state) {
     table_cell(&t, "\xC3\xA9tage");
     table_cell(&t, "%.2f", -10.0);
     table_cell(&t, "-");
+    table_cell(&t, "b");
+    table_cell(&t, "%d", 3);
+    table_cell(&t, "%s", "");
     table_end_to(&t, f);
     fclose(f);
     assert_string_equal(text, "name   value [m]   n\n"
                               "-----  ---------  --\n"
                               "a           1.50  30\n"
-                              "\xC3\xA9tage     -10.00   -\n");
+                              "\xC3\xA9tage     -10.00   -\n"
+                              "b              3\n");
     free(text);
 }
 

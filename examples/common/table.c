@@ -73,7 +73,8 @@ void table_end_to(table *t, FILE *stream) {
     for (int i = 0; i < t->cells; i++, at += strlen(at) + 1) {
         int column = i % t->columns, pad = width[column] - letters(at);
         bool last = column == t->columns - 1;
-        fprintf(stream, "%s%*s%s%*s", column ? "  " : "", left[column] ? 0 : pad, "", at, left[column] && !last ? pad : 0, "");
+        if (column) fputs(last && !*at ? "" : "  ", stream); /* no blanks at the end of a line */
+        fprintf(stream, "%*s%s%*s", left[column] || (last && !*at) ? 0 : pad, "", at, left[column] && !last ? pad : 0, "");
         if (last || i == t->cells - 1) fputc('\n', stream);
         if (i == t->columns - 1)
             for (int k = 0; k < t->columns; k++) {
