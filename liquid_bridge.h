@@ -1,15 +1,18 @@
 /* liquid_bridge.h: forces of pendular liquid bridges between spheres, plates and wires, and the books of their liquid.
 
        #include "liquid_bridge.h"
+       #include <stdio.h>
 
-       bridge_pair_def def = bridge_pair_default_def();          // water on 5 mm glass; every field has a documented default
-       def.radius_i = def.radius_j = 2.5e-3;                     // [m]; radius_j = INFINITY: a plate or a wire
-       bridge_pair pair;                                         // once per kind of pair: Young-Laplace, solved and tabulated
-       if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK) return 1;
-       bridge b;                                                 // at contact: a struct of twelve doubles
-       bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-10, 1e-10, 0, &b);  // liquid given by i and by j [m3]
-       bridge_forces f = bridge_evaluate(&b, &def.liquid, gap, velocity);   // every step: + - * / sqrt only
-       if (bridge_is_ruptured(&b, &def.liquid, gap, velocity)) to_i = bridge_split_volume(&b, quantum);
+       int main(void) {                                                    // a 2.5 mm sphere is pulled off a plate, water between
+           bridge_pair_def def = bridge_pair_default_def();                // every field has a documented default
+           bridge_pair     pair;
+           bridge          b;                                              // twelve doubles
+           def.radius_j = INFINITY;                                        // a plate, or a wire
+           if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK) return 1;    // once per kind of pair: Young-Laplace, solved, tabulated
+           bridge_form(&pair, 2.5e-3, INFINITY, 1e-10, 0.0, 0, &b);        // at contact: liquid given by i and by j [m3]
+           for (double gap = 0.0; !bridge_is_ruptured(&b, &def.liquid, gap, 0.01); gap += 1e-5)
+               printf("%g m: %g N\n", gap, bridge_evaluate(&b, &def.liquid, gap, 0.01).normal);   // every step: + - * / sqrt only
+       }
 
    What is in it: volume shares (Shi & McCarthy 2008; Elskamp & Kruggel-Emden 2019, eqs 7-11), capillary force (energy form; Willett et al.
    2000, full and simple; Young-Laplace, solved), viscous force (Pitois et al. 2000 normal; bridge-limited Couette tangential; Goldman et
@@ -53,8 +56,9 @@
 extern "C" {
 #endif
 
-#define BRIDGE_SERIES                                                                                                                      \
-    7 /* terms in tau of a bridge's force: 6 leave 0.25 %, 7 leave 0.09 %, 8 leave 0.07 % (V* >= 1e-7, angles to 45 degrees) */
+/* Terms in tau of a bridge's force, spelt out in bridge_attraction: 6 leave 0.25 %, 7 leave 0.09 %, 8 leave 0.07 % (V/R_h^3 >= 1e-7,
+   angles to 45 degrees). */
+#define BRIDGE_SERIES 7
 #define BRIDGE_NODES 10 /* volumes solved per pair kind: five decades of V* to 0.01 % */
 
 /* >>status ------------------------------------------------------------------------------------------------------------------------- */
