@@ -1269,10 +1269,17 @@ typedef struct blocking__trial {
 
 static inline double blocking__weight(const blocking__data *d, size_t i) { return d->sigma ? 1.0 / (d->sigma[i] * d->sigma[i]) : 1.0; }
 
+/* 1 - e^-x, and e^-x, for one transcendental function */
+static inline double blocking__gone(double x, double *e) {
+    double u = x < 0.35 ? -riddle_expm1(-x) : 0.0;
+    *e = x < 0.35 ? 1.0 - u : riddle_exp(-x);
+    return x < 0.35 ? u : 1.0 - *e;
+}
+
 static inline void blocking__residuals(const blocking__data *d, blocking__trial *trial) {
     trial->sse = trial->slope = 0.0;
     for (size_t i = 0; i < d->n; i++) {
-        double x = trial->k * d->t[i], u = -riddle_expm1(-x), e = riddle_exp(-x), w = blocking__weight(d, i);
+        double x = trial->k * d->t[i], e, u = blocking__gone(x, &e), w = blocking__weight(d, i);
         double change = trial->f_inf - trial->f0, miss = d->f[i] - trial->f0 - change * u;
         trial->sse += w * miss * miss;
         trial->slope -= w * miss * change * (x < 800.0 ? x * e : 0.0);
@@ -1287,7 +1294,7 @@ static inline blocking__trial blocking__try(const blocking__data *d, double log_
     const double centre = -riddle_expm1(-best.k * d->t[d->n / 2]);
     double sw = 0.0, su = 0.0, suu = 0.0, suf = 0.0, uu = 0.0, uf = 0.0, ee = 0.0, ef = 0.0, eu = 0.0;
     for (size_t i = 0; i < d->n; i++) {
-        double x = best.k * d->t[i], u = -riddle_expm1(-x), e = riddle_exp(-x), w = blocking__weight(d, i), f = d->f[i] - d->f_mean;
+        double e, u = blocking__gone(best.k * d->t[i], &e), w = blocking__weight(d, i), f = d->f[i] - d->f_mean;
         sw += w;
         su += w * (u - centre);
         suu += w * (u - centre) * (u - centre);
@@ -1349,8 +1356,8 @@ static inline double blocking__profile(const blocking__data *d, double from, dou
 static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_result *out, double variance) {
     double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < d->n; i++) {
-        double x = out->k * d->t[i], e = riddle_exp(-x), w = blocking__weight(d, i);
-        double j[3] = {e, -riddle_expm1(-x), (out->f_inf - out->f0) * (x < 800.0 ? x * e : 0.0)};
+        double x = out->k * d->t[i], e, u = blocking__gone(x, &e), w = blocking__weight(d, i);
+        double j[3] = {e, u, (out->f_inf - out->f0) * (x < 800.0 ? x * e : 0.0)};
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) m[a][b] += w * j[a] * j[b];
     }

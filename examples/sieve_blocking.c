@@ -269,7 +269,7 @@ static void draw_fit(const program *self, json *report, const readings *r, const
         if (fit->k_lowest > 0.0 && fit->k_highest < 1e300) {
             double ends[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, low[2] = {fit->k_lowest, fit->k_lowest},
                    high[2] = {fit->k_highest, fit->k_highest};
-            plot_band(figure, "its 95 % range", ends, low, high, 2);
+            plot_band(figure, "least squares, 95 %", ends, low, high, 2);
         }
     }
     plot_write(figure, self->out, "fit.svg");
