@@ -18,7 +18,7 @@
 #include "blocking.h"
 #include "common.h"
 
-enum { MOST_READINGS = 200, GRID = 121, CURVE = 241 };
+enum { MOST_READINGS = 200, GRID = 61, CURVE = 241 };
 
 static const double pi = 3.14159265358979323846;
 static const double z95 = 1.96;
@@ -321,17 +321,22 @@ static void draw_polynomials(const program *self, json *report, double K, double
     json_array_begin(report, "shapes");
     for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) {
         blocking_shape shape = (blocking_shape)s;
-        double least = HUGE_VAL, largest = -HUGE_VAL;
-        int above = 0, rising = 0;
         for (int j = 0; j < GRID; j++)
             for (int i = 0; i < GRID; i++) {
-                double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), f = blocking_table3(shape, k, h);
+                double f = blocking_table3(shape, 0.6 + 4.4 * i / (GRID - 1), (double)j / (GRID - 1));
                 raw[j * GRID + i] = f;
                 cut[j * GRID + i] = fmin(f, 1.0);
+            }
+        double least = HUGE_VAL, largest = -HUGE_VAL, above = 0.0, rising = 0.0;
+        const int n = 400;
+        for (int j = 0; j <= n; j++)
+            for (int i = 0; i <= n; i++) {
+                double K_ = 0.6 + 4.4 * i / n, h = (double)j / n, f = blocking_table3(shape, K_, h);
+                double area = (i % n ? 1.0 : 0.5) * (j % n ? 1.0 : 0.5) / n / n;
                 least = fmin(least, f);
                 largest = fmax(largest, f);
-                above += f > 1.0;
-                rising += blocking_table3_slope(shape, k, h) > 0.0;
+                if (f > 1.0) above += area;
+                if (blocking_table3_slope(shape, K_, h) > 0.0) rising += area;
             }
         blocking_average a;
         blocking_status status = blocking_average_free(shape, &c, &a);
@@ -341,8 +346,8 @@ static void draw_polynomials(const program *self, json *report, double K, double
         table_cell(&t, "%s", blocking_shape_text(shape));
         table_cell(&t, "%.4f", least);
         table_cell(&t, "%.4f", largest);
-        table_cell(&t, "%.1f %%", 100.0 * above / GRID / GRID);
-        table_cell(&t, "%.1f %%", 100.0 * rising / GRID / GRID);
+        table_cell(&t, "%.1f %%", 100.0 * above);
+        table_cell(&t, "%.1f %%", 100.0 * rising);
         table_cell(&t, "%.4f", a.value);
         table_cell(&t, "%s", remark);
         json_object_begin(report, NULL);
@@ -353,7 +358,7 @@ static void draw_polynomials(const program *self, json *report, double K, double
         json_string(report, "remark", remark);
         json_number(report, "least", least);
         json_number(report, "largest", largest);
-        json_number(report, "share_above_one", (double)above / GRID / GRID);
+        json_number(report, "share_above_one", above);
         json_object_end(report);
         plot_panel(figure, s / 2, s % 2, "toss indicator K [-]", "hard-to-screen content x_h [-]");
         plot_title(figure, blocking_shape_text(shape));
@@ -370,8 +375,8 @@ static void draw_polynomials(const program *self, json *report, double K, double
     json_object_end(report);
     common_print("\n");
     table_end(&t);
-    for (int j = 0; j < GRID; j += 5)
-        for (int i = 0; i < GRID; i += 5) {
+    for (int j = 0; j < GRID; j += 3)
+        for (int i = 0; i < GRID; i += 3) {
             double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), line[6] = {k, h};
             for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) line[2 + s] = blocking_table3((blocking_shape)s, k, h);
             csv_row(file, line, 6);
