@@ -1,0 +1,2544 @@
+/* classifier.h: air classification in a deflector wheel: drag of non-spherical particles, cut sizes, collision cases, separation curves.
+
+   #include <stdio.h>
+   #include "classifier.h"
+
+   int main(void) {
+       classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);  // every field documented below; edit what you
+       know better
+       classifier_model model;
+       if (classifier_init(&model, &def, NULL) != CLASSIFIER_OK) return 1;              // draws the sample points once
+       double error, t = classifier_tromp(&model, 20e-6, &error);                       // share of 20 um particles that is rejected
+       printf("T(20 um) = %.4f +- %.4f, x50 = %.2f um\n", t, error, 1e6 * classifier_quantile(&model, 0.5));
+       classifier_free(&model);
+   }
+
+   Laws (pure functions; NaN outside their domain)
+     drag          Hoelzer & Sommerfeld 2008, Schiller & Naumann 1933, Stokes; Di Felice 1994 for dense flow; Rorato 2019 sphericity
+     balance       cut size, threshold velocity, radial velocity for a wanted cut; terminal velocity; stopping distance in closed form
+     rebound       paddle and particle hits (Weers et al. 2022), Thornton & Ning 1998 restitution
+     cases         weights of "one clean hit", "thrown by a particle", "hit again" for any number of contacts
+     curves        Plitt, Molerus-Hoffmann, Rosin-Rammler with exact inverses; bypass and fish-hook
+   Drivers (loops that call laws; return a status)
+     classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480: T(x) with an error bar
+     classifier_trajectory ...  the same rebound followed along its path: the check of the balance at the instant of the hit
+     classifier_fit             curves to measured T(x);  classifier_reconcile  T(x) from feed, coarse and fine size distributions
+     classifier_calibrate       one measured cut size;    classifier_circuit    several stages with recycle
+
+   Units: SI, angles in rad; rotor speeds in revolutions per minute because every machine shows them so. Size x: diameter of the sphere
+   of equal volume.
+   Signs: radial velocity inward, tangential velocity of gas and rebound with the wheel, own tangential velocity before the hit against
+   the wheel.
+   T is the share that is rejected to the coarse product. One memory block per model, made in classifier_init, freed in classifier_free.
+   Threads: no globals; a model that nobody changes may be read by any number of threads. Determinism: same input, same bits, on every
+   IEEE machine
+   with -ffp-contract=off; random shifts come from def.seed. It does not solve the gas flow (its factor is an input), nor dispersion, nor
+   wear.
+   Sources and errata: docs/classifier.md. */
+#ifndef CLASSIFIER_H
+#define CLASSIFIER_H
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "classifier.h needs NaN and infinity: compile without -ffast-math"
+#endif
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#ifndef CLASSIFIER_API
+#define CLASSIFIER_API static inline
+#define CLASSIFIER__BODIES
+#elif defined(CLASSIFIER_IMPLEMENTATION)
+#define CLASSIFIER__BODIES
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ===================================================== statuses and flags ===================================================== */
+
+#define CLASSIFIER_STATUSES(X)                                                                                                             \
+    X(CLASSIFIER_OK, "ok")                                                                                                                 \
+    X(CLASSIFIER_BAD_ARGUMENT, "an argument is not a number, has the wrong sign, or is NULL")                                              \
+    X(CLASSIFIER_BAD_DEFINITION, "a field of the definition is out of range (classifier_check_def names it)")                              \
+    X(CLASSIFIER_EMPTY, "a distribution or table has no classes or no mass")                                                               \
+    X(CLASSIFIER_NOT_NORMALISED, "the shares of a distribution do not add up to 1 within 1e-3")                                            \
+    X(CLASSIFIER_NOT_SORTED, "sizes or class limits do not increase")                                                                      \
+    X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                                                   \
+    X(CLASSIFIER_NO_CONVERGENCE, "an iteration did not converge")                                                                          \
+    X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                                                  \
+    X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")
+#define CLASSIFIER__NAME(name, text) name,
+typedef enum { CLASSIFIER_STATUSES(CLASSIFIER__NAME) CLASSIFIER__STATUS_COUNT } classifier_status;
+#undef CLASSIFIER__NAME
+static inline const char *classifier_status_text(classifier_status status);
+
+/* What a result should be read with; bits of classifier_result.flags. */
+enum {
+    CLASSIFIER_SPHERICITY_CLAMPED = 1, /* a drawn 2D sphericity left the range of the conversion and was set to its end */
+    CLASSIFIER_CUT_OUTSIDE = 2,        /* x25, x50 or x75 lies outside [size_low, size_high]: it is NaN */
+    CLASSIFIER_MISSED = 4,             /* some drawn particles pass between the paddles untouched (they count as fine) */
+    CLASSIFIER_EXTRAPOLATED = 8,       /* paper_def: the speed lies outside the measured 3000 .. 15000 1/min, end values were held */
+    CLASSIFIER_REYNOLDS_OUTSIDE = 16   /* Schiller-Naumann above Re 1000 at x75, or Stokes above Re 0.1 */
+};
+
+/* The allocator hook. NULL in place of it: realloc and free. new_size 0 frees and returns NULL; a failed growth leaves old as it was. */
+typedef struct classifier_memory {
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
+    void *user;
+} classifier_memory;
+
+/* ============================================================ drag ============================================================ */
+
+/* Area that a drag coefficient is multiplied with. Hoelzer & Sommerfeld's belongs to the volume-equivalent sphere, pi x^2 / 4. The
+   paper's eqs 6 and
+   10 multiply it with the projected area (pi x^2 / 4) / sphericity, which counts the shape twice: 13-16 % coarser cuts. */
+typedef enum { CLASSIFIER_EQUIVALENT, CLASSIFIER_PROJECTED } classifier_basis;
+typedef enum { CLASSIFIER_HOELZER_SOMMERFELD, CLASSIFIER_SCHILLER_NAUMANN, CLASSIFIER_STOKES } classifier_drag_law;
+
+/* A drag law with its shape worked in: c_D(Re) = c1 / Re + c2 / Re^p + c3, p = 0.5 or, for Schiller-Naumann, 0.313. Referred to pi x^2 /
+   4.
+   Made once a shape; evaluating it needs no power. Any NaN in it comes from a sphericity outside (0, 1]. */
+typedef struct classifier_drag {
+    double c1, c2, c3; /* [-] */
+    classifier_drag_law law;
+} classifier_drag;
+
+/* 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi = 1. */
+static inline double classifier_newton_factor(double psi);
+/* Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are one (Cauchy).
+   psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
+static inline classifier_drag classifier_hoelzer_sommerfeld(double psi, classifier_basis basis);
+/* The same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular:
+   (pi x^2 / 4) / area across the flow. Both > 0. */
+static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
+                                                                     classifier_basis basis);
+/* Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld for psi >= 0.995,
+   where that is 9-14 % low between Re 10 and 100. */
+static inline classifier_drag classifier_schiller_naumann(void);
+static inline classifier_drag classifier_stokes(void); /* 24/Re */
+/* c_D [-] at re > 0 (infinity allowed). */
+static inline double classifier_drag_coefficient(classifier_drag drag, double re);
+/* Magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3], viscosity [Pa s]. Exact at 0. */
+static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density, double viscosity);
+
+/* pi^(1/3) (6 V)^(2/3) / S: sphericity of a body of volume [m3] and surface [m2]. */
+static inline double classifier_sphericity(double volume, double surface);
+/* 2 sqrt(pi A) / P: 2D sphericity of a projection of area [m2] and perimeter [m]. */
+static inline double classifier_sphericity_2d(double area, double perimeter);
+/* Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN outside (at 1 it would give 1.008). */
+static inline double classifier_rorato(double psi_2d);
+/* The same with psi_2d moved into the range first; *clamped (may be NULL) is set to whether that was needed. NaN stays NaN. */
+static inline double classifier_rorato_clamped(double psi_2d, bool *clamped);
+
+/* Di Felice 1994: chi(Re) (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6. And the factor
+   on the drag of
+   a lone particle at void fraction in (0, 1], which depends on the velocity that c_D and v^2 are taken with and on what the force
+   contains: */
+static inline double classifier_di_felice_exponent(double re);
+static inline double classifier_di_felice_superficial(double voids,
+                                                      double re); /* superficial slip (= voids x interstitial), drag alone: voids^-chi */
+static inline double classifier_di_felice_interstitial_drag(double voids, double re); /* interstitial slip, drag alone: voids^(2 - chi) */
+static inline double
+classifier_di_felice_interstitial_total(double voids, double re); /* interstitial slip, drag + pressure gradient: voids^(1 - chi) (eq 10);
+                                                                                          do not add -V grad p to it */
+
+/* ========================================================== balance =========================================================== */
+
+/* A particle in the curved flow of a wheel: centrifugal force outward, drag of the radial gas flow inward. All > 0 and finite. */
+typedef struct classifier_balance {
+    double fluid_density;       /* [kg/m3] */
+    double viscosity;           /* [Pa s] */
+    double particle_density;    /* [kg/m3] */
+    double radius;              /* of the particle's place [m] */
+    double radial_velocity;     /* of the gas, inward [m/s]; not used where it is the unknown */
+    double tangential_velocity; /* of the particle [m/s]; not used where it is the unknown */
+    bool buoyancy; /* true: particle_density - fluid_density drives (the gas turns with the particle); default false, as the paper */
+} classifier_balance;
+
+/* Eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2)) [m]: sphere in Stokes flow. */
+static inline double classifier_cut_size_stokes(const classifier_balance *at);
+/* Eq 6: the one size [m] at which both forces are equal, x = K c_D(a x). iterations may be NULL; at most 6.
+   Quartic in sqrt(x) with one positive root (Descartes), Newton from above; Schiller-Naumann by Newton in ln x. NaN for bad input. */
+static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations);
+/* d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
+static inline double classifier_cut_sensitivity(classifier_drag drag, double re);
+/* Tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root. */
+static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x);
+/* Radial gas velocity [m/s] that makes x the cut size. */
+static inline double classifier_cut_radial_velocity(const classifier_balance *at, classifier_drag drag, double x);
+/* Settling velocity [m/s] of size x in rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag describes. */
+static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
+                                                  double viscosity, double gravity);
+/* Path [m] of a particle shot into gas at rest with speed [m/s], closed form for any Reynolds number:
+   (4 rho x / 3 rho_f) int_0^Re dRe / (Re c_D). Stokes number = this / length. */
+static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
+                                                  double viscosity, double speed);
+/* The handbook's for spheres, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) - sqrt6 atan(Re^(1/3) / sqrt6)). */
+static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density, double viscosity,
+                                                         double speed);
+
+/* ========================================================== rebound =========================================================== */
+
+/* Thornton & Ning 1998: restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0; 1 up to the yield velocity [m/s].
+   */
+static inline double classifier_thornton_ning(double speed, double yield_velocity);
+/* 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]: a sphere on a plane; contact_pressure: limiting contact pressure [Pa] (1.6 to 2.8 yield
+   stresses). */
+static inline double classifier_yield_velocity(double contact_pressure, double density, double reduced_modulus);
+/* E* [Pa] of two materials: 1 / ((1 - nu1^2) / E1 + (1 - nu2^2) / E2). */
+static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2, double poisson_2);
+
+/* Normal hit on a paddle of speed v_w by a particle that comes against it with v_i: v_w + e (v_w + v_i), in the direction of the wheel
+   [m/s]. */
+static inline double classifier_rebound_normal(double paddle_speed, double e, double approach_speed);
+/* Tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's normal,
+   specular + imperfection. */
+static inline double classifier_rebound_paddle(double paddle_speed, double e, double relative_speed, double cos_angle);
+/* Two equal particles: one leaves the wheel with v_a, the other comes against it with v_t. k = (1 + e) / 2.
+   Thrown (case B): -v_t + k share (v_a + v_t), share = cos(alpha), or cos^2(alpha) if the impulse follows the line of centres. */
+static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share);
+static inline double classifier_rebound_slowed(double v_a, double v_t, double e); /* the other one (case C): v_a - k (v_a + v_t) */
+
+/* ====================================================== collision cases ======================================================= */
+
+/* Shares of the three histories; they add up to 1. */
+typedef struct classifier_weights {
+    double clean;  /* A: one hit on a paddle, nothing else turned it round */
+    double thrown; /* B: thrown outward by another particle at last */
+    double again;  /* C: turned round by a particle, then hit by a paddle at last */
+} classifier_weights;
+
+/* For n >= 0 contacts with particles, all possible sequences equally likely (Fig 12 b): (n+1) 3^(1-n) / 4, 1/4, rest. NaN for n < 0. */
+static inline classifier_weights classifier_weights_of(int n);
+static inline classifier_weights classifier_weights_poisson(double mean);   /* mixed over a Poisson number, mean >= 0 */
+static inline classifier_weights classifier_weights_geometric(double mean); /* mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean) */
+/* Extension: a chain instead of equal sequences. counter: probability that a contact turns the particle round; wall: that it hits the
+   paddle
+   whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of for (1/2, 1/2): that counts forced steps once. */
+static inline classifier_weights classifier_weights_markov(int n, double counter, double wall);
+
+/* ======================================================= distributions ======================================================== */
+
+enum { CLASSIFIER_BINS = 64 };
+typedef enum { CLASSIFIER_NORMAL, CLASSIFIER_HISTOGRAM } classifier_shape;
+
+/* One measured quantity. A normal law cut off at [low, high] (mean and sd are those before the cut; sd 0: always the mean), or a
+   histogram. Owns no memory. */
+typedef struct classifier_distribution {
+    classifier_shape shape;
+    double mean, sd, low, high;
+    int bins;                               /* histogram: 1 .. CLASSIFIER_BINS */
+    double edge[CLASSIFIER_BINS + 1];       /* increasing */
+    double cumulative[CLASSIFIER_BINS + 1]; /* 0 .. 1 */
+} classifier_distribution;
+
+static inline classifier_distribution classifier_normal(double mean, double sd, double low, double high); /* low, high may be infinite */
+/* From bins class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was on an error:
+   CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
+CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made);
+CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d);
+CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value); /* P(X >= value) */
+CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u); /* inverse of P(X < value), u in (0, 1) */
+CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d);         /* after the cut */
+
+/* How often a particle meets others between the paddles. */
+typedef enum { CLASSIFIER_FIXED, CLASSIFIER_POISSON, CLASSIFIER_GEOMETRIC, CLASSIFIER_COUNTED, CLASSIFIER_MARKOV } classifier_contact_law;
+typedef struct classifier_contacts {
+    classifier_contact_law law;
+    double mean;                   /* FIXED, MARKOV: the number (whole); POISSON, GEOMETRIC: the mean; >= 0 */
+    int counts;                    /* COUNTED: length of share */
+    double share[CLASSIFIER_BINS]; /* COUNTED: share of particles with 0, 1, ... contacts; adds up to 1 within 1e-3 */
+    double counter, wall;          /* MARKOV */
+} classifier_contacts;
+CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_contacts *contacts, classifier_weights *weights);
+
+/* ====================================================== separation model ====================================================== */
+
+typedef struct classifier_wheel {
+    double outer_radius, inner_radius, height; /* [m] */
+    int paddles;
+    double thickness; /* of a paddle [m] >= 0 */
+} classifier_wheel;
+
+/* Undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness)). */
+static inline double classifier_radial_velocity(const classifier_wheel *wheel, double air_flow, double r);
+
+/* The exact straight flight of a particle from the rim to the face of the next paddle, in the inertial frame. */
+typedef struct classifier_impact {
+    bool hit;       /* false: it stays clear of the face inside the wheel for a whole turn (or crosses the inner radius before) */
+    double radius;  /* of the hit [m], at most outer_radius */
+    double time;    /* from the entry [s] */
+    double speed;   /* relative to the paddle [m/s] */
+    double angle;   /* between relative velocity and the face's normal, negative: sliding inward [rad] */
+    int iterations; /* of Newton's method */
+} classifier_impact;
+/* angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle line [rad]; velocities of the particle [m/s].
+   */
+CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
+                                                     double tangential_against, double radial_inward);
+
+typedef enum { CLASSIFIER_LATTICE, CLASSIFIER_SOBOL, CLASSIFIER_MONTE_CARLO } classifier_sampler;
+enum { CLASSIFIER_MAX_SHIFTS = 64 };
+
+/* Everything the model needs. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or not given there,
+   replaced by us
+   (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
+typedef struct classifier_def {
+    unsigned cookie;         /* set by classifier_default_def */
+    classifier_wheel wheel;  /* 25 mm (paper), 18 mm, 26.91 mm, 24, 2 mm (stand-ins that meet the paper's two gas velocities) */
+    double rpm;              /* rotor speed [1/min] > 0; 3000 */
+    double air_flow;         /* [m3/s] > 0; 75 m3/h (paper) */
+    double fluid_density;    /* [kg/m3] > 0; 1.2 */
+    double viscosity;        /* [Pa s] > 0; 1.81e-5 */
+    double particle_density; /* [kg/m3] > 0; 2700 (paper; glass 2500, stand-in) */
+    double radial_factor;    /* gas velocity before the face / undisturbed [-] > 0; 2.7, 4.1, 4.3 at 3000, 9000, 15000 1/min (paper) */
+    classifier_distribution tangential_velocity; /* of entering particles, against the wheel [m/s]; N(1.5 / 0 / 0, 1) (stand-in, Fig 6) */
+    classifier_distribution radial_velocity;     /* inward [m/s] >= 0; mean 1.0 (rpm / 3000)^0.9372, sd half of it (stand-in, Fig 6) */
+    classifier_distribution restitution;   /* particle on paddle, within [0, 1]; N(0.29, 0.15), beads N(0.75, 0.12) (stand-in, Fig 9) */
+    classifier_distribution imperfection;  /* rebound angle - impact angle [rad]; sd 37, glass 42, beads 22 degrees (paper, Fig 7) */
+    classifier_distribution sphericity_2d; /* N(0.83, 0.04), glass N(0.80, 0.04), beads N(0.98, 0.005) (stand-in, Fig 2) */
+    classifier_contacts contacts;          /* geometric, mean 1.0, beads 0.2 (stand-in, Fig 11) */
+    double particle_restitution;           /* particle on particle, in [0, 1]; mean of restitution (paper) */
+    double cone_half_angle;                /* of the directions after a particle hit [rad], in [0, pi/2]; 65 degrees (paper) */
+    bool impulse_along_centres;            /* cos^2 in place of cos in case B; false (paper) */
+    classifier_drag_law law;               /* CLASSIFIER_HOELZER_SOMMERFELD; the two others ignore the sphericity */
+    classifier_basis basis;                /* CLASSIFIER_EQUIVALENT; the paper: CLASSIFIER_PROJECTED */
+    bool buoyancy;                         /* false */
+    double size_low, size_high;            /* [m] where cut sizes are looked for; 1e-7, 1e-2 */
+    classifier_sampler sampler;            /* CLASSIFIER_LATTICE */
+    bool preintegrate; /* true: the last restitution is integrated in closed form; false: drawn, and rejected particles counted */
+    int points;        /* a shift; a power of two from 16 to 2^20 */
+    int shifts;        /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS */
+    uint64_t seed;     /* of the shifts; 1 */
+} classifier_def;
+
+typedef enum { CLASSIFIER_LIMESTONE, CLASSIFIER_GROUND_GLASS, CLASSIFIER_BEADS } classifier_material;
+
+CLASSIFIER_API classifier_def classifier_default_def(void);
+/* The paper's machine and one of its materials at a speed [1/min]; flags may be NULL: CLASSIFIER_EXTRAPOLATED. */
+CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material, double rpm, unsigned *flags);
+/* CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field may be NULL). */
+CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def, const char **field);
+
+/* The drawn particles, ready to be asked for T at any size: 15 numbers a point. Fields may be read; `weights` may be changed
+   (classifier_weights_of(2) shows the curve of exactly two contacts). */
+typedef struct classifier_model {
+    classifier_def def;
+    classifier_weights weights;
+    unsigned flags;
+    double clamped, missed; /* shares of the drawn particles */
+    double mean_radius;     /* of the first hit [m] */
+    classifier_memory memory;
+    int count;     /* points * shifts */
+    double *data;  /* [count][15], see classifier__store */
+    bool smooth;   /* the restitution is a normal law: its survival stands in the table */
+    double *table; /* [512][6], quintic pieces */
+    double table_low, table_scale;
+} classifier_model;
+
+/* Checks def and draws the points. memory may be NULL. On an error model is empty and may be freed. */
+CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
+CLASSIFIER_API void classifier_free(classifier_model *model);
+/* Share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN for bad
+   x. */
+CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, double *error);
+CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]); /* of A, B, C alone */
+/* Size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]. */
+CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t);
+
+typedef struct classifier_result {
+    double x25, x50, x75;    /* [m] */
+    double sharpness;        /* x25 / x75 [-] */
+    double ecart_probable;   /* (x75 - x25) / 2 [m] */
+    double x50_error;        /* half width of the 95 % interval [m] */
+    double t_error;          /* largest error of T at x25, x50, x75 and the sizes asked for */
+    double re25, re50, re75; /* Reynolds numbers with the gas velocity at the mean hit radius */
+    classifier_weights weights;
+    double clamped, missed; /* shares of the drawn particles */
+    unsigned flags;
+} classifier_result;
+/* T at n sizes x[n] [m] into t[n] (both may be NULL with n 0) and what is read off the curve. */
+CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
+                                                     classifier_result *result);
+
+/* Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated is def with it.
+   CLASSIFIER_OUTSIDE if a factor of 1e-3 .. 1e3 cannot reach it. */
+CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
+                                                      classifier_def *calibrated);
+
+/* ---- the path after the hit ---- */
+typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
+/* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the
+   wheel and flows
+   inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if neither
+   happens within 10 turns. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance; FULL_SLIP: the whole vector.
+   */
+CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
+                                         classifier_slip slip);
+/* The size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
+CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, classifier_drag drag, double r, double v_phi,
+                                                classifier_slip slip);
+
+/* T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it). Uses
+   def's points and
+   shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points will do. Paths that
+   stay count half. */
+CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
+                                                             double *error);
+
+/* =========================================================== curves =========================================================== */
+
+static inline double classifier_plitt(double x, double x50, double m);         /* 1 - exp(-ln2 (x/x50)^m) */
+static inline double classifier_plitt_size(double t, double x50, double m);    /* inverse */
+static inline double classifier_rosin_rammler(double x, double x63, double n); /* 1 - exp(-(x/x63)^n) */
+static inline double classifier_rosin_rammler_size(double t, double x63, double n);
+static inline double classifier_molerus_hoffmann(double x, double x50,
+                                                 double alpha); /* 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0 */
+static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha); /* Lambert W */
+
+typedef enum { CLASSIFIER_PLITT, CLASSIFIER_ROSIN_RAMMLER, CLASSIFIER_MOLERUS_HOFFMANN } classifier_curve_law;
+typedef struct classifier_curve {
+    classifier_curve_law law;
+    double size;      /* x50 or x63 of the curve without bypass [m] > 0 */
+    double slope;     /* m, n > 0 or alpha >= 0 */
+    double bypass;    /* share that goes to the coarse product whatever its size, [0, 1); 0 */
+    double hook_size; /* [m] > 0: the bypass falls linearly to 0 at this size (fish-hook, Finch 1983); infinity: the same for all sizes */
+} classifier_curve;
+static inline classifier_curve classifier_curve_of(classifier_curve_law law, double size, double slope); /* no bypass */
+static inline double classifier_curve_value(const classifier_curve *curve, double x);                    /* b + (1 - b) T(x); x >= 0 */
+/* The largest size [m] with that value. NaN if there is none (t below the bypass). */
+CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t);
+
+/* Mean of T over a class [low, high] [m] with mass density q(x) (NULL: uniform): int T q / int q, Gauss-Legendre on `pieces` >= 1 pieces
+   of 5 points. */
+typedef double (*classifier_function)(double x, const void *user);
+CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
+                                            double low, double high, int pieces);
+
+enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* size and slope are always free */
+typedef struct classifier_fit_result {
+    classifier_curve curve;
+    double size_sd, slope_sd, bypass_sd,
+        hook_sd; /* standard deviations from the curvature; 0 where not free. With sd NULL scaled by the residuals */
+    double rms;  /* of T [-] */
+    int iterations;
+} classifier_fit_result;
+/* Least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n]; sd[n] > 0 or
+   NULL (all equal).
+   Needs more points than free parameters and values on both sides of one half (CLASSIFIER_OUTSIDE otherwise). */
+CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
+                                                const double *sd, int n, classifier_fit_result *result);
+
+/* Separation curve from three measured size distributions. Shares per class, each adding up to 1 within 1e-3. */
+typedef struct classifier_balance_data {
+    int classes;                                 /* >= 2 */
+    const double *feed, *coarse, *fine;          /* [classes] >= 0 */
+    const double *feed_sd, *coarse_sd, *fine_sd; /* [classes] > 0, standard deviations of the shares; the caller's arrays */
+    double coarse_share, coarse_share_sd;        /* measured mass of coarse / feed and its sd; NaN if not measured */
+} classifier_balance_data;
+typedef struct classifier_balance_result {
+    double coarse_share, coarse_share_sd; /* reconciled, in (0, 1) */
+    double chi_squared;                   /* sum of (adjustment / sd)^2: about `freedom` if the sds are honest */
+    int freedom;
+} classifier_balance_result;
+/* Least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it.
+   Outputs (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
+CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
+                                                      double *coarse, double *fine, classifier_balance_result *result);
+
+/* Several classifiers with recycle. Stage i sends share t of what it gets to coarse_to[i], the rest to fine_to[i]: a stage, or one of
+   the two products. */
+enum { CLASSIFIER_STAGES = 16, CLASSIFIER_TO_COARSE = -1, CLASSIFIER_TO_FINE = -2 };
+typedef struct classifier_circuit_def {
+    int stages; /* 1 .. CLASSIFIER_STAGES; fresh feed enters stage 0 */
+    int coarse_to[CLASSIFIER_STAGES];
+    int fine_to[CLASSIFIER_STAGES];
+} classifier_circuit_def;
+/* One size class: t[stages] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each stage /
+   fresh feed.
+   CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
+CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
+
+/* clang-format off */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
+   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+#ifndef RIDDLE_PORTABLE_MATH
+#define RIDDLE_PORTABLE_MATH
+#define RIDDLE_PI 3.14159265358979323846
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_LO 1.9082149292705877e-10
+
+/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+static inline double riddle__expm1_small(double r) {
+    double p = 1.0 / 87178291200.0;
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+static inline double riddle_exp(double x) {
+    if (!(x > -745.2)) return x != x ? x : 0.0;
+    if (x > 709.79) return HUGE_VAL;
+    double k = floor(x * 1.4426950408889634 + 0.5);
+    double r = (x - k * RIDDLE_LN2_HI) - k * RIDDLE_LN2_LO;
+    return ldexp(1.0 + riddle__expm1_small(r), (int)k);
+}
+
+static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
+
+/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+static inline double riddle__log1p_small(double f) {
+    double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
+    p = p * z + 2.0 / 21.0;
+    p = p * z + 2.0 / 19.0;
+    p = p * z + 2.0 / 17.0;
+    p = p * z + 2.0 / 15.0;
+    p = p * z + 2.0 / 13.0;
+    p = p * z + 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    return f - s * (f - z * p);
+}
+
+static inline double riddle_log(double x) {
+    if (!(x > 0.0)) return x == 0.0 ? -HUGE_VAL : (double)NAN;
+    if (x > 1.7976931348623157e308) return x;
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2.0;
+        e -= 1;
+    }
+    return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
+}
+
+static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+
+/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+static inline double riddle_pow(double x, double y) {
+    if (y == 0.0 || x == 1.0) return 1.0;
+    return riddle_exp(y * riddle_log(x));
+}
+
+static inline double riddle_cbrt(double x) {
+    if (x == 0.0 || !(fabs(x) <= 1.7976931348623157e308)) return x;
+    int e;
+    double m = frexp(fabs(x), &e); /* in [0.5, 1) */
+    int third = (e + 3000) / 3 - 1000, rest = e - 3 * third;
+    m = ldexp(m, rest); /* in [0.5, 4) */
+    double y = 0.65 + 0.25 * m;
+    for (int i = 0; i < 5; i++) y -= (y * y * y - m) / (3.0 * y * y);
+    return ldexp(x < 0.0 ? -y : y, third);
+}
+
+/* sin and cos of r + quarter turns, |r| <= pi/4 */
+static inline double riddle__sin_quarter(double r, int quarter) {
+    double z = r * r, p, value;
+    if (quarter & 1) {
+        p = -1.0 / 6402373705728000.0;
+        p = p * z + 1.0 / 20922789888000.0;
+        p = p * z - 1.0 / 87178291200.0;
+        p = p * z + 1.0 / 479001600.0;
+        p = p * z - 1.0 / 3628800.0;
+        p = p * z + 1.0 / 40320.0;
+        p = p * z - 1.0 / 720.0;
+        p = p * z + 1.0 / 24.0;
+        value = 1.0 - (0.5 * z - z * z * p);
+    } else {
+        p = 1.0 / 355687428096000.0;
+        p = p * z - 1.0 / 1307674368000.0;
+        p = p * z + 1.0 / 6227020800.0;
+        p = p * z - 1.0 / 39916800.0;
+        p = p * z + 1.0 / 362880.0;
+        p = p * z - 1.0 / 5040.0;
+        p = p * z + 1.0 / 120.0;
+        p = p * z - 1.0 / 6.0;
+        value = r + r * z * p;
+    }
+    return quarter & 2 ? -value : value;
+}
+
+static inline double riddle__sin_shifted(double x, int quarters) {
+    if (!(fabs(x) <= 1e6)) return (double)NAN;
+    double n = floor(x * 0.63661977236758134 + 0.5);
+    double r = ((x - n * 1.5707963267341256) - n * 6.077100506303966e-11) - n * 2.0222662487959506e-21;
+    return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
+}
+
+/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
+static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
+
+static inline double riddle_atan(double x) {
+    double t = fabs(x), base = 0.0, sign = 1.0;
+    if (t > 1.0) {
+        t = 1.0 / t;
+        base = 0.5 * RIDDLE_PI;
+        sign = -1.0;
+    }
+    if (t > 0.26794919243112270) {
+        base += sign * (RIDDLE_PI / 6.0);
+        t = (1.7320508075688773 * t - 1.0) / (t + 1.7320508075688773);
+    }
+    double z = t * t, p = 0.0;
+    for (int k = 15; k > 0; k--) p = z * (1.0 / (2 * k + 1) - p);
+    double value = base + sign * (t - t * p);
+    return x < 0.0 ? -value : value;
+}
+
+static inline double riddle_atan2(double y, double x) {
+    if (x == 0.0 && y == 0.0) return 0.0;
+    if (x != x || y != y) return (double)NAN;
+    if (fabs(y) > fabs(x)) return (y > 0.0 ? 0.5 : -0.5) * RIDDLE_PI - riddle_atan(x / y);
+    return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
+}
+
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
+
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
+#endif /* RIDDLE_PORTABLE_MATH */
+/* <<portable-math */
+/* clang-format on */
+
+/* >>laws ====================================================================================================================== */
+
+static inline const char *classifier_status_text(classifier_status status) {
+#define CLASSIFIER__TEXT(name, text)                                                                                                       \
+    if (status == name) return text;
+    CLASSIFIER_STATUSES(CLASSIFIER__TEXT)
+#undef CLASSIFIER__TEXT
+    return "unknown status";
+}
+
+static inline bool classifier__positive(double v) { return v > 0.0 && v < HUGE_VAL; }
+static inline double classifier__nan(void) { return (double)NAN; }
+
+static inline double classifier_newton_factor(double psi) {
+    if (!(psi > 0.0 && psi <= 1.0 + 1e-12)) return classifier__nan();
+    double ln10 = 2.302585092994046, l = psi < 1.0 ? -riddle_log(psi) / ln10 : 0.0;
+    return riddle_exp(0.4 * ln10 * riddle_pow(l, 0.2));
+}
+
+static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
+                                                                     classifier_basis basis) {
+    classifier_drag d = {classifier__nan(), classifier__nan(), classifier__nan(), CLASSIFIER_HOELZER_SOMMERFELD};
+    double factor = classifier_newton_factor(psi);
+    if (!(factor > 0.0 && classifier__positive(psi_parallel) && classifier__positive(psi_perpendicular))) return d;
+    double root = sqrt(psi), area = basis == CLASSIFIER_PROJECTED ? 1.0 / psi_perpendicular : 1.0;
+    d.c1 = (8.0 / sqrt(psi_parallel) + 16.0 / root) * area;
+    d.c2 = 3.0 / (root * sqrt(root)) * area;
+    d.c3 = 0.42 * factor / psi_perpendicular * area;
+    return d;
+}
+
+static inline classifier_drag classifier_hoelzer_sommerfeld(double psi, classifier_basis basis) {
+    return classifier_hoelzer_sommerfeld_oriented(psi, psi, psi, basis);
+}
+
+static inline classifier_drag classifier_schiller_naumann(void) {
+    classifier_drag d = {24.0, 3.6, 0.0, CLASSIFIER_SCHILLER_NAUMANN};
+    return d;
+}
+
+static inline classifier_drag classifier_stokes(void) {
+    classifier_drag d = {24.0, 0.0, 0.0, CLASSIFIER_STOKES};
+    return d;
+}
+
+static inline double classifier_drag_coefficient(classifier_drag drag, double re) {
+    if (!(re > 0.0)) return classifier__nan();
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) return re <= 1000.0 ? drag.c1 / re + drag.c2 * riddle_pow(re, -0.313) : 0.44;
+    return drag.c1 / re + drag.c2 / sqrt(re) + drag.c3;
+}
+
+static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density, double viscosity) {
+    if (!(classifier__positive(x) && classifier__positive(fluid_density) && classifier__positive(viscosity) && speed >= 0.0))
+        return classifier__nan();
+    double re = fluid_density * speed * x / viscosity;
+    double cd_re = re > 0.0 ? classifier_drag_coefficient(drag, re) * re : drag.c1;
+    return 0.125 * RIDDLE_PI * x * viscosity * speed * cd_re;
+}
+
+static inline double classifier_sphericity(double volume, double surface) {
+    if (!(classifier__positive(volume) && classifier__positive(surface))) return classifier__nan();
+    double d = riddle_cbrt(6.0 * volume / RIDDLE_PI);
+    return RIDDLE_PI * d * d / surface;
+}
+
+static inline double classifier_sphericity_2d(double area, double perimeter) {
+    if (!(classifier__positive(area) && classifier__positive(perimeter))) return classifier__nan();
+    return 2.0 * sqrt(RIDDLE_PI * area) / perimeter;
+}
+
+#define CLASSIFIER__RORATO_LOW ((0.5075 + 0.067) / 1.075)
+#define CLASSIFIER__RORATO_HIGH ((0.9998 + 0.067) / 1.075)
+
+static inline double classifier_rorato(double psi_2d) {
+    if (!(psi_2d >= CLASSIFIER__RORATO_LOW && psi_2d <= CLASSIFIER__RORATO_HIGH)) return classifier__nan();
+    return 1.075 * psi_2d - 0.067;
+}
+
+static inline double classifier_rorato_clamped(double psi_2d, bool *clamped) {
+    double inside = psi_2d < CLASSIFIER__RORATO_LOW    ? CLASSIFIER__RORATO_LOW
+                    : psi_2d > CLASSIFIER__RORATO_HIGH ? CLASSIFIER__RORATO_HIGH
+                                                       : psi_2d;
+    if (clamped) *clamped = inside != psi_2d;
+    return classifier_rorato(inside);
+}
+
+static inline double classifier_di_felice_exponent(double re) {
+    if (!(re >= 0.0)) return classifier__nan();
+    if (re == 0.0) return 3.7;
+    double z = 1.5 - riddle_log(re) / 2.302585092994046;
+    return 3.7 - 0.65 * riddle_exp(-0.5 * z * z);
+}
+
+static inline double classifier__voids_power(double voids, double exponent) {
+    return voids > 0.0 && voids <= 1.0 ? riddle_pow(voids, exponent) : classifier__nan();
+}
+static inline double classifier_di_felice_superficial(double voids, double re) {
+    return classifier__voids_power(voids, -classifier_di_felice_exponent(re));
+}
+static inline double classifier_di_felice_interstitial_drag(double voids, double re) {
+    return classifier__voids_power(voids, 2.0 - classifier_di_felice_exponent(re));
+}
+static inline double classifier_di_felice_interstitial_total(double voids, double re) {
+    return classifier__voids_power(voids, 1.0 - classifier_di_felice_exponent(re));
+}
+
+/* >>balance =================================================================================================================== */
+
+/* Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3 y^2 - u2 y - u1 = 0 with
+   all u in
+   [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method cannot leave.
+   The start takes sqrt(Re) of the middle term as 1. */
+static inline double classifier__solve_cut(classifier_drag drag, double g, int *iterations) {
+    double s1 = sqrt(g) * sqrt(drag.c1), s2 = riddle_cbrt(g * drag.c2), s3 = g * drag.c3;
+    s2 *= s2;
+    double unit = s1 > s2 ? s1 : s2;
+    if (s3 > unit) unit = s3;
+    double u3 = s3 / unit, u2 = s2 / unit * sqrt(s2 / unit), u1 = s1 / unit * (s1 / unit),
+           y = sqrt(0.5 * u3 + sqrt(0.25 * u3 * u3 + u2 + u1));
+    int i = 0;
+    for (double step = 1.0; fabs(step) > 1e-9 && i < 20; i++) { /* quadratic: a step of 1e-9 leaves less than a rounding */
+        step = (((y * y - u3) * y - u2) * y - u1) / ((4.0 * y * y - 2.0 * u3) * y - u2);
+        y -= step;
+    }
+    if (iterations) *iterations = i;
+    return unit * y * y;
+}
+
+/* Re^2 c_D(Re) = b: in units of the smallest one-term solution v3 y^4 + v2 y^3 + v1 y^2 = 1, rising and convex, root between 1/sqrt 3
+   and 1. */
+static inline double classifier__solve_speed(classifier_drag drag, double b, int *iterations) {
+    double s1 = b / drag.c1, s2 = riddle_cbrt(b / drag.c2), s3 = sqrt(b / drag.c3); /* infinite where a term is missing */
+    s2 *= s2;
+    double unit = s1 < s2 ? s1 : s2;
+    if (s3 < unit) unit = s3;
+    double v1 = unit / s1, v2 = unit / s2 * sqrt(unit / s2), v3 = unit / s3 * (unit / s3), y = 1.0;
+    int i = 0;
+    for (double step = 1.0; fabs(step) > 1e-9 && i < 20; i++) {
+        step = (((v3 * y + v2) * y + v1) * y * y - 1.0) / (((4.0 * v3 * y + 3.0 * v2) * y + 2.0 * v1) * y);
+        y -= step;
+    }
+    if (iterations) *iterations = i;
+    return unit * y * y;
+}
+
+/* Re^k c_D = b for Schiller-Naumann, k = -1 (cut) or 2 (speed): Newton in ln Re, monotone because the slope k - m is monotone. */
+static inline double classifier__solve_schiller_naumann(classifier_drag drag, double b, double k, int *iterations) {
+    double ln_b = riddle_log(b), l = k < 0.0 ? -0.5 * (riddle_log(drag.c1) - ln_b) : ln_b - riddle_log(drag.c1);
+    int i = 0;
+    for (double step = 1.0; fabs(step) > 1e-9 && i < 40; i++) {
+        double t1 = drag.c1 * riddle_exp(-l), t2 = drag.c2 * riddle_exp(-0.313 * l), m = (t1 + 0.313 * t2) / (t1 + t2);
+        step = k < 0.0 ? (l - ln_b - riddle_log(t1 + t2)) / (1.0 + m) : (2.0 * l + riddle_log(t1 + t2) - ln_b) / (2.0 - m);
+        l -= step;
+    }
+    if (iterations) *iterations = i;
+    double re = riddle_exp(l);
+    if (re <= 1000.0) return re;
+    re = k < 0.0 ? 0.44 * b : sqrt(b / 0.44);
+    return re > 1000.0 ? re : 1000.0; /* b falls into the law's 0.4 % step at Re 1000 */
+}
+
+static inline bool classifier__balance_ok(const classifier_balance *at) {
+    return classifier__positive(at->fluid_density) && classifier__positive(at->viscosity) && classifier__positive(at->particle_density) &&
+           classifier__positive(at->radius) && (!at->buoyancy || at->particle_density > at->fluid_density);
+}
+static inline double classifier__driving_density(const classifier_balance *at) {
+    return at->buoyancy ? at->particle_density - at->fluid_density : at->particle_density;
+}
+static inline bool classifier__drag_ok(classifier_drag drag) {
+    return classifier__positive(drag.c1) && drag.c2 >= 0.0 && drag.c3 >= 0.0 && drag.c2 + drag.c3 < HUGE_VAL;
+}
+
+static inline double classifier_cut_size_stokes(const classifier_balance *at) {
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(at->tangential_velocity)))
+        return classifier__nan();
+    return sqrt(18.0 * at->viscosity / classifier__driving_density(at) * at->radius * at->radial_velocity) / at->tangential_velocity;
+}
+
+static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations) {
+    if (iterations) *iterations = 0;
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(at->tangential_velocity) &&
+          classifier__drag_ok(drag)))
+        return classifier__nan();
+    double ratio = at->radial_velocity / at->tangential_velocity;
+    double k = 0.75 * at->fluid_density / classifier__driving_density(at) * at->radius * ratio * ratio;
+    double a = at->fluid_density * at->radial_velocity / at->viscosity; /* Re = a x */
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) return classifier__solve_schiller_naumann(drag, a * k, -1.0, iterations) / a;
+    return classifier__solve_cut(drag, a * k, iterations) / a;
+}
+
+static inline double classifier_cut_sensitivity(classifier_drag drag, double re) {
+    if (!(re > 0.0 && classifier__drag_ok(drag))) return classifier__nan();
+    double p = 0.5, t2 = drag.c2 / sqrt(re), t1 = drag.c1 / re;
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) {
+        if (re > 1000.0) return 1.0;
+        p = 0.313;
+        t2 = drag.c2 * riddle_pow(re, -p);
+    }
+    return 1.0 / (1.0 + (t1 + p * t2) / (t1 + t2 + drag.c3));
+}
+
+static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x) {
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(x))) return classifier__nan();
+    double re = at->fluid_density * at->radial_velocity * x / at->viscosity;
+    return at->radial_velocity *
+           sqrt(0.75 * at->fluid_density / classifier__driving_density(at) * at->radius / x * classifier_drag_coefficient(drag, re));
+}
+
+/* Speed at which the drag on x [m] balances particle_density * acceleration; density: the one that drives */
+static inline double classifier__speed_for(classifier_drag drag, double x, double density, double fluid_density, double viscosity,
+                                           double acceleration) {
+    double unit = viscosity / (fluid_density * x); /* speed at Re = 1 */
+    double b = 4.0 / 3.0 * density / fluid_density * acceleration * x / (unit * unit);
+    if (!(classifier__positive(b) && classifier__drag_ok(drag))) return classifier__nan();
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) return unit * classifier__solve_schiller_naumann(drag, b, 2.0, NULL);
+    return unit * classifier__solve_speed(drag, b, NULL);
+}
+
+static inline double classifier_cut_radial_velocity(const classifier_balance *at, classifier_drag drag, double x) {
+    if (!(classifier__balance_ok(at) && classifier__positive(at->tangential_velocity) && classifier__positive(x))) return classifier__nan();
+    return classifier__speed_for(drag, x, classifier__driving_density(at), at->fluid_density, at->viscosity,
+                                 at->tangential_velocity * at->tangential_velocity / at->radius);
+}
+
+static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
+                                                  double viscosity, double gravity) {
+    if (!(classifier__positive(x) && particle_density >= 0.0 && classifier__positive(fluid_density) && classifier__positive(viscosity) &&
+          classifier__positive(gravity)))
+        return classifier__nan();
+    double difference = particle_density - fluid_density;
+    if (difference == 0.0) return 0.0;
+    double v = classifier__speed_for(drag, x, fabs(difference), fluid_density, viscosity, gravity);
+    return difference > 0.0 ? v : -v;
+}
+
+/* int_0^re dRe / (Re c_D). With u = sqrt(Re): int 2 u du / (c1 + c2 u + c3 u^2). */
+static inline double classifier__drag_integral(classifier_drag drag, double re) {
+    double c1 = drag.c1, c2 = drag.c2, c3 = drag.c3, u = sqrt(re);
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) {
+        /* (Re/24) 2F1(1, b; 1 + b; -z), z = 0.15 Re^0.687, b = 1 / 0.687; Pfaff's transformation makes all terms positive */
+        double low = re < 1000.0 ? re : 1000.0, z = c2 / c1 * riddle_pow(low, 0.687), w = z / (1.0 + z), b = 1.0 / 0.687, term = 1.0,
+               sum = 0.0;
+        for (int n = 1; term > 1e-17 * sum && n < 4000; n++) {
+            sum += term;
+            term *= w * n / (b + n);
+        }
+        return low / c1 / (1.0 + z) * sum + (re > low ? riddle_log(re / low) / 0.44 : 0.0);
+    }
+    if (c2 == 0.0 && c3 == 0.0) return re / c1;
+    double small = (c2 * u + c3 * re) / c1;
+    if (small < 0.2) { /* the closed form cancels here: 2 u / c1 times the power series of 1 / (1 + p + q), term by term */
+        double p = c2 / c1 * u, q = c3 / c1 * re, before = 0.0, now = 1.0, sum = 0.0;
+        for (int n = 0; n < 24; n++) {
+            sum += now / (n + 2);
+            double next = -p * now - q * before;
+            before = now;
+            now = next;
+        }
+        return 2.0 * re / c1 * sum;
+    }
+    double d = 4.0 * c1 * c3 - c2 * c2, rest;
+    if (d > 0.0) {
+        double root = sqrt(d);
+        rest = 2.0 / root * riddle_atan2(root * u, 2.0 * c1 + c2 * u); /* difference of two arctangents in one */
+    } else {
+        double root = sqrt(-d), s = root * u / (2.0 * c1 + c2 * u);
+        rest =
+            s > 1e-4 ? riddle_log((1.0 + s) / (1.0 - s)) / root : 2.0 * u / (2.0 * c1 + c2 * u) * (1.0 + s * s / 3.0 + s * s * s * s / 5.0);
+    }
+    return (riddle_log1p(small) - c2 * rest) / c3;
+}
+
+static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
+                                                  double viscosity, double speed) {
+    if (!(classifier__positive(x) && classifier__positive(particle_density) && classifier__positive(fluid_density) &&
+          classifier__positive(viscosity) && speed >= 0.0 && speed < HUGE_VAL && classifier__drag_ok(drag)))
+        return classifier__nan();
+    if (speed == 0.0) return 0.0;
+    return 4.0 / 3.0 * particle_density / fluid_density * x * classifier__drag_integral(drag, fluid_density * speed * x / viscosity);
+}
+
+static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density, double viscosity,
+                                                         double speed) {
+    if (!(classifier__positive(x) && classifier__positive(particle_density) && classifier__positive(fluid_density) &&
+          classifier__positive(viscosity) && speed >= 0.0))
+        return classifier__nan();
+    double root6 = 2.449489742783178, c = riddle_cbrt(fluid_density * speed * x / viscosity);
+    return particle_density * x / fluid_density * (c - root6 * riddle_atan(c / root6));
+}
+
+/* >>rebound =================================================================================================================== */
+
+static inline double classifier_thornton_ning(double speed, double yield_velocity) {
+    if (!(classifier__positive(speed) && yield_velocity > 0.0)) return classifier__nan();
+    double r = yield_velocity / speed;
+    if (r >= 1.0) return 1.0;
+    return sqrt(1.2 * 1.7320508075688773 * (1.0 - r * r / 6.0) * sqrt(r / (r + 2.0 * sqrt(1.2 - 0.2 * r * r))));
+}
+
+static inline double classifier_yield_velocity(double contact_pressure, double density, double reduced_modulus) {
+    if (!(classifier__positive(contact_pressure) && classifier__positive(density) && classifier__positive(reduced_modulus)))
+        return classifier__nan();
+    double ratio = contact_pressure / reduced_modulus;
+    return 1.5605 * ratio * ratio * sqrt(contact_pressure / density);
+}
+
+static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2, double poisson_2) {
+    if (!(modulus_1 > 0.0 && modulus_2 > 0.0 && fabs(poisson_1) < 1.0 && fabs(poisson_2) < 1.0)) return classifier__nan();
+    return 1.0 / ((1.0 - poisson_1 * poisson_1) / modulus_1 + (1.0 - poisson_2 * poisson_2) / modulus_2);
+}
+
+static inline double classifier_rebound_normal(double paddle_speed, double e, double approach_speed) {
+    return e >= 0.0 && e <= 1.0 ? paddle_speed + e * (paddle_speed + approach_speed) : classifier__nan();
+}
+static inline double classifier_rebound_paddle(double paddle_speed, double e, double relative_speed, double cos_angle) {
+    return e >= 0.0 && e <= 1.0 ? paddle_speed + e * relative_speed * cos_angle : classifier__nan();
+}
+static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share) {
+    return e >= 0.0 && e <= 1.0 ? 0.5 * (1.0 + e) * share * (v_a + v_t) - v_t : classifier__nan();
+}
+static inline double classifier_rebound_slowed(double v_a, double v_t, double e) {
+    return e >= 0.0 && e <= 1.0 ? v_a - 0.5 * (1.0 + e) * (v_a + v_t) : classifier__nan();
+}
+
+/* >>cases ===================================================================================================================== */
+
+static inline classifier_weights classifier__weights(double clean, double thrown, double again) {
+    classifier_weights w;
+    w.clean = clean;
+    w.thrown = thrown;
+    w.again = again;
+    return w;
+}
+static inline classifier_weights classifier__weights_nan(void) {
+    return classifier__weights(classifier__nan(), classifier__nan(), classifier__nan());
+}
+
+static inline classifier_weights classifier_weights_of(int n) {
+    if (n < 0) return classifier__weights_nan();
+    if (n == 0) return classifier__weights(1.0, 0.0, 0.0);
+    double a = 0.75 * (n + 1.0);
+    for (int i = 0; i < n && a > 0.0; i++) a /= 3.0;
+    return classifier__weights(a, 0.25, 0.75 - a);
+}
+
+static inline classifier_weights classifier_weights_poisson(double mean) {
+    if (!(mean >= 0.0)) return classifier__weights_nan();
+    double b = -0.25 * riddle_expm1(-mean), zero = riddle_exp(-mean);
+    double a = zero + 0.75 * ((1.0 + mean / 3.0) * riddle_exp(-2.0 / 3.0 * mean) - zero);
+    if (!(mean < 1000.0)) a = 0.0;
+    return classifier__weights(a, b, 1.0 - a - b);
+}
+
+static inline classifier_weights classifier_weights_geometric(double mean) {
+    if (!(mean >= 0.0)) return classifier__weights_nan();
+    double q = mean < 1e300 ? mean / (1.0 + mean) : 1.0, f = 1.0 - q / 3.0, a = (1.0 - q) * (0.25 + 0.75 / (f * f));
+    return classifier__weights(a, 0.25 * q, 1.0 - a - 0.25 * q);
+}
+
+static inline classifier_weights classifier_weights_markov(int n, double counter, double wall) {
+    if (!(n >= 0 && counter >= 0.0 && counter <= 1.0 && wall >= 0.0 && wall <= 1.0)) return classifier__weights_nan();
+    double in = 1.0 - wall, out_w = wall, out_p = 0.0; /* inbound; outbound with a paddle or a particle as the last reversal */
+    double clean_in = in, clean_out = wall;            /* of these: never turned by a particle */
+    for (int i = 0; i < n; i++) {
+        double turned_in = counter * (out_w + out_p), turned_out = counter * in;
+        in = (1.0 - counter) * in + turned_in;
+        out_p = (1.0 - counter) * out_p + turned_out;
+        out_w *= 1.0 - counter;
+        clean_in *= 1.0 - counter;
+        clean_out *= 1.0 - counter;
+        out_w += wall * in;
+        in *= 1.0 - wall;
+        clean_out += wall * clean_in;
+        clean_in *= 1.0 - wall;
+    }
+    double out = out_w + out_p;
+    if (!(out > 0.0)) return classifier__weights_nan();
+    return classifier__weights(clean_out / out, out_p / out, (out_w - clean_out) / out);
+}
+
+/* >>curves ==================================================================================================================== */
+
+/* solves w + ln w = l: Lambert's W(e^l) without overflow. Newton's method for a concave function, from below. */
+static inline double classifier__lambert_w_exp(double l) {
+    double w = l < 1.0 ? riddle_exp(l) / (1.0 + riddle_exp(l)) : l - riddle_log(l);
+    for (int i = 0; i < 40 && w > 0.0; i++) {
+        double step = (w + riddle_log(w) - l) / (1.0 + 1.0 / w);
+        w -= step;
+        if (!(fabs(step) > 1e-16 * w)) break;
+    }
+    return w;
+}
+
+static inline double classifier_rosin_rammler(double x, double x63, double n) {
+    if (!(x >= 0.0 && classifier__positive(x63) && classifier__positive(n))) return classifier__nan();
+    return -riddle_expm1(-riddle_pow(x / x63, n));
+}
+static inline double classifier_rosin_rammler_size(double t, double x63, double n) {
+    if (!(t >= 0.0 && t < 1.0 && classifier__positive(x63) && classifier__positive(n))) return classifier__nan();
+    return x63 * riddle_pow(-riddle_log1p(-t), 1.0 / n);
+}
+static inline double classifier_plitt(double x, double x50, double m) {
+    if (!(x >= 0.0 && classifier__positive(x50) && classifier__positive(m))) return classifier__nan();
+    return -riddle_expm1(-0.6931471805599453 * riddle_pow(x / x50, m));
+}
+static inline double classifier_plitt_size(double t, double x50, double m) {
+    if (!(t >= 0.0 && t < 1.0 && classifier__positive(x50) && classifier__positive(m))) return classifier__nan();
+    return x50 * riddle_pow(-riddle_log1p(-t) / 0.6931471805599453, 1.0 / m);
+}
+static inline double classifier_molerus_hoffmann(double x, double x50, double alpha) {
+    if (!(x >= 0.0 && classifier__positive(x50) && alpha >= 0.0 && alpha < HUGE_VAL)) return classifier__nan();
+    double z = x / x50 * (x / x50);
+    if (!(z < 1e300)) return 1.0;
+    return z > 0.0 ? 1.0 / (1.0 + riddle_exp(alpha * (1.0 - z)) / z) : 0.0;
+}
+static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha) {
+    if (!(t >= 0.0 && t < 1.0 && classifier__positive(x50) && alpha >= 0.0 && alpha < HUGE_VAL)) return classifier__nan();
+    if (t == 0.0) return 0.0;
+    double odds = t / (1.0 - t);
+    if (alpha < 1e-12) return x50 * sqrt(odds);
+    return x50 * sqrt(classifier__lambert_w_exp(riddle_log(alpha) + alpha + riddle_log(odds)) / alpha);
+}
+
+static inline classifier_curve classifier_curve_of(classifier_curve_law law, double size, double slope) {
+    classifier_curve c;
+    c.law = law;
+    c.size = size;
+    c.slope = slope;
+    c.bypass = 0.0;
+    c.hook_size = HUGE_VAL;
+    return c;
+}
+
+static inline double classifier__curve_clean(const classifier_curve *c, double x) {
+    if (c->law == CLASSIFIER_PLITT) return classifier_plitt(x, c->size, c->slope);
+    if (c->law == CLASSIFIER_ROSIN_RAMMLER) return classifier_rosin_rammler(x, c->size, c->slope);
+    return classifier_molerus_hoffmann(x, c->size, c->slope);
+}
+
+static inline double classifier_curve_value(const classifier_curve *c, double x) {
+    if (!(c->bypass >= 0.0 && c->bypass < 1.0 && c->hook_size > 0.0)) return classifier__nan();
+    double b = x < c->hook_size ? c->bypass * (1.0 - x / c->hook_size) : 0.0;
+    return b + (1.0 - b) * classifier__curve_clean(c, x);
+}
+
+/* >>wheel ===================================================================================================================== */
+
+static inline double classifier_radial_velocity(const classifier_wheel *wheel, double air_flow, double r) {
+    double open = 2.0 * RIDDLE_PI * r - wheel->paddles * wheel->thickness;
+    return open > 0.0 && classifier__positive(wheel->height) ? air_flow / (wheel->height * open) : classifier__nan();
+}
+
+static inline classifier_distribution classifier_normal(double mean, double sd, double low, double high) {
+    classifier_distribution d;
+    d.shape = CLASSIFIER_NORMAL;
+    d.mean = mean;
+    d.sd = sd;
+    d.low = low;
+    d.high = high;
+    d.bins = 0;
+    d.edge[0] = d.cumulative[0] = 0.0;
+    return d;
+}
+
+#ifdef CLASSIFIER__BODIES
+
+/* >>distributions ============================================================================================================= */
+
+static inline double classifier__polynomial(double z, const double *c, int n) { /* c[0] z^n + ... + c[n] */
+    double p = c[0];
+    for (int i = 1; i <= n; i++) p = p * z + c[i];
+    return p;
+}
+
+/* P(N > z), N normal; rational approximations of erfc, Cody 1969 */
+static inline double classifier__normal_above(double z) {
+    const double a[] = {1.85777706184603153e-1, 3.16112374387056560, 1.13864154151050156e2, 3.77485237685302021e2, 3.20937758913846947e3};
+    const double b[] = {1.0, 2.36012909523441209e1, 2.44024637934444173e2, 1.28261652607737228e3, 2.84423683343917062e3};
+    const double c[] = {2.15311535474403846e-8, 5.64188496988670089e-1, 8.88314979438837594,   6.61191906371416295e1, 2.98635138197400131e2,
+                        8.81952221241769090e2,  1.71204761263407058e3,  2.05107837782607147e3, 1.23033935479799725e3};
+    const double d[] = {1.0,
+                        1.57449261107098347e1,
+                        1.17693950891312499e2,
+                        5.37181101862009858e2,
+                        1.62138957456669019e3,
+                        3.29079923573345963e3,
+                        4.36261909014324716e3,
+                        3.43936767414372164e3,
+                        1.23033935480374942e3};
+    const double p[] = {1.63153871373020978e-2, 3.05326634961232344e-1, 3.60344899949804439e-1,
+                        1.25781726111229246e-1, 1.60837851487422766e-2, 6.58749161529837803e-4};
+    const double q[] = {
+        1.0, 2.56852019228982242, 1.87295284992346725, 5.27905102951428412e-1, 6.05183413124413191e-2, 2.33520497626869185e-3};
+    double y = fabs(z) * 0.70710678118654752, value;
+    if (z != z) return z;
+    if (y > 26.6) return z > 0.0 ? 0.0 : 1.0;
+    if (y <= 0.46875) return 0.5 - 0.5 * (z < 0.0 ? -y : y) * classifier__polynomial(y * y, a, 4) / classifier__polynomial(y * y, b, 4);
+    if (y <= 4.0) {
+        value = classifier__polynomial(y, c, 8) / classifier__polynomial(y, d, 8);
+    } else {
+        double s = 1.0 / (y * y);
+        value = (0.56418958354775629 - s * classifier__polynomial(s, p, 5) / classifier__polynomial(s, q, 5)) / y;
+    }
+    value *= 0.5 * riddle_exp(-0.5 * z * z);
+    return z > 0.0 ? value : 1.0 - value;
+}
+
+/* z with P(N < z) = u, 0 < u < 1: Wichura 1988, algorithm AS 241, 1e-16 */
+static inline double classifier__normal_at(double u) {
+    const double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4, 4.5921953931549871457e4,
+                        1.3731693765509461125e4, 1.9715909503065514427e3, 1.3314166789178437745e2, 3.3871328727963666080};
+    const double b[] = {5.2264952788528545610e3, 2.8729085735721942674e4, 3.9307895800092710610e4, 2.1213794301586595867e4,
+                        5.3941960214247511077e3, 6.8718700749205790830e2, 4.2313330701600911252e1, 1.0};
+    const double c[] = {7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
+                        3.64784832476320460504,    5.76949722146069140550,    4.63033784615654529590,    1.42343711074968357734};
+    const double d[] = {1.05075007164441684324e-9, 5.47593808499534494600e-4, 1.51986665636164571966e-2, 1.48103976427480074590e-1,
+                        6.89767334985100004550e-1, 1.67638483018380384940,    2.05319162663775882187,    1.0};
+    const double e[] = {2.01033439929228813265e-7, 2.71155556874348757815e-5, 1.24266094738807843860e-3, 2.65321895265761230930e-2,
+                        2.96560571828504891230e-1, 1.78482653991729133580,    5.46378491116411436990,    6.65790464350110377720};
+    const double f[] = {2.04426310338993978564e-15, 1.42151175831644588870e-7, 1.84631831751005468180e-5, 7.86869131145613259100e-4,
+                        1.48753612908506148525e-2,  1.36929880922735805310e-1, 5.99832206555887937690e-1, 1.0};
+    double q = u - 0.5;
+    if (fabs(q) <= 0.425) {
+        double r = 0.180625 - q * q;
+        return q * classifier__polynomial(r, a, 7) / classifier__polynomial(r, b, 7);
+    }
+    double r = sqrt(-riddle_log(q < 0.0 ? u : 1.0 - u)), z;
+    if (r <= 5.0) z = classifier__polynomial(r - 1.6, c, 7) / classifier__polynomial(r - 1.6, d, 7);
+    else z = classifier__polynomial(r - 5.0, e, 7) / classifier__polynomial(r - 5.0, f, 7);
+    return q < 0.0 ? -z : z;
+}
+
+CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made) {
+    if (!made || (bins > 0 && (!edge || !shares)) || bins > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
+    if (bins <= 0) return CLASSIFIER_EMPTY;
+    double total = 0.0;
+    for (int i = 0; i < bins; i++) {
+        if (!(shares[i] >= 0.0 && shares[i] < HUGE_VAL && fabs(edge[i]) < HUGE_VAL && fabs(edge[i + 1]) < HUGE_VAL))
+            return CLASSIFIER_BAD_ARGUMENT;
+        if (!(edge[i + 1] > edge[i])) return CLASSIFIER_NOT_SORTED;
+        total += shares[i];
+    }
+    if (!(total > 0.0)) return CLASSIFIER_EMPTY;
+    if (!(fabs(total - 1.0) <= 1e-3)) return CLASSIFIER_NOT_NORMALISED;
+    classifier_distribution d = classifier_normal(0.0, 0.0, edge[0], edge[bins]);
+    d.shape = CLASSIFIER_HISTOGRAM;
+    d.bins = bins;
+    double sum = 0.0;
+    d.edge[0] = edge[0];
+    for (int i = 0; i < bins; i++) {
+        sum += shares[i];
+        d.edge[i + 1] = edge[i + 1];
+        d.cumulative[i + 1] = i + 1 < bins ? sum / total : 1.0;
+    }
+    *made = d;
+    made->mean = classifier_distribution_mean(&d);
+    return CLASSIFIER_OK;
+}
+
+CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d) {
+    if (d->shape == CLASSIFIER_HISTOGRAM) {
+        if (d->bins < 1) return CLASSIFIER_EMPTY;
+        if (d->bins > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
+        for (int i = 0; i < d->bins; i++) {
+            if (!(d->edge[i + 1] > d->edge[i])) return CLASSIFIER_NOT_SORTED;
+            if (!(d->cumulative[i + 1] >= d->cumulative[i])) return CLASSIFIER_BAD_ARGUMENT;
+        }
+        return d->cumulative[0] == 0.0 && d->cumulative[d->bins] == 1.0 && fabs(d->edge[0]) < HUGE_VAL && fabs(d->edge[d->bins]) < HUGE_VAL
+                   ? CLASSIFIER_OK
+                   : CLASSIFIER_NOT_NORMALISED;
+    }
+    if (d->shape != CLASSIFIER_NORMAL || !(fabs(d->mean) < HUGE_VAL && d->sd >= 0.0 && d->sd < HUGE_VAL && d->low <= d->high))
+        return CLASSIFIER_BAD_ARGUMENT;
+    if (d->sd == 0.0) return d->mean >= d->low && d->mean <= d->high ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
+    double mass = classifier__normal_above((d->low - d->mean) / d->sd) - classifier__normal_above((d->high - d->mean) / d->sd);
+    return mass > 1e-9 ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
+}
+
+/* P(X < value) */
+static inline double classifier__below(const classifier_distribution *d, double value, double normal_low, double normal_mass) {
+    if (!(value > d->low)) return value != value ? value : 0.0;
+    if (!(value < d->high)) return 1.0;
+    if (d->shape == CLASSIFIER_HISTOGRAM) {
+        int low = 0, high = d->bins;
+        while (high - low > 1) {
+            int middle = (low + high) / 2;
+            if (value >= d->edge[middle]) low = middle;
+            else high = middle;
+        }
+        return d->cumulative[low] + (d->cumulative[high] - d->cumulative[low]) * (value - d->edge[low]) / (d->edge[high] - d->edge[low]);
+    }
+    if (d->sd == 0.0) return value > d->mean ? 1.0 : 0.0;
+    return (normal_low - classifier__normal_above((value - d->mean) / d->sd)) / normal_mass;
+}
+
+static inline double classifier__at(const classifier_distribution *d, double u, double normal_low, double normal_mass) {
+    if (d->shape == CLASSIFIER_HISTOGRAM) {
+        int low = 0, high = d->bins;
+        while (high - low > 1) {
+            int middle = (low + high) / 2;
+            if (u >= d->cumulative[middle]) low = middle;
+            else high = middle;
+        }
+        double width = d->cumulative[high] - d->cumulative[low];
+        return d->edge[low] + (width > 0.0 ? (u - d->cumulative[low]) / width : 0.0) * (d->edge[high] - d->edge[low]);
+    }
+    if (d->sd == 0.0) return d->mean;
+    /* from the nearer tail: 1 - u would lose digits */
+    double above = normal_low - u * normal_mass, x = d->mean - d->sd * classifier__normal_at(above);
+    return x < d->low ? d->low : x > d->high ? d->high : x;
+}
+
+/* A distribution with the constants of its normal law: P(N > low) and P(low < N < high) before the cut */
+typedef struct classifier__drawer {
+    const classifier_distribution *d;
+    double low, mass;
+} classifier__drawer;
+static inline classifier__drawer classifier__drawer_of(const classifier_distribution *d) {
+    classifier__drawer w;
+    w.d = d;
+    w.low = w.mass = 1.0;
+    if (d->shape == CLASSIFIER_NORMAL && d->sd > 0.0) {
+        w.low = classifier__normal_above((d->low - d->mean) / d->sd);
+        w.mass = w.low - classifier__normal_above((d->high - d->mean) / d->sd);
+    }
+    return w;
+}
+static inline double classifier__draw(const classifier__drawer *w, double u) { return classifier__at(w->d, u, w->low, w->mass); }
+/* The share u of the way through what lies between low and high; the middle if nothing does */
+static inline double classifier__draw_between(const classifier__drawer *w, double u, double low, double high) {
+    double a = classifier__below(w->d, low, w->low, w->mass), b = classifier__below(w->d, high, w->low, w->mass);
+    return b > a ? classifier__draw(w, a + u * (b - a)) : 0.5 * (low + high);
+}
+
+CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value) {
+    classifier__drawer w = classifier__drawer_of(d);
+    return 1.0 - classifier__below(d, value, w.low, w.mass);
+}
+
+CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u) {
+    if (!(u > 0.0 && u < 1.0)) return classifier__nan();
+    classifier__drawer w = classifier__drawer_of(d);
+    return classifier__draw(&w, u);
+}
+
+CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d) {
+    if (d->shape == CLASSIFIER_HISTOGRAM) {
+        double sum = 0.0;
+        for (int i = 0; i < d->bins; i++) sum += (d->cumulative[i + 1] - d->cumulative[i]) * 0.5 * (d->edge[i] + d->edge[i + 1]);
+        return sum;
+    }
+    if (d->sd == 0.0) return d->mean;
+    double a = (d->low - d->mean) / d->sd, b = (d->high - d->mean) / d->sd;
+    double mass = classifier__normal_above(a) - classifier__normal_above(b);
+    double density = (a > -HUGE_VAL ? riddle_exp(-0.5 * a * a) : 0.0) - (b < HUGE_VAL ? riddle_exp(-0.5 * b * b) : 0.0);
+    return d->mean + d->sd * 0.39894228040143268 * density / mass;
+}
+
+CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_contacts *c, classifier_weights *weights) {
+    if (!c || !weights) return CLASSIFIER_BAD_ARGUMENT;
+    if (c->law == CLASSIFIER_COUNTED) {
+        if (c->counts > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
+        double total = 0.0;
+        classifier_weights sum = classifier__weights(0.0, 0.0, 0.0);
+        for (int n = 0; n < c->counts; n++) {
+            if (!(c->share[n] >= 0.0 && c->share[n] < HUGE_VAL)) return CLASSIFIER_BAD_ARGUMENT;
+            classifier_weights w = classifier_weights_of(n);
+            total += c->share[n];
+            sum.clean += c->share[n] * w.clean;
+            sum.thrown += c->share[n] * w.thrown;
+            sum.again += c->share[n] * w.again;
+        }
+        if (!(total > 0.0)) return CLASSIFIER_EMPTY;
+        if (!(fabs(total - 1.0) <= 1e-3)) return CLASSIFIER_NOT_NORMALISED;
+        *weights = classifier__weights(sum.clean / total, sum.thrown / total, sum.again / total);
+        return CLASSIFIER_OK;
+    }
+    if (!(c->mean >= 0.0 && c->mean <= 1e6)) return CLASSIFIER_BAD_ARGUMENT;
+    bool whole = c->mean == floor(c->mean);
+    classifier_weights w = c->law == CLASSIFIER_POISSON           ? classifier_weights_poisson(c->mean)
+                           : c->law == CLASSIFIER_GEOMETRIC       ? classifier_weights_geometric(c->mean)
+                           : c->law == CLASSIFIER_MARKOV && whole ? classifier_weights_markov((int)c->mean, c->counter, c->wall)
+                           : c->law == CLASSIFIER_FIXED && whole  ? classifier_weights_of((int)c->mean)
+                                                                  : classifier__weights_nan();
+    if (!(w.clean >= 0.0)) return CLASSIFIER_BAD_ARGUMENT;
+    *weights = w;
+    return CLASSIFIER_OK;
+}
+
+/* >>root ====================================================================================================================== */
+
+/* Brent 1973: zero of f in [a, b], f(a) and f(b) of opposite sign, to 1e-14 of b or an exact zero */
+static inline double classifier__brent(double (*f)(double, const void *), const void *user, double a, double fa, double b, double fb) {
+    double c = a, fc = fa, d = b - a, e = d;
+    for (int i = 0; i < 200; i++) {
+        if ((fb > 0.0) == (fc > 0.0)) {
+            c = a;
+            fc = fa;
+            d = e = b - a;
+        }
+        if (fabs(fc) < fabs(fb)) {
+            a = b;
+            b = c;
+            c = a;
+            fa = fb;
+            fb = fc;
+            fc = fa;
+        }
+        double tolerance = 4e-16 * fabs(b) + 1e-15, half = 0.5 * (c - b);
+        if (fabs(half) <= tolerance || fb == 0.0) break;
+        if (fabs(e) >= tolerance && fabs(fa) > fabs(fb)) {
+            double s = fb / fa, p, q;
+            if (a == c) {
+                p = 2.0 * half * s;
+                q = 1.0 - s;
+            } else {
+                double u = fa / fc, v = fb / fc;
+                p = s * (2.0 * half * u * (u - v) - (b - a) * (v - 1.0));
+                q = (u - 1.0) * (v - 1.0) * (s - 1.0);
+            }
+            if (p > 0.0) q = -q;
+            else p = -p;
+            double bound = 3.0 * half * q - fabs(tolerance * q);
+            if (fabs(e * q) < bound) bound = fabs(e * q);
+            if (2.0 * p < bound) {
+                e = d;
+                d = p / q;
+            } else {
+                d = e = half;
+            }
+        } else {
+            d = e = half;
+        }
+        a = b;
+        fa = fb;
+        b += fabs(d) > tolerance ? d : half > 0.0 ? tolerance : -tolerance;
+        fb = f(b, user);
+    }
+    return b;
+}
+
+/* Zero of a function of ln x between low and high: walks from start in steps of `stride` to a change of sign, then Brent. Exponential of
+   it; NaN if none. */
+static inline double classifier__find(double (*f)(double, const void *), const void *user, double low, double high, double start,
+                                      double stride) {
+    low = riddle_log(low);
+    high = riddle_log(high);
+    double a = start > 0.0 ? riddle_log(start) : 0.5 * (low + high);
+    if (!(a > low)) a = low;
+    if (!(a < high)) a = high;
+    double fa = f(a, user), way = fa < 0.0 ? stride : -stride; /* f rises */
+    while (fa != 0.0) {
+        double b = a + way;
+        if (b < low) b = low;
+        if (b > high) b = high;
+        if (b == a || fa != fa) return classifier__nan();
+        double fb = f(b, user);
+        if ((fb < 0.0) != (fa < 0.0)) return riddle_exp(classifier__brent(f, user, a, fa, b, fb));
+        a = b;
+        fa = fb;
+        way *= 1.5;
+    }
+    return riddle_exp(a);
+}
+
+/* >>sampling ================================================================================================================== */
+
+enum { CLASSIFIER__REBOUNDS = 4, CLASSIFIER__NUMBERS = 11 + CLASSIFIER__REBOUNDS, CLASSIFIER__CELLS = 512 };
+/* What each random number is for, the most important first. The last one is only needed without preintegration. */
+enum {
+    CLASSIFIER__U_REBOUND,
+    CLASSIFIER__U_SHAPE,
+    CLASSIFIER__U_ENTRY,
+    CLASSIFIER__U_TANGENTIAL,
+    CLASSIFIER__U_RADIAL,
+    CLASSIFIER__U_RESTITUTION,
+    CLASSIFIER__U_REBOUND_2,
+    CLASSIFIER__U_CONE,
+    CLASSIFIER__U_PARTNER,
+    CLASSIFIER__U_ENTRY_2,
+    CLASSIFIER__U_TANGENTIAL_2,
+    CLASSIFIER__U_RADIAL_2,
+    CLASSIFIER__U_RESTITUTION_2,
+    CLASSIFIER__DIMENSIONS
+};
+
+static inline uint64_t classifier__mix(uint64_t *state) { /* splitmix64, Steele et al. 2014 */
+    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
+static inline double classifier__uniform(uint64_t bits) {
+    return ((double)(bits >> 11) + 0.5) * (1.0 / 9007199254740992.0);
+} /* inside (0, 1) */
+
+/* One point sequence in the unit cube. */
+typedef struct classifier__sequence {
+    classifier_sampler sampler;
+    int points;
+    uint64_t random; /* state of splitmix64 */
+    double shift[CLASSIFIER__DIMENSIONS];
+    uint32_t digits[CLASSIFIER__DIMENSIONS]; /* Sobol: random digital shift */
+    uint32_t sobol[CLASSIFIER__DIMENSIONS];  /* current point */
+    uint32_t direction[CLASSIFIER__DIMENSIONS][32];
+} classifier__sequence;
+
+static inline void classifier__sequence_begin(classifier__sequence *s, classifier_sampler sampler, int points, uint64_t seed,
+                                              int repetition) {
+    s->sampler = sampler;
+    s->points = points;
+    s->random = seed;
+    s->random = classifier__mix(&s->random) + (uint64_t)repetition;
+    s->random = classifier__mix(&s->random);
+    for (int j = 0; j < CLASSIFIER__DIMENSIONS; j++) {
+        s->shift[j] = classifier__uniform(classifier__mix(&s->random));
+        s->digits[j] = (uint32_t)(classifier__mix(&s->random) >> 32);
+        s->sobol[j] = 0;
+    }
+    if (sampler != CLASSIFIER_SOBOL) return;
+    /* Joe & Kuo 2008: degree, coefficients of the primitive polynomial, first direction numbers */
+    const unsigned char table[CLASSIFIER__DIMENSIONS - 1][7] = {{1, 0, 1},
+                                                                {2, 1, 1, 3},
+                                                                {3, 1, 1, 3, 1},
+                                                                {3, 2, 1, 1, 1},
+                                                                {4, 1, 1, 1, 3, 3},
+                                                                {4, 4, 1, 3, 5, 13},
+                                                                {5, 2, 1, 1, 5, 5, 17},
+                                                                {5, 4, 1, 1, 5, 5, 5},
+                                                                {5, 7, 1, 1, 7, 11, 19},
+                                                                {5, 11, 1, 1, 5, 1, 1},
+                                                                {5, 13, 1, 1, 1, 3, 11},
+                                                                {5, 14, 1, 3, 5, 5, 31}};
+    for (int k = 0; k < 32; k++) s->direction[0][k] = (uint32_t)1 << (31 - k);
+    for (int j = 1; j < CLASSIFIER__DIMENSIONS; j++) {
+        int degree = table[j - 1][0];
+        uint32_t *v = s->direction[j];
+        for (int k = 0; k < 32; k++) {
+            if (k < degree) {
+                v[k] = (uint32_t)table[j - 1][2 + k] << (31 - k);
+                continue;
+            }
+            v[k] = v[k - degree] ^ (v[k - degree] >> degree);
+            for (int l = 1; l < degree; l++)
+                if (table[j - 1][1] >> (degree - 1 - l) & 1) v[k] ^= v[k - l];
+        }
+    }
+}
+
+/* Point i (in order) into u[DIMENSIONS], inside (0, 1). */
+static inline void classifier__sequence_point(classifier__sequence *s, int i, double *u) {
+    /* rank-1 lattice for any power of two up to 2^20: Cools, Kuo & Nuyens 2006 */
+    const uint32_t generator[CLASSIFIER__DIMENSIONS] = {1,      182667, 469891, 498753, 110745, 446247, 250185,
+                                                        118627, 245333, 283199, 408519, 391023, 246327};
+    const double per_point = 1.0 / s->points;
+    int bit = 0;
+    while (s->sampler == CLASSIFIER_SOBOL && i > 0 && !(i >> bit & 1)) bit++;
+    for (int j = 0; j < CLASSIFIER__DIMENSIONS; j++) {
+        if (s->sampler == CLASSIFIER_MONTE_CARLO) {
+            u[j] = classifier__uniform(classifier__mix(&s->random));
+        } else if (s->sampler == CLASSIFIER_SOBOL) { /* Gray code order: one change a point */
+            if (i > 0) s->sobol[j] ^= s->direction[j][bit];
+            u[j] = ((double)(s->sobol[j] ^ s->digits[j]) + 0.5) * (1.0 / 4294967296.0);
+        } else {
+            double at = (double)((uint32_t)i * generator[j] & (uint32_t)(s->points - 1)) * per_point + s->shift[j];
+            if (at >= 1.0) at -= 1.0;
+            /* the tent map makes the integrand periodic; in an angle it is so already, being even */
+            if (j != CLASSIFIER__U_REBOUND && j != CLASSIFIER__U_REBOUND_2 && j != CLASSIFIER__U_CONE) at = fabs(2.0 * at - 1.0);
+            u[j] = at < 1e-15 ? 1e-15 : at > 1.0 - 1e-15 ? 1.0 - 1e-15 : at;
+        }
+    }
+}
+
+/* >>model ===================================================================================================================== */
+
+#define CLASSIFIER__COOKIE 0xC1A551F1u
+
+CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material, double rpm, unsigned *flags) {
+    double degree = RIDDLE_PI / 180.0, speed = rpm < 3000.0 ? 3000.0 : rpm > 15000.0 ? 15000.0 : rpm;
+    double to_9000 = speed < 9000.0 ? (speed - 3000.0) / 6000.0 : 1.0, to_15000 = speed > 9000.0 ? (speed - 9000.0) / 6000.0 : 0.0;
+    bool beads = material == CLASSIFIER_BEADS, ground = material == CLASSIFIER_GROUND_GLASS;
+    double radial = riddle_pow(speed / 3000.0, 0.9372);
+    classifier_def d;
+    d.cookie = CLASSIFIER__COOKIE;
+    d.wheel.outer_radius = 0.025;
+    d.wheel.inner_radius = 0.018;
+    d.wheel.height = 0.02691;
+    d.wheel.paddles = 24;
+    d.wheel.thickness = 0.002;
+    d.rpm = rpm;
+    d.air_flow = 75.0 / 3600.0;
+    d.fluid_density = 1.2;
+    d.viscosity = 1.81e-5;
+    d.particle_density = material == CLASSIFIER_LIMESTONE ? 2700.0 : 2500.0;
+    d.radial_factor = 2.7 + 1.4 * to_9000 + 0.2 * to_15000;
+    d.tangential_velocity = classifier_normal(1.5 * (1.0 - to_9000), 1.0, -HUGE_VAL, HUGE_VAL);
+    d.radial_velocity = classifier_normal(radial, 0.5 * radial, 0.0, HUGE_VAL);
+    d.restitution = classifier_normal(beads ? 0.75 : 0.29, beads ? 0.12 : 0.15, 0.0, 1.0);
+    d.imperfection = classifier_normal(0.0, degree * (beads ? 22.0 : ground ? 42.0 : 37.0), -RIDDLE_PI, RIDDLE_PI);
+    d.sphericity_2d = classifier_normal(beads ? 0.98 : ground ? 0.80 : 0.83, beads ? 0.005 : 0.04, 0.0, 1.0);
+    d.contacts.law = CLASSIFIER_GEOMETRIC;
+    d.contacts.mean = beads ? 0.2 : 1.0;
+    d.contacts.counts = 0;
+    for (int i = 0; i < CLASSIFIER_BINS; i++) d.contacts.share[i] = 0.0;
+    d.contacts.counter = d.contacts.wall = 0.5;
+    d.particle_restitution = beads ? 0.75 : 0.29;
+    d.cone_half_angle = 65.0 * degree;
+    d.impulse_along_centres = false;
+    d.law = CLASSIFIER_HOELZER_SOMMERFELD;
+    d.basis = CLASSIFIER_EQUIVALENT;
+    d.buoyancy = false;
+    d.size_low = 1e-7;
+    d.size_high = 1e-2;
+    d.sampler = CLASSIFIER_LATTICE;
+    d.preintegrate = true;
+    d.points = 1024;
+    d.shifts = 8;
+    d.seed = 1;
+    if (flags) *flags = rpm == speed ? 0u : (unsigned)CLASSIFIER_EXTRAPOLATED;
+    return d;
+}
+
+CLASSIFIER_API classifier_def classifier_default_def(void) { return classifier_paper_def(CLASSIFIER_LIMESTONE, 3000.0, NULL); }
+
+CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def, const char **field) {
+    const char *dummy;
+    classifier_status status;
+    if (!field) field = &dummy;
+    *field = "def";
+    if (!def) return CLASSIFIER_BAD_ARGUMENT;
+#define CLASSIFIER__NEED(name, condition)                                                                                                  \
+    *field = name;                                                                                                                         \
+    if (!(condition)) return CLASSIFIER_BAD_DEFINITION;
+    CLASSIFIER__NEED("cookie", def->cookie == CLASSIFIER__COOKIE)
+    CLASSIFIER__NEED("wheel.inner_radius", classifier__positive(def->wheel.inner_radius))
+    CLASSIFIER__NEED("wheel.outer_radius", def->wheel.outer_radius > def->wheel.inner_radius && def->wheel.outer_radius < HUGE_VAL)
+    CLASSIFIER__NEED("wheel.height", classifier__positive(def->wheel.height))
+    CLASSIFIER__NEED("wheel.paddles", def->wheel.paddles >= 1)
+    CLASSIFIER__NEED("wheel.thickness",
+                     def->wheel.thickness >= 0.0 && def->wheel.paddles * def->wheel.thickness < 2.0 * RIDDLE_PI * def->wheel.inner_radius)
+    CLASSIFIER__NEED("rpm", classifier__positive(def->rpm))
+    CLASSIFIER__NEED("air_flow", classifier__positive(def->air_flow))
+    CLASSIFIER__NEED("fluid_density", classifier__positive(def->fluid_density))
+    CLASSIFIER__NEED("viscosity", classifier__positive(def->viscosity))
+    CLASSIFIER__NEED("particle_density",
+                     classifier__positive(def->particle_density) && (!def->buoyancy || def->particle_density > def->fluid_density))
+    CLASSIFIER__NEED("radial_factor", classifier__positive(def->radial_factor))
+    CLASSIFIER__NEED("particle_restitution", def->particle_restitution >= 0.0 && def->particle_restitution <= 1.0)
+    CLASSIFIER__NEED("cone_half_angle", def->cone_half_angle >= 0.0 && def->cone_half_angle <= 0.5 * RIDDLE_PI)
+    CLASSIFIER__NEED("law", def->law <= CLASSIFIER_STOKES)
+    CLASSIFIER__NEED("basis", def->basis <= CLASSIFIER_PROJECTED)
+    CLASSIFIER__NEED("size_low", classifier__positive(def->size_low))
+    CLASSIFIER__NEED("size_high", def->size_high > def->size_low && def->size_high < HUGE_VAL)
+    CLASSIFIER__NEED("sampler", def->sampler <= CLASSIFIER_MONTE_CARLO)
+    CLASSIFIER__NEED("points", def->points >= 16 && def->points <= 1 << 20 && (def->points & (def->points - 1)) == 0)
+    CLASSIFIER__NEED("shifts", def->shifts >= 2 && def->shifts <= CLASSIFIER_MAX_SHIFTS)
+#undef CLASSIFIER__NEED
+    const classifier_distribution *all[] = {&def->tangential_velocity, &def->radial_velocity, &def->restitution, &def->imperfection,
+                                            &def->sphericity_2d};
+    const char *const names[] = {"tangential_velocity", "radial_velocity", "restitution", "imperfection", "sphericity_2d"};
+    const double low[] = {-HUGE_VAL, 0.0, 0.0, -HUGE_VAL, 0.0}, high[] = {HUGE_VAL, HUGE_VAL, 1.0, HUGE_VAL, 1.0};
+    for (int i = 0; i < 5; i++) {
+        *field = names[i];
+        status = classifier_check_distribution(all[i]);
+        if (status != CLASSIFIER_OK) return status;
+        if (all[i]->low < low[i] || all[i]->high > high[i]) return CLASSIFIER_BAD_DEFINITION;
+    }
+    *field = "imperfection"; /* rebounds into the paddle do not count: some must be left */
+    if (!(classifier_distribution_above(all[3], -0.5) - classifier_distribution_above(all[3], 0.5) > 1e-6))
+        return CLASSIFIER_BAD_DEFINITION;
+    *field = "sphericity_2d";
+    if (!(all[4]->high > 0.0)) return CLASSIFIER_BAD_DEFINITION;
+    *field = "contacts";
+    classifier_weights weights;
+    status = classifier_contact_weights(&def->contacts, &weights);
+    if (status == CLASSIFIER_OK) *field = NULL;
+    return status;
+}
+
+/* sine and cosine; the angle between two paddles is small, where no reduction is needed */
+static inline void classifier__sincos(double angle, double *s, double *c) {
+    bool small = fabs(angle) < 0.25 * RIDDLE_PI;
+    *s = small ? riddle__sin_quarter(angle, 0) : riddle_sin(angle);
+    *c = small ? riddle__sin_quarter(angle, 1) : riddle_cos(angle);
+}
+
+CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
+                                                     double tangential_against, double radial_inward) {
+    classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
+    double ra = wheel->outer_radius, face = 0.5 * wheel->thickness, turn = 2.0 * RIDDLE_PI / angular_speed, s, c;
+    classifier__sincos(ahead, &s, &c);
+    double px = ra * c, py = ra * s, vx = tangential_against * s - radial_inward * c, vy = -tangential_against * c - radial_inward * s;
+    double t = (ahead - face / ra) / (angular_speed + tangential_against / ra);
+    if (!(t >= 0.0 && t < turn)) return hit;         /* it runs away from the face (or an argument is NaN) */
+    for (hit.iterations = 0; hit.iterations < 30;) { /* face normal (-s, c) . position = thickness / 2 */
+        classifier__sincos(angular_speed * t, &s, &c);
+        double x = px + vx * t, y = py + vy * t, gap = c * y - s * x - face;
+        if (hit.iterations > 0 && fabs(gap) < 1e-14 * ra) {
+            double r = sqrt(x * x + y * y), wx = vx + angular_speed * y, wy = vy - angular_speed * x;
+            if (r < wheel->inner_radius) return hit;
+            hit.hit = true;
+            hit.radius = r < ra ? r : ra; /* with almost no inward velocity it meets the edge a few hundredths of a millimetre outside */
+            hit.time = t;
+            hit.speed = sqrt(wx * wx + wy * wy);
+            hit.angle = riddle_atan2(c * wx + s * wy, s * wx - c * wy);
+            return hit;
+        }
+        double rate = c * vy - s * vx - angular_speed * (c * x + s * y);
+        if (!(rate < 0.0)) return hit;
+        t -= gap / rate;
+        hit.iterations++;
+        if (!(t > -turn && t < turn)) return hit;
+    }
+    return hit;
+}
+
+/* The threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] / x */
+static inline void classifier__threshold_terms(const classifier_def *def, classifier_drag drag, double r, double *k) {
+    double v = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r), a = def->fluid_density * v / def->viscosity;
+    double scale =
+        0.75 * def->fluid_density / (def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density) * r * v * v;
+    k[0] = scale * drag.c1 / a;
+    k[1] = scale * drag.c2 / (drag.law == CLASSIFIER_SCHILLER_NAUMANN ? riddle_pow(a, 0.313) : sqrt(a));
+    k[2] = scale * drag.c3;
+}
+
+static inline classifier_drag classifier__model_drag(const classifier_def *def, double psi) {
+    if (def->law == CLASSIFIER_SCHILLER_NAUMANN) return classifier_schiller_naumann();
+    if (def->law == CLASSIFIER_STOKES) return classifier_stokes();
+    return classifier_hoelzer_sommerfeld(psi, def->basis);
+}
+
+/* v_phi = start + slope e >= v* needs e >= (v* - start) / slope */
+static inline double classifier__inverse_slope(double slope) { return slope > 1e-290 ? 1.0 / slope : 1e290; }
+
+/* What the random numbers come from, and one drawn particle. */
+typedef struct classifier__recipe {
+    const classifier_def *def;
+    classifier__drawer tangential, radial, restitution, imperfection, sphericity;
+    double omega, arc_low, arc;    /* entry angles */
+    double straight_low, straight; /* shares of the imperfection below -90 degrees, and within +-90 */
+    int rebounds;
+} classifier__recipe;
+
+static inline classifier__recipe classifier__recipe_of(const classifier_def *def) {
+    classifier__recipe q;
+    q.def = def;
+    q.tangential = classifier__drawer_of(&def->tangential_velocity);
+    q.radial = classifier__drawer_of(&def->radial_velocity);
+    q.restitution = classifier__drawer_of(&def->restitution);
+    q.imperfection = classifier__drawer_of(&def->imperfection);
+    q.sphericity = classifier__drawer_of(&def->sphericity_2d);
+    q.omega = def->rpm * RIDDLE_PI / 30.0;
+    q.rebounds = def->preintegrate ? CLASSIFIER__REBOUNDS : 1;
+    q.arc_low = riddle_asin(0.5 * def->wheel.thickness / def->wheel.outer_radius);
+    q.arc = 2.0 * RIDDLE_PI / def->wheel.paddles - 2.0 * q.arc_low;
+    q.straight_low = classifier__below(&def->imperfection, -0.5 * RIDDLE_PI, q.imperfection.low, q.imperfection.mass);
+    q.straight = classifier__below(&def->imperfection, 0.5 * RIDDLE_PI, q.imperfection.low, q.imperfection.mass) - q.straight_low;
+    return q;
+}
+
+typedef struct classifier__particle {
+    bool clamped;
+    classifier_impact first, second;
+    classifier_drag drag;
+    double cos_first[CLASSIFIER__REBOUNDS], cos_second, share, v_t2, e_first, e_last;
+} classifier__particle;
+
+static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, double entry, double tangential, double radial) {
+    return classifier_approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
+                               classifier__draw(&q->radial, radial));
+}
+
+static inline void classifier__draw_particle(const classifier__recipe *q, const double *u, classifier__particle *p) {
+    const classifier_def *def = q->def;
+    double quarter = 0.5 * RIDDLE_PI, psi = 1.0;
+    p->clamped = false;
+    if (def->law == CLASSIFIER_HOELZER_SOMMERFELD)
+        psi = classifier_rorato_clamped(classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
+    p->drag = classifier__model_drag(def, psi);
+    p->first = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL]);
+    p->second = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2]);
+    double low = classifier__below(&def->imperfection, -quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
+    double high = classifier__below(&def->imperfection, quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
+    for (int k = 0; k < q->rebounds; k++) {
+        double u_k = u[CLASSIFIER__U_REBOUND] + (double)k / (double)CLASSIFIER__REBOUNDS;
+        if (u_k >= 1.0) u_k -= 1.0;
+        p->cos_first[k] = riddle_cos(p->first.angle + classifier__draw(&q->imperfection, low + u_k * (high - low)));
+    }
+    p->cos_second = riddle_cos(classifier__draw(&q->imperfection, q->straight_low + u[CLASSIFIER__U_REBOUND_2] * q->straight));
+    p->share = riddle_cos(def->cone_half_angle * (2.0 * u[CLASSIFIER__U_CONE] - 1.0));
+    if (def->impulse_along_centres) p->share *= p->share;
+    p->v_t2 = classifier__draw(&q->tangential, u[CLASSIFIER__U_PARTNER]);
+    p->e_first = classifier__draw(&q->restitution, u[CLASSIFIER__U_RESTITUTION]);
+    p->e_last = def->preintegrate ? 0.0 : classifier__draw(&q->restitution, u[CLASSIFIER__U_RESTITUTION_2]);
+}
+
+/* lines v = start + slope e of the three cases, for the k-th rebound in A; e is the first restitution in A and B, the second in C */
+static inline void classifier__case_lines(const classifier__recipe *q, const classifier__particle *p, double line[3][2]) {
+    double w1 = q->omega * p->first.radius, w2 = q->omega * p->second.radius, gain = p->first.speed * p->cos_first[0],
+           e_pp = q->def->particle_restitution;
+    line[0][0] = w1;
+    line[0][1] = gain;
+    line[1][0] = classifier_rebound_thrown(w1, p->v_t2, e_pp, p->share);
+    line[1][1] = 0.5 * (1.0 + e_pp) * p->share * gain;
+    double slowed = classifier_rebound_slowed(classifier_rebound_paddle(w1, p->e_first, p->first.speed, p->cos_first[0]), p->v_t2, e_pp);
+    bool caught = p->second.hit && slowed < w2; /* else the paddle does not catch up with it */
+    line[2][0] = caught ? w2 : slowed;
+    line[2][1] = caught ? (w2 - slowed) * p->cos_second : 0.0;
+}
+
+/* The particle's numbers in the model: threshold terms at the first hit [3] and at the second [3]; start of A's lines and their inverse
+   slopes [REBOUNDS];
+   start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line is flat. */
+static inline void classifier__store(const classifier__recipe *q, const classifier__particle *p, double *out) {
+    const classifier_def *def = q->def;
+    double line[3][2], *slopes = out + 7, *b = slopes + CLASSIFIER__REBOUNDS, *c = b + 2;
+    if (!p->first.hit) { /* never rejected: a threshold that nothing reaches */
+        for (int k = 0; k < CLASSIFIER__NUMBERS; k++) out[k] = k < 6 ? 0.0 : 1e290;
+        out[6] = b[0] = c[0] = -1e290;
+        return;
+    }
+    classifier__case_lines(q, p, line);
+    classifier__threshold_terms(def, p->drag, p->first.radius, out);
+    classifier__threshold_terms(def, p->drag, p->second.hit ? p->second.radius : p->first.radius, out + 3);
+    if (!def->preintegrate) {
+        for (int k = 0; k < 3; k++) {
+            line[k][0] += line[k][1] * (k < 2 ? p->e_first : p->e_last);
+            line[k][1] = 0.0;
+        }
+    }
+    out[6] = line[0][0];
+    for (int k = 0; k < CLASSIFIER__REBOUNDS; k++)
+        slopes[k] = classifier__inverse_slope(def->preintegrate ? p->first.speed * p->cos_first[k] : 0.0);
+    b[0] = line[1][0];
+    b[1] = classifier__inverse_slope(line[1][1]);
+    c[0] = line[2][0];
+    c[1] = classifier__inverse_slope(line[2][1]);
+}
+
+/* P(restitution >= e) on its effective support as quintics through value, slope and curvature: 1e-13, 5 ns */
+static inline void classifier__survival_table(classifier_model *m) {
+    const classifier_distribution *d = &m->def.restitution;
+    classifier__drawer w = classifier__drawer_of(d);
+    double low = d->mean - 8.5 * d->sd, high = d->mean + 8.5 * d->sd;
+    if (low < d->low) low = d->low;
+    if (high > d->high) high = d->high;
+    double h = (high - low) / (double)CLASSIFIER__CELLS, f[2][3] = {{0.0}};
+    m->table_low = low;
+    m->table_scale = 1.0 / h;
+    for (int i = 0; i <= CLASSIFIER__CELLS; i++) {
+        double z = (low + i * h - d->mean) / d->sd, density = 0.39894228040143268 * riddle_exp(-0.5 * z * z) / (d->sd * w.mass) * h,
+               *a = f[0], *b = f[1];
+        for (int k = 0; k < 3; k++) a[k] = b[k];
+        b[0] = 1.0 - classifier__below(d, low + i * h, w.low, w.mass);
+        b[1] = -density;
+        b[2] = z / d->sd * h * density * 0.5;
+        if (i == 0) continue;
+        double *c = m->table + 6 * (i - 1), p0 = b[0] - a[0] - a[1] - a[2], p1 = b[1] - a[1] - 2.0 * a[2], p2 = 2.0 * b[2] - 2.0 * a[2];
+        c[0] = a[0];
+        c[1] = a[1];
+        c[2] = a[2];
+        c[3] = 10.0 * p0 - 4.0 * p1 + 0.5 * p2;
+        c[4] = -15.0 * p0 + 7.0 * p1 - p2;
+        c[5] = 6.0 * p0 - 3.0 * p1 + 0.5 * p2;
+    }
+}
+
+static inline void *classifier__grow(const classifier_memory *memory, void *old, size_t old_size, size_t new_size) {
+    if (memory->fn) return memory->fn(memory->user, old, old_size, new_size);
+    if (new_size) return realloc(old, new_size);
+    free(old);
+    return NULL;
+}
+
+static inline size_t classifier__model_size(const classifier_model *m) {
+    return ((size_t)m->count * CLASSIFIER__NUMBERS + 6 * (size_t)CLASSIFIER__CELLS) * sizeof(double);
+}
+
+CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory) {
+    if (!model) return CLASSIFIER_BAD_ARGUMENT;
+    model->data = model->table = NULL;
+    model->count = 0;
+    classifier_status status = classifier_check_def(def, NULL);
+    if (status != CLASSIFIER_OK) return status;
+    model->def = *def;
+    def = &model->def;
+    model->memory.fn = memory ? memory->fn : NULL;
+    model->memory.user = memory ? memory->user : NULL;
+    model->count = def->points * def->shifts;
+    model->table = (double *)classifier__grow(&model->memory, NULL, 0, classifier__model_size(model));
+    if (!model->table) {
+        model->count = 0;
+        return CLASSIFIER_OUT_OF_MEMORY;
+    }
+    model->data = model->table + 6 * CLASSIFIER__CELLS;
+    (void)classifier_contact_weights(&def->contacts, &model->weights); /* checked above */
+    model->smooth = def->restitution.shape == CLASSIFIER_NORMAL && def->restitution.sd > 0.0;
+    if (model->smooth) classifier__survival_table(model);
+
+    classifier__recipe recipe = classifier__recipe_of(def);
+    classifier__sequence sequence;
+    double radius = 0.0, *out = model->data;
+    int hits = 0, clamped = 0;
+    for (int shift = 0; shift < def->shifts; shift++) {
+        classifier__sequence_begin(&sequence, def->sampler, def->points, def->seed, shift);
+        for (int i = 0; i < def->points; i++, out += CLASSIFIER__NUMBERS) {
+            double u[CLASSIFIER__DIMENSIONS];
+            classifier__particle p;
+            classifier__sequence_point(&sequence, i, u);
+            classifier__draw_particle(&recipe, u, &p);
+            classifier__store(&recipe, &p, out);
+            clamped += p.clamped;
+            hits += p.first.hit;
+            radius += p.first.radius;
+        }
+    }
+    model->clamped = (double)clamped / model->count;
+    model->missed = 1.0 - (double)hits / model->count;
+    model->mean_radius = hits ? radius / hits : def->wheel.outer_radius;
+    model->flags = (clamped ? (unsigned)CLASSIFIER_SPHERICITY_CLAMPED : 0u) | (hits < model->count ? (unsigned)CLASSIFIER_MISSED : 0u);
+    return CLASSIFIER_OK;
+}
+
+CLASSIFIER_API void classifier_free(classifier_model *model) {
+    if (!model || !model->table) return;
+    (void)classifier__grow(&model->memory, model->table, classifier__model_size(model), 0);
+    model->data = model->table = NULL;
+    model->count = 0;
+}
+
+static inline double classifier__survival(const classifier_model *m, double e) {
+    if (!m->smooth) return classifier_distribution_above(&m->def.restitution, e);
+    double at = (e - m->table_low) * m->table_scale;
+    if (!(at > 0.0)) return 1.0;
+    if (!(at < (double)CLASSIFIER__CELLS)) return 0.0;
+    int i = (int)at;
+    const double *c = m->table + 6 * i;
+    double t = at - i;
+    return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+}
+
+/* Means over each shift of the three cases, mean[shift][3]; the gas velocity may be `factor` times that of the definition. */
+static inline void classifier__evaluate(const classifier_model *m, double x, double factor, double *mean) {
+    int rebounds = m->def.preintegrate ? CLASSIFIER__REBOUNDS : 1;
+    double p = m->def.law == CLASSIFIER_SCHILLER_NAUMANN ? 0.313 : 0.5;
+    double f0 = factor / (x * x),
+           f1 = p == 0.5 ? factor * sqrt(factor) / (x * sqrt(x)) : riddle_pow(factor, 2.0 - p) * riddle_pow(x, -1.0 - p),
+           f2 = factor * factor / x;
+    const double *q = m->data;
+    for (int shift = 0; shift < m->def.shifts; shift++, mean += 3) {
+        double clean = 0.0;
+        mean[1] = mean[2] = 0.0;
+        for (int i = 0; i < m->def.points; i++, q += CLASSIFIER__NUMBERS) {
+            const double *b = q + 7 + CLASSIFIER__REBOUNDS;
+            double v = sqrt(q[0] * f0 + q[1] * f1 + q[2] * f2), w = sqrt(q[3] * f0 + q[4] * f1 + q[5] * f2);
+            for (int k = 0; k < rebounds; k++) clean += classifier__survival(m, (v - q[6]) * q[7 + k]);
+            mean[1] += classifier__survival(m, (v - b[0]) * b[1]);
+            mean[2] += classifier__survival(m, (w - b[2]) * b[3]);
+        }
+        mean[0] = clean / rebounds;
+        for (int k = 0; k < 3; k++) mean[k] /= m->def.points;
+    }
+}
+
+/* Student's t for 97.5 %, n - 1 degrees of freedom: expansion of Hill 1970 type around the normal quantile, 0.5 % from 3 on; exact for 1
+   and 2 */
+static inline double classifier__student(int n) {
+    double v = n - 1.0, z = 1.959963984540054, z2 = z * z;
+    if (n == 2) return 12.706204736432095;
+    if (n == 3) return 4.302652729911275;
+    return z * (1.0 + ((z2 + 1.0) / 4.0 + ((5.0 * z2 + 16.0) * z2 + 3.0) / (96.0 * v) +
+                       (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * v * v)) /
+                          v);
+}
+
+static inline double classifier__weighted(const classifier_model *m, double x, double factor, double *error) {
+    double mean[3 * CLASSIFIER_MAX_SHIFTS], sum = 0.0, squares = 0.0;
+    int n = m->def.shifts;
+    classifier__evaluate(m, x, factor, mean);
+    for (int i = 0; i < n; i++) {
+        mean[i] = m->weights.clean * mean[3 * i] + m->weights.thrown * mean[3 * i + 1] + m->weights.again * mean[3 * i + 2];
+        sum += mean[i];
+    }
+    sum /= n;
+    for (int i = 0; i < n; i++) squares += (mean[i] - sum) * (mean[i] - sum);
+    if (error) *error = classifier__student(n) * sqrt(squares / ((n - 1.0) * n));
+    return sum;
+}
+
+CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, double *error) {
+    if (error) *error = classifier__nan();
+    if (!(model && model->data && classifier__positive(x))) return classifier__nan();
+    return classifier__weighted(model, x, 1.0, error);
+}
+
+CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]) {
+    double mean[3 * CLASSIFIER_MAX_SHIFTS];
+    bool fine = model && model->data && classifier__positive(x);
+    if (fine) classifier__evaluate(model, x, 1.0, mean);
+    for (int k = 0; k < 3; k++) {
+        t[k] = fine ? 0.0 : classifier__nan();
+        for (int i = 0; fine && i < model->def.shifts; i++) t[k] += mean[3 * i + k] / model->def.shifts;
+    }
+}
+
+typedef struct classifier__goal {
+    const classifier_model *model;
+    double t, x;
+} classifier__goal;
+static inline double classifier__quantile_gap(double ln_x, const void *user) {
+    const classifier__goal *goal = (const classifier__goal *)user;
+    return classifier__weighted(goal->model, riddle_exp(ln_x), 1.0, NULL) - goal->t;
+}
+
+/* eq 6 with the model's mean values: where a search for the cut begins */
+static inline double classifier__typical_cut(const classifier_model *m) {
+    const classifier_def *d = &m->def;
+    classifier_balance at;
+    at.fluid_density = d->fluid_density;
+    at.viscosity = d->viscosity;
+    at.particle_density = d->particle_density;
+    at.radius = m->mean_radius;
+    at.radial_velocity = d->radial_factor * classifier_radial_velocity(&d->wheel, d->air_flow, m->mean_radius);
+    at.tangential_velocity = d->rpm * RIDDLE_PI / 30.0 * m->mean_radius * (1.0 + 0.8 * classifier_distribution_mean(&d->restitution));
+    at.buoyancy = d->buoyancy;
+    return classifier_cut_size(
+        &at, classifier__model_drag(d, classifier_rorato_clamped(classifier_distribution_mean(&d->sphericity_2d), NULL)), NULL);
+}
+
+CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t) {
+    if (!(model && model->data && t > 0.0 && t < 1.0)) return classifier__nan();
+    classifier__goal goal;
+    goal.model = model;
+    goal.t = t;
+    goal.x = 0.0;
+    return classifier__find(classifier__quantile_gap, &goal, model->def.size_low, model->def.size_high, classifier__typical_cut(model),
+                            0.2);
+}
+
+CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
+                                                     classifier_result *result) {
+    if (!(model && model->data && result && n >= 0 && (n == 0 || (x && t)))) return CLASSIFIER_BAD_ARGUMENT;
+    for (int i = 0; i < n; i++)
+        if (!classifier__positive(x[i])) return CLASSIFIER_BAD_ARGUMENT;
+    classifier_result r;
+    const classifier_def *d = &model->def;
+    double error, cut[3], wanted[] = {0.25, 0.5, 0.75};
+    r.t_error = 0.0;
+    for (int i = 0; i < n; i++) {
+        t[i] = classifier_tromp(model, x[i], &error);
+        if (error > r.t_error) r.t_error = error;
+    }
+    r.flags = model->flags;
+    r.x50_error = classifier__nan();
+    for (int k = 0; k < 3; k++) {
+        cut[k] = classifier_quantile(model, wanted[k]);
+        if (!(cut[k] > 0.0)) {
+            r.flags |= (unsigned)CLASSIFIER_CUT_OUTSIDE;
+            continue;
+        }
+        (void)classifier_tromp(model, cut[k], &error);
+        if (error > r.t_error) r.t_error = error;
+        if (k == 1)
+            r.x50_error =
+                error * cut[k] * 0.02 / (classifier_tromp(model, cut[k] * 1.01, NULL) - classifier_tromp(model, cut[k] * 0.99, NULL));
+    }
+    double re = d->fluid_density * d->radial_factor * classifier_radial_velocity(&d->wheel, d->air_flow, model->mean_radius) / d->viscosity;
+    r.x25 = cut[0];
+    r.x50 = cut[1];
+    r.x75 = cut[2];
+    r.sharpness = cut[0] / cut[2];
+    r.ecart_probable = 0.5 * (cut[2] - cut[0]);
+    r.re25 = re * cut[0];
+    r.re50 = re * cut[1];
+    r.re75 = re * cut[2];
+    if ((d->law == CLASSIFIER_SCHILLER_NAUMANN && !(r.re75 <= 1000.0)) || (d->law == CLASSIFIER_STOKES && !(r.re75 <= 0.1)))
+        r.flags |= (unsigned)CLASSIFIER_REYNOLDS_OUTSIDE;
+    r.weights = model->weights;
+    r.clamped = model->clamped;
+    r.missed = model->missed;
+    *result = r;
+    return CLASSIFIER_OK;
+}
+
+/* T falls with the gas velocity: the sign is turned so that the search sees a rising function */
+static inline double classifier__calibration_gap(double ln_factor, const void *user) {
+    const classifier__goal *goal = (const classifier__goal *)user;
+    return goal->t - classifier__weighted(goal->model, goal->x, riddle_exp(ln_factor), NULL);
+}
+
+CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
+                                                      classifier_def *calibrated) {
+    if (!(calibrated && classifier__positive(x50))) return CLASSIFIER_BAD_ARGUMENT;
+    classifier_model model;
+    classifier_status status = classifier_init(&model, def, memory);
+    if (status != CLASSIFIER_OK) return status;
+    classifier__goal goal;
+    goal.model = &model;
+    goal.t = 0.5;
+    goal.x = x50;
+    double factor = classifier__find(classifier__calibration_gap, &goal, 1e-3, 1e3, 1.0, 0.2);
+    classifier_free(&model);
+    if (!(factor > 0.0)) return CLASSIFIER_OUTSIDE;
+    *calibrated = *def;
+    calibrated->radial_factor *= factor;
+    return CLASSIFIER_OK;
+}
+
+/* >>trajectory ================================================================================================================ */
+
+/* d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration and drag on the slip against a gas that turns with the wheel
+   and flows inward */
+static inline void classifier__motion(const classifier_def *def, classifier_drag drag, double x, classifier_slip slip, const double *y,
+                                      double *rate) {
+    double omega = def->rpm * RIDDLE_PI / 30.0, r = y[0];
+    double gas = -def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r);
+    double slip_r = gas - y[1], slip_phi = slip == CLASSIFIER_FULL_SLIP ? omega * r - y[2] : 0.0,
+           speed = sqrt(slip_r * slip_r + slip_phi * slip_phi);
+    double re = def->fluid_density * speed * x / def->viscosity;
+    double driving = def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density;
+    double per_slip = re > 0.0 ? 0.75 * def->fluid_density / (driving * x) * classifier_drag_coefficient(drag, re) * speed
+                               : 0.75 * drag.c1 * def->viscosity / (driving * x * x);
+    rate[0] = y[1];
+    rate[1] = y[2] * y[2] / r + per_slip * slip_r;
+    rate[2] = -y[1] * y[2] / r + per_slip * slip_phi;
+}
+
+CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
+                                         classifier_slip slip) {
+    /* Dormand & Prince 1980, order 5 with error estimate of order 4 */
+    const double a[7][6] = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                            {1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                            {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0},
+                            {44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0},
+                            {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0},
+                            {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0},
+                            {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0}};
+    const double e[7] = {71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
+    double k[7][3], y[3] = {r, v_radial, v_phi}, t = 0.0, tolerance = 1e-9;
+    if (!def || !(classifier__drag_ok(drag) && classifier__positive(x) && r >= def->wheel.inner_radius && r <= def->wheel.outer_radius &&
+                  fabs(v_radial) < HUGE_VAL && fabs(v_phi) < HUGE_VAL))
+        return -1;
+    double omega = def->rpm * RIDDLE_PI / 30.0, end = 20.0 * RIDDLE_PI / omega, scale = omega * def->wheel.outer_radius, h = 1e-3 / omega;
+    classifier__motion(def, drag, x, slip, y, k[0]);
+    for (int step = 0; t < end && step < 100000; step++) {
+        double next[3] = {0.0, 0.0, 0.0}, worst = 0.0;
+        for (int s = 1; s < 7; s++) {
+            for (int c = 0; c < 3; c++) {
+                next[c] = y[c];
+                for (int j = 0; j < s; j++) next[c] += h * a[s][j] * k[j][c];
+            }
+            if (!(next[0] > 0.5 * def->wheel.inner_radius && next[0] < 2.0 * def->wheel.outer_radius)) {
+                worst = HUGE_VAL; /* far too long a step */
+                break;
+            }
+            classifier__motion(def, drag, x, slip, next, k[s]);
+        }
+        for (int c = 0; c < 3 && worst < HUGE_VAL; c++) {
+            double error = 0.0;
+            for (int s = 0; s < 7; s++) error += h * e[s] * k[s][c];
+            error = fabs(error) / ((c ? scale : def->wheel.outer_radius) * tolerance);
+            if (!(error <= worst)) worst = error;
+        }
+        if (!(worst < HUGE_VAL)) {
+            h *= 0.1;
+            continue;
+        }
+        if (worst <= 1.0) {
+            t += h;
+            for (int c = 0; c < 3; c++) {
+                y[c] = next[c];
+                k[0][c] = k[6][c];
+            }
+            if (y[0] >= def->wheel.outer_radius) return 1;
+            if (y[0] <= def->wheel.inner_radius) return 0;
+        }
+        double factor = worst > 0.0 ? 0.9 / riddle_pow(worst, 0.2) : 5.0;
+        h *= factor < 0.2 ? 0.2 : factor > 5.0 ? 5.0 : factor;
+    }
+    return -1;
+}
+
+CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, classifier_drag drag, double r, double v_phi,
+                                                classifier_slip slip) {
+    if (classifier_check_def(def, NULL) != CLASSIFIER_OK) return classifier__nan();
+    double low = def->size_low, high = def->size_high;
+    if (classifier_trajectory(def, drag, low, r, 0.0, v_phi, slip) != 0 || classifier_trajectory(def, drag, high, r, 0.0, v_phi, slip) != 1)
+        return classifier__nan();
+    while (high / low > 1.0 + 1e-10) { /* fine below, rejected above; one that circles for ten turns sits on the cut */
+        double middle = sqrt(low * high);
+        int fate = classifier_trajectory(def, drag, middle, r, 0.0, v_phi, slip);
+        if (fate < 0) return middle;
+        if (fate) high = middle;
+        else low = middle;
+    }
+    return sqrt(low * high);
+}
+
+CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
+                                                             double *error) {
+    classifier_status status = classifier_check_def(def, NULL);
+    if (status != CLASSIFIER_OK) return status;
+    if (!(t && classifier__positive(x))) return CLASSIFIER_BAD_ARGUMENT;
+    classifier_weights w;
+    (void)classifier_contact_weights(&def->contacts, &w);
+    classifier_def drawn = *def;
+    drawn.preintegrate = false; /* a path needs every number */
+    classifier__recipe recipe = classifier__recipe_of(&drawn);
+    classifier__sequence sequence;
+    double mean[CLASSIFIER_MAX_SHIFTS], sum = 0.0, squares = 0.0;
+    for (int shift = 0; shift < def->shifts; shift++) {
+        classifier__sequence_begin(&sequence, def->sampler, def->points, def->seed, shift);
+        mean[shift] = 0.0;
+        for (int i = 0; i < def->points; i++) {
+            double u[CLASSIFIER__DIMENSIONS], line[3][2];
+            const double weight[3] = {w.clean, w.thrown, w.again};
+            classifier__particle p;
+            classifier__sequence_point(&sequence, i, u);
+            classifier__draw_particle(&recipe, u, &p);
+            if (!p.first.hit) continue;
+            classifier__case_lines(&recipe, &p, line);
+            for (int k = 0; k < 3; k++) {
+                double r = k == 2 && p.second.hit ? p.second.radius : p.first.radius,
+                       v = line[k][0] + line[k][1] * (k < 2 ? p.e_first : p.e_last);
+                int fate = weight[k] > 0.0 ? classifier_trajectory(def, p.drag, x,
+                                                                   r < def->wheel.outer_radius ? r : def->wheel.outer_radius, 0.0, v, slip)
+                                           : 0;
+                mean[shift] += weight[k] * (fate < 0 ? 0.5 : fate) / def->points;
+            }
+        }
+        sum += mean[shift] / def->shifts;
+    }
+    for (int shift = 0; shift < def->shifts; shift++) squares += (mean[shift] - sum) * (mean[shift] - sum);
+    *t = sum;
+    if (error) *error = classifier__student(def->shifts) * sqrt(squares / ((def->shifts - 1.0) * def->shifts));
+    return CLASSIFIER_OK;
+}
+
+/* >>curves and fits =========================================================================================================== */
+
+typedef struct classifier__curve_goal {
+    const classifier_curve *curve;
+    double t;
+} classifier__curve_goal;
+static inline double classifier__curve_gap(double ln_x, const void *user) {
+    const classifier__curve_goal *goal = (const classifier__curve_goal *)user;
+    return goal->t - classifier_curve_value(goal->curve, riddle_exp(ln_x)); /* sign turned: falling towards fine sizes */
+}
+
+static inline double classifier__curve_clean_size(const classifier_curve *c, double t) {
+    if (c->law == CLASSIFIER_PLITT) return classifier_plitt_size(t, c->size, c->slope);
+    if (c->law == CLASSIFIER_ROSIN_RAMMLER) return classifier_rosin_rammler_size(t, c->size, c->slope);
+    return classifier_molerus_hoffmann_size(t, c->size, c->slope);
+}
+
+CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t) {
+    if (!(curve && t > 0.0 && t < 1.0 && classifier_curve_value(curve, curve->size) >= 0.0)) return classifier__nan();
+    double b = curve->bypass;
+    if (!(curve->hook_size < HUGE_VAL)) return t > b ? classifier__curve_clean_size(curve, (t - b) / (1.0 - b)) : classifier__nan();
+    double x = classifier__curve_clean_size(curve, t);
+    if (x >= curve->hook_size) return x; /* right of the hook there is no bypass */
+    classifier__curve_goal goal;
+    goal.curve = curve;
+    goal.t = t;
+    /* from the hook's end down in small steps to the first crossing: T may turn back up further left */
+    double ln_high = riddle_log(curve->hook_size), high_gap = classifier__curve_gap(ln_high, &goal);
+    for (int i = 1; i <= 2000; i++) {
+        double ln_low = ln_high - 0.01, low_gap = classifier__curve_gap(ln_low, &goal);
+        if ((low_gap > 0.0) != (high_gap > 0.0))
+            return riddle_exp(classifier__brent(classifier__curve_gap, &goal, ln_low, low_gap, ln_high, high_gap));
+        ln_high = ln_low;
+        high_gap = low_gap;
+    }
+    return classifier__nan();
+}
+
+CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
+                                            double low, double high, int pieces) {
+    const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
+    const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
+    double above = 0.0, below = 0.0, half = 0.5 * (high - low) / pieces;
+    if (!(t && pieces >= 1 && half > 0.0 && half < HUGE_VAL)) return classifier__nan();
+    for (int piece = 0; piece < pieces; piece++) {
+        for (int i = 0; i < 5; i++) {
+            double x = low + half * (2.0 * piece + 1.0 + node[i]), density = q ? q(x, q_user) : 1.0;
+            above += weight[i] * density * t(x, t_user);
+            below += weight[i] * density;
+        }
+    }
+    return below > 0.0 ? above / below : classifier__nan();
+}
+
+/* Parameters without bounds, so that every step is legal: ln size, ln slope, logit bypass, ln hook */
+static inline classifier_curve classifier__curve_from(const classifier_curve *like, const double *p) {
+    classifier_curve c = *like;
+    c.size = riddle_exp(p[0]);
+    c.slope = riddle_exp(p[1]);
+    if (c.bypass > 0.0) c.bypass = 1.0 / (1.0 + riddle_exp(-p[2]));
+    if (c.hook_size < HUGE_VAL) c.hook_size = riddle_exp(p[3]);
+    return c;
+}
+
+/* a x = b for symmetric positive definite a[n][4], n <= 4, by Cholesky; false if it is not */
+static inline bool classifier__solve_spd(double a[4][4], double *b, int n) {
+    for (int j = 0; j < n; j++) {
+        for (int k = 0; k < j; k++) a[j][j] -= a[j][k] * a[j][k];
+        if (!(a[j][j] > 0.0)) return false;
+        a[j][j] = sqrt(a[j][j]);
+        for (int i = j + 1; i < n; i++) {
+            for (int k = 0; k < j; k++) a[i][j] -= a[i][k] * a[j][k];
+            a[i][j] /= a[j][j];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < i; k++) b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+    return true;
+}
+
+/* Sum of squared residuals of the curve; with normal != NULL also J'J and J'r over the free parameters by central differences */
+static inline double classifier__fit_squares(const classifier_curve *like, const double *p, const int *free, int n_free, const double *x,
+                                             const double *t, const double *sd, int n, double normal[4][4], double *gradient) {
+    double sum = 0.0, step = 1e-5;
+    classifier_curve c = classifier__curve_from(like, p), up[4], down[4];
+    for (int j = 0; normal && j < n_free; j++) {
+        double q[4] = {p[0], p[1], p[2], p[3]};
+        q[free[j]] = p[free[j]] + step;
+        up[j] = classifier__curve_from(like, q);
+        q[free[j]] = p[free[j]] - step;
+        down[j] = classifier__curve_from(like, q);
+        gradient[j] = 0.0;
+        for (int k = 0; k < n_free; k++) normal[j][k] = 0.0;
+    }
+    for (int i = 0; i < n; i++) {
+        double weight = sd ? 1.0 / sd[i] : 1.0, r = (t[i] - classifier_curve_value(&c, x[i])) * weight, slope[4];
+        sum += r * r;
+        for (int j = 0; normal && j < n_free; j++) {
+            slope[j] = (classifier_curve_value(&up[j], x[i]) - classifier_curve_value(&down[j], x[i])) * weight / (2.0 * step);
+            gradient[j] += slope[j] * r;
+            for (int k = 0; k <= j; k++) normal[j][k] += slope[j] * slope[k];
+        }
+    }
+    return sum;
+}
+
+CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
+                                                const double *sd, int n, classifier_fit_result *result) {
+    if (!(x && t && result && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
+    int free[4] = {0, 1, 2, 3}, n_free = 2;
+    bool bypass = (free_parameters & (CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK)) != 0,
+         hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0;
+    double least = HUGE_VAL, most = 0.0, smallest = HUGE_VAL, largest = 0.0, at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0;
+    n_free += (bypass ? 1 : 0) + (hook ? 1 : 0);
+    for (int i = 0; i < n; i++) {
+        if (!(classifier__positive(x[i]) && fabs(t[i]) < HUGE_VAL && (!sd || classifier__positive(sd[i])))) return CLASSIFIER_BAD_ARGUMENT;
+        if (t[i] < least) least = t[i];
+        if (t[i] > most) most = t[i];
+        if (x[i] < smallest) smallest = x[i];
+        if (x[i] > largest) largest = x[i];
+        if (t[i] < 0.5 && x[i] > at_low) at_low = x[i], t_low = t[i];
+    }
+    for (int i = 0; i < n; i++)
+        if (t[i] >= 0.5 && x[i] > at_low && x[i] < at_high) at_high = x[i], t_high = t[i];
+    if (n <= n_free || !(least < 0.5 && most > 0.5 && largest > smallest)) return CLASSIFIER_OUTSIDE;
+    /* start: size by interpolation at one half, slope from the best of a few */
+    double size = at_low;
+    if (at_high < HUGE_VAL)
+        size = riddle_exp(riddle_log(at_low) + (0.5 - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
+    classifier_curve like = classifier_curve_of(law, size, 1.0);
+    like.bypass = bypass ? 0.5 : 0.0;
+    like.hook_size = hook ? size : HUGE_VAL;
+    double floor_t = least > 0.01 ? least : 0.01,
+           p[4] = {riddle_log(size), 0.0, riddle_log(floor_t / (1.0 - floor_t)), riddle_log(0.7 * size)}, best = HUGE_VAL, first = 0.0;
+    for (int i = 0; i < 12; i++) {
+        p[1] = riddle_log(0.5) + 0.35 * i;
+        double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, NULL, NULL);
+        if (squares < best) {
+            best = squares;
+            first = p[1];
+        }
+    }
+    p[1] = first;
+    double normal[4][4], gradient[4], damping = 1e-3;
+    int iteration = 0;
+    bool converged = false;
+    for (; iteration < 200 && !converged; iteration++) {
+        double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, normal, gradient);
+        for (int tries = 0; tries < 40; tries++) {
+            double a[4][4], step[4], q[4] = {p[0], p[1], p[2], p[3]}, length = 0.0;
+            for (int i = 0; i < n_free; i++) {
+                step[i] = gradient[i];
+                for (int j = 0; j <= i; j++) a[i][j] = normal[i][j] * (i == j ? 1.0 + damping : 1.0) + (i == j ? 1e-300 : 0.0);
+            }
+            bool solved = classifier__solve_spd(a, step, n_free);
+            double now = HUGE_VAL;
+            if (solved) {
+                for (int i = 0; i < n_free; i++) {
+                    if (fabs(step[i]) > length) length = fabs(step[i]);
+                }
+                double shrink = length > 1.0 ? 1.0 / length : 1.0; /* a factor e at most */
+                for (int i = 0; i < n_free; i++) q[free[i]] += step[i] * shrink;
+                now = classifier__fit_squares(&like, q, free, n_free, x, t, sd, n, NULL, NULL);
+            }
+            if (now <= squares) {
+                for (int i = 0; i < 4; i++) p[i] = q[i];
+                damping = damping > 1e-12 ? damping * 0.1 : damping;
+                converged = length < 1e-9 || squares - now <= 1e-15 * squares;
+                break;
+            }
+            damping *= 10.0;
+            if (tries == 39 || (solved && length < 1e-9)) converged = true; /* no better place to be found */
+            if (converged) break;
+        }
+    }
+    double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, normal, gradient), variance[4] = {0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < n_free; k++) { /* diagonal of the inverse, column by column */
+        double a[4][4], column[4] = {0.0, 0.0, 0.0, 0.0};
+        column[k] = 1.0;
+        for (int i = 0; i < n_free; i++)
+            for (int j = 0; j <= i; j++) a[i][j] = normal[i][j];
+        if (!classifier__solve_spd(a, column, n_free)) return CLASSIFIER_NO_CONVERGENCE;
+        variance[k] = column[k] * (sd ? 1.0 : squares / (n - n_free));
+    }
+    if (!converged) return CLASSIFIER_NO_CONVERGENCE;
+    result->curve = classifier__curve_from(&like, p);
+    result->size_sd = result->curve.size * sqrt(variance[0]);
+    result->slope_sd = result->curve.slope * sqrt(variance[1]);
+    result->bypass_sd = bypass ? result->curve.bypass * (1.0 - result->curve.bypass) * sqrt(variance[2]) : 0.0;
+    result->hook_sd = hook ? result->curve.hook_size * sqrt(variance[3]) : 0.0;
+    double plain = classifier__fit_squares(&like, p, free, n_free, x, t, NULL, n, NULL, NULL);
+    result->rms = sqrt(plain / n);
+    result->iterations = iteration;
+    return CLASSIFIER_OK;
+}
+
+/* >>reconciliation ============================================================================================================ */
+
+/* For a split c: the balance of class i misses r_i = f - c g - (1 - c) h with variance s_i; the least adjustment has multipliers
+   lambda_i = (r_i + c G_i mu + (1 - c) H_i nu) / s_i with mu, nu such that coarse and fine (and so feed) still add up to 1. */
+typedef struct classifier__balance {
+    const classifier_balance_data *data;
+    double c, mu, nu;
+} classifier__balance;
+
+static inline double classifier__multiplier(const classifier__balance *b, int i) {
+    const classifier_balance_data *d = b->data;
+    double c = b->c, e = 1.0 - c, F = d->feed_sd[i] * d->feed_sd[i], G = d->coarse_sd[i] * d->coarse_sd[i],
+           H = d->fine_sd[i] * d->fine_sd[i];
+    double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
+    return (r + c * G * b->mu + e * H * b->nu) / (F + c * c * G + e * e * H);
+}
+
+/* Solves mu, nu for the split c; returns chi squared */
+static inline double classifier__balance_at(classifier__balance *b, double c) {
+    const classifier_balance_data *d = b->data;
+    double e = 1.0 - c, a11 = 0.0, a12 = 0.0, a22 = 0.0, b1 = 0.0, b2 = 0.0;
+    for (int i = 0; i < d->classes; i++) {
+        double F = d->feed_sd[i] * d->feed_sd[i], G = d->coarse_sd[i] * d->coarse_sd[i], H = d->fine_sd[i] * d->fine_sd[i],
+               s = F + c * c * G + e * e * H;
+        double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
+        a11 += G * (F + e * e * H) / s; /* sum of G - c^2 G^2 / s */
+        a22 += H * (F + c * c * G) / s;
+        a12 -= c * e * G * H / s;
+        b1 += c * G * r / s; /* sum of the adjustments without mu, nu */
+        b2 += e * H * r / s;
+    }
+    double det = a11 * a22 - a12 * a12;
+    b->c = c;
+    b->mu = (b1 * a22 - b2 * a12) / det;
+    b->nu = (b2 * a11 - b1 * a12) / det;
+    double chi = 0.0;
+    for (int i = 0; i < d->classes; i++) {
+        double lambda = classifier__multiplier(b, i), df = d->feed_sd[i] * lambda, dg = d->coarse_sd[i] * (c * lambda - b->mu),
+               dh = d->fine_sd[i] * (e * lambda - b->nu);
+        chi += df * df + dg * dg + dh * dh;
+    }
+    if (d->coarse_share_sd > 0.0) chi += (c - d->coarse_share) * (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd);
+    return chi;
+}
+
+CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
+                                                      double *coarse, double *fine, classifier_balance_result *result) {
+    if (!(data && result && data->feed && data->coarse && data->fine && data->feed_sd && data->coarse_sd && data->fine_sd))
+        return CLASSIFIER_BAD_ARGUMENT;
+    if (data->classes < 2) return CLASSIFIER_EMPTY;
+    bool known = data->coarse_share == data->coarse_share;
+    if (known && !(data->coarse_share > 0.0 && data->coarse_share < 1.0 && classifier__positive(data->coarse_share_sd)))
+        return CLASSIFIER_BAD_ARGUMENT;
+    double total[3] = {0.0, 0.0, 0.0}, differ = 0.0;
+    for (int i = 0; i < data->classes; i++) {
+        const double v[3] = {data->feed[i], data->coarse[i], data->fine[i]},
+                     s[3] = {data->feed_sd[i], data->coarse_sd[i], data->fine_sd[i]};
+        for (int k = 0; k < 3; k++) {
+            if (!(v[k] >= 0.0 && v[k] < HUGE_VAL && classifier__positive(s[k]))) return CLASSIFIER_BAD_ARGUMENT;
+            total[k] += v[k];
+        }
+        differ += fabs(v[1] - v[2]);
+    }
+    for (int k = 0; k < 3; k++) {
+        if (!(total[k] > 0.0)) return CLASSIFIER_EMPTY;
+        if (!(fabs(total[k] - 1.0) <= 1e-3)) return CLASSIFIER_NOT_NORMALISED;
+    }
+    if (!known && !(differ > 1e-9)) return CLASSIFIER_OUTSIDE; /* equal products: the split cannot be seen */
+    classifier_balance_data d = *data;
+    if (!known) d.coarse_share_sd = classifier__nan();
+    classifier__balance b;
+    b.data = &d;
+    /* chi squared has one smooth valley in (0, 1) for usable data: a scan, then parabolas through three points */
+    double best = 0.5, best_chi = HUGE_VAL, stride = 1.0 / 256.0;
+    for (int i = 1; i < 256; i++) {
+        double chi = classifier__balance_at(&b, i * stride);
+        if (chi < best_chi) {
+            best_chi = chi;
+            best = i * stride;
+        }
+    }
+    for (int i = 0; i < 60; i++) {
+        double width = stride < 1e-4 ? 1e-4 : stride, low = best - width, high = best + width;
+        if (low < 1e-9) low = 1e-9;
+        if (high > 1.0 - 1e-9) high = 1.0 - 1e-9;
+        double f0 = classifier__balance_at(&b, low), f1 = classifier__balance_at(&b, best), f2 = classifier__balance_at(&b, high);
+        double h1 = best - low, h2 = high - best, curvature = (f0 * h2 - f1 * (h1 + h2) + f2 * h1),
+               slope = (f2 - f1) * h1 * h1 - (f1 - f0) * -h2 * h2;
+        double next = curvature > 0.0 ? best - 0.5 * slope / curvature : best;
+        if (!(next > low)) next = 0.5 * (low + best);
+        if (!(next < high)) next = 0.5 * (high + best);
+        double moved = fabs(next - best);
+        best = next;
+        stride *= 0.5;
+        if (moved < 1e-13) break;
+    }
+    double chi = classifier__balance_at(&b, best), h = 1e-3 * (best < 0.5 ? best : 1.0 - best), c = best, e = 1.0 - c;
+    double curvature = (classifier__balance_at(&b, best + h) - 2.0 * chi + classifier__balance_at(&b, best - h)) / (h * h);
+    chi = classifier__balance_at(&b, best);
+    if (!(curvature > 0.0) || best < 1e-6 || best > 1.0 - 1e-6) return CLASSIFIER_OUTSIDE;
+    double c_variance = 2.0 / curvature;
+    for (int i = 0; i < d.classes; i++) {
+        double F = d.feed_sd[i] * d.feed_sd[i], G = d.coarse_sd[i] * d.coarse_sd[i], H = d.fine_sd[i] * d.fine_sd[i],
+               s = F + c * c * G + e * e * H;
+        double lambda = classifier__multiplier(&b, i);
+        double f = d.feed[i] - F * lambda, g = d.coarse[i] + G * (c * lambda - b.mu), k = d.fine[i] + H * (e * lambda - b.nu);
+        if (feed) feed[i] = f;
+        if (coarse) coarse[i] = g;
+        if (fine) fine[i] = k;
+        double value = f > 0.0 ? c * g / f : classifier__nan();
+        if (t) t[i] = value;
+        if (!t_sd) continue;
+        /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c */
+        double vff = F - F * F / s, vgg = G - c * c * G * G / s, vfg = c * F * G / s, jf = -value / f, jg = c / f,
+               turn = d.coarse[i] - d.fine[i];
+        double dc = g / f + jf * F * turn / s - jg * c * G * turn / s;
+        t_sd[i] = sqrt(jf * jf * vff + jg * jg * vgg + 2.0 * jf * jg * vfg + dc * dc * c_variance);
+    }
+    result->coarse_share = c;
+    result->coarse_share_sd = sqrt(c_variance);
+    result->chi_squared = chi;
+    result->freedom = d.classes - 1 - (known ? 0 : 1);
+    return CLASSIFIER_OK;
+}
+
+/* >>circuits ================================================================================================================== */
+
+CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
+    double a[CLASSIFIER_STAGES][CLASSIFIER_STAGES], flow[CLASSIFIER_STAGES];
+    if (!(circuit && t && coarse) || circuit->stages < 1 || circuit->stages > CLASSIFIER_STAGES) return CLASSIFIER_BAD_ARGUMENT;
+    int n = circuit->stages;
+    for (int i = 0; i < n; i++) {
+        int to_c = circuit->coarse_to[i], to_f = circuit->fine_to[i];
+        if (!(t[i] >= 0.0 && t[i] <= 1.0) || to_c < CLASSIFIER_TO_FINE || to_c >= n || to_f < CLASSIFIER_TO_FINE || to_f >= n)
+            return CLASSIFIER_BAD_ARGUMENT;
+        flow[i] = i == 0 ? 1.0 : 0.0;
+        for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 : 0.0;
+    }
+    for (int i = 0; i < n; i++) { /* flow into j = fresh + sum of what i sends there */
+        if (circuit->coarse_to[i] >= 0) a[circuit->coarse_to[i]][i] -= t[i];
+        if (circuit->fine_to[i] >= 0) a[circuit->fine_to[i]][i] -= 1.0 - t[i];
+    }
+    for (int j = 0; j < n; j++) {
+        int pivot = j;
+        for (int i = j + 1; i < n; i++)
+            if (fabs(a[i][j]) > fabs(a[pivot][j])) pivot = i;
+        if (!(fabs(a[pivot][j]) > 1e-12)) return CLASSIFIER_NO_OUTLET;
+        for (int k = 0; k < n; k++) {
+            double swap = a[j][k];
+            a[j][k] = a[pivot][k];
+            a[pivot][k] = swap;
+        }
+        double swap = flow[j];
+        flow[j] = flow[pivot];
+        flow[pivot] = swap;
+        for (int i = j + 1; i < n; i++) {
+            double factor = a[i][j] / a[j][j];
+            for (int k = j; k < n; k++) a[i][k] -= factor * a[j][k];
+            flow[i] -= factor * flow[j];
+        }
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) flow[i] -= a[i][k] * flow[k];
+        flow[i] /= a[i][i];
+    }
+    *coarse = 0.0;
+    for (int i = 0; i < n; i++) {
+        if (circuit->coarse_to[i] == CLASSIFIER_TO_COARSE) *coarse += t[i] * flow[i];
+        if (circuit->fine_to[i] == CLASSIFIER_TO_COARSE) *coarse += (1.0 - t[i]) * flow[i];
+        if (load) load[i] = flow[i];
+    }
+    return CLASSIFIER_OK;
+}
+
+#endif /* CLASSIFIER__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* CLASSIFIER_H */
