@@ -277,9 +277,10 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
     plot_write(figure, self->out, "restitution.svg");
 }
 
-/* Impact speed at which the two begin to part, by bisection. */
+/* Impact speed at which the two begin to part [m/s], by bisection; infinite if they stick at 10 m/s. */
 static double sticking_velocity(const scene *s, const bridge_pair *pair, double volume, bool printed) {
     double low = 1e-4, high = 10.0;
+    if (!(collide(s, pair, volume, high, printed).restitution > 0.0)) return (double)INFINITY;
     for (int k = 0; k < 22 && !common_interrupted(); k++) {
         double speed = sqrt(low * high);
         if (collide(s, pair, volume, speed, printed).restitution > 0.0) high = speed;
@@ -323,8 +324,9 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
     double stick = sticking_velocity(s, pair, s->volume, false), dry = collide(s, pair, 0.0, 0.1, false).restitution;
     double as_printed = sticking_velocity(s, pair, s->volume, true);
     common_print(
-        "V = %.3g µl: work to rupture %.4g J; sticks below %.4f m/s (closed form %.4f, laws as printed %.4f); dry restitution %.4f\n",
-        1e9 * s->volume, work, stick, bridge_sticking_velocity(work, m, s->restitution), as_printed, dry);
+        "V = %.3g µl: work to rupture %.4g J; sticks below %.4f m/s (closed form %.4f, laws as printed %.4f)%s; dry restitution %.4f\n",
+        1e9 * s->volume, work, stick, bridge_sticking_velocity(work, m, s->restitution), as_printed,
+        isinf(stick) ? ": at every speed to 10 m/s" : "", dry);
     json_number(report, "work_to_rupture_J", work);
     json_number(report, "reduced_mass_kg", m);
     json_number(report, "restitution_dry", dry);
