@@ -310,7 +310,8 @@ typedef enum granulation_contact { GRANULATION_CONTACT_SUM, GRANULATION_CONTACT_
 /* SWEPT: every contact within a step, in the order of time. END_OF_STEP: the paper's rule, pairs that overlap after a step, by index, one
    event a granule and step. */
 typedef enum granulation_detection { GRANULATION_SWEPT, GRANULATION_END_OF_STEP } granulation_detection;
-/* CONSERVING: impulse along the line of centres with a coefficient of restitution. REVERSAL: the paper's v -> -v of both. */
+/* CONSERVING: impulse along the line of centres with a coefficient of restitution. REVERSAL: the paper's v -> -v of both; swept, it may
+   leave overlaps where granules lock. */
 typedef enum granulation_bounce { GRANULATION_CONSERVING, GRANULATION_REVERSAL } granulation_bounce;
 
 typedef struct granulation_event {
@@ -521,7 +522,7 @@ typedef struct granulation_balance {
     double lost_number;     /* granules that grew beyond the last pivot */
     granulation_granule lost, total; /* their volumes; all volumes ever added */
     double air_released;
-    double next_step; /* [s] the integrator's next try; 0: it chooses */
+    double next_step; /* [s] the integrator's next try; 0: it chooses; negative: the same, and the kernel is evaluated anew */
     /* below: private */
     int64_t pairs;
     int *target;
@@ -1909,6 +1910,10 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
    its last event; `fastest` bounds the speed of all relative to the mean, `shift` the distance that granules were pushed, so that a
    search finds everyone whose place in the cells is out of date. */
 
+/* The paper's reversal can lock three granules that touch into an endless exchange of signs: after so many events in one sweep a
+   granule meets nobody until the next. Ordinary ones have two at most. */
+#define GRANULATION__LOCKED 8
+
 typedef struct granulation__sweep {
     int cells;
     double end;     /* [s] of path */
@@ -2098,6 +2103,8 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
         while (sim->events > 0 && status == GRANULATION_OK) {
             granulation__hit hit = granulation__pop(sim);
             if (motion[hit.i].gone || motion[hit.j].gone || motion[hit.i].stamp != hit.stamp_i || motion[hit.j].stamp != hit.stamp_j)
+                continue;
+            if (sim->def.bounce == GRANULATION_REVERSAL && (hit.stamp_i >= GRANULATION__LOCKED || hit.stamp_j >= GRANULATION__LOCKED))
                 continue;
             status = granulation__handle(sim, &w, hit, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
             if (--budget < 0) status = GRANULATION_EVENTS;
@@ -2547,6 +2554,7 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
         }
     memset(b->state, 0, b->bytes[7]);
     granulation__point(b);
+    b->next_step = -1.0; /* kernel and selection have not been evaluated */
     if (!def->kernel) return GRANULATION_OK;
     size_t p = 0;
     for (int i = 0; i < b->n; i++)
@@ -2567,7 +2575,6 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
                 b->target[p] = at[0] + cells * at[1];
             }
         }
-    b->next_step = -1.0; /* the kernel has not been evaluated */
     return GRANULATION_OK;
 }
 
