@@ -414,6 +414,9 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* The same with a law of your own and the kernel that DEM_KERNEL made from it. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
 
+/* Changes the time step [s] > 0 from now on. */
+DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
+
 /* The time steps [s] that the smallest and stiffest pair present asks for; infinite where nothing limits. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
@@ -1270,6 +1273,17 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
+DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__settle(w, i);
+    w->start_time__ = w->time;
+    w->start_step__ = w->step;
+    w->def.dt = w->dt__ = dt;
+    w->stale__ = w->fresh__ = 1;
+    return DEM_OK;
+}
+
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     return w->lx__[i] != 0.0 || w->ly__[i] != 0.0 || w->lz__[i] != 0.0 || w->qx__[i] != 0.0 || w->qy__[i] != 0.0 || w->qz__[i] != 0.0;
 }
@@ -2051,7 +2065,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     double       s[DEM_STATE_MAX];
     dem__event   e;
     dem_response r;
-    double       extra, sliding = 0.0;
+    double       extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
     for (int a = 0; a < law->states; a++) s[a] = force == 0.0 ? 0.0 : w->live_state__[a][c];
     w->live_event__[c] = 0;
     if (force == 0.0) {
@@ -2063,7 +2077,8 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
         dem__put_force(w, c, q, &r, arm_i, arm_j, features);
         w->live_force__[c] = r.contact;
-        extra = e.impulse - 0.5 * h * r.normal;
+        start = r.normal;
+        extra = e.impulse - 0.5 * h * start;
         sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
         if (features & DEM_ENERGY) dem__put_losses(w, c, &r, 0.0, 0);
     } else {
@@ -2080,7 +2095,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         w->live_loss__[0][c] = e.loss;
         if (force != 0.0) w->live_elastic__[c] = e.elastic;
         w->live_loss__[3][c] = e.impulse * across;
-        w->live_power__[2][c] = force == 0.0 ? r.normal * across : 0.0;
+        w->live_power__[2][c] = start * across;
     }
 }
 
@@ -2374,7 +2389,8 @@ static inline void dem__bury(dem_world *w, int64_t step) {
             }
         } else {
             dem__unlink_wall_contact(w, i, c, -1);
-            if (near_pair >= 0 && !w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE)) dem__set_timer(w, near_pair, step + 1);
+            /* a screen's timer went on for its other bars, but did not wait for this one */
+            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE)) dem__set_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
         }
     }
     /* the slots: two ends walk towards each other */
