@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 7, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -296,6 +296,49 @@ static void test_quick_run(void **state) {
     assert_true(n_svg >= 1);
 }
 
+/* What an example writes does not depend on the number of threads: figures, tables and particles of one and of two are the same bytes.
+   (A benchmark's hold times.) */
+static char one_thread[LONGEST_PATH + 20], two_threads[LONGEST_PATH + 20];
+static int n_compared, n_different;
+
+static int compared(const char *path, const struct stat *info, int kind, struct FTW *where) {
+    (void)info, (void)where;
+    char other[2 * LONGEST_PATH];
+    if (kind != FTW_F) return 0;
+    snprintf(other, sizeof other, "%s%s", two_threads, path + strlen(one_thread));
+    FILE *a = fopen(path, "rb"), *b = fopen(other, "rb");
+    int byte = 0;
+    while (a && b && byte != EOF) {
+        byte = getc(a);
+        if (getc(b) != byte) break;
+    }
+    n_compared++;
+    if (!a || !b || byte != EOF) {
+        printf("differs: %s\n", path + strlen(one_thread) + 1);
+        n_different++;
+    }
+    if (a) fclose(a);
+    if (b) fclose(b);
+    return 0;
+}
+
+static void test_threads(void **state) {
+    if (!strstr(*state, "/examples/")) skip();
+    const char *one[] = {"--quick", "--quiet", "--threads", "1", "--out", one_thread, NULL};
+    const char *two[] = {"--quick", "--quiet", "--threads", "2", "--out", two_threads, NULL};
+    snprintf(one_thread, sizeof one_thread, "%s/1", folder);
+    snprintf(two_threads, sizeof two_threads, "%s/2", folder);
+    for (int i = 0; i < 2; i++) {
+        result r = run_program(*state, i ? two : one, 0, 0.0);
+        if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+        forget(&r);
+    }
+    n_compared = n_different = 0;
+    nftw(one_thread, compared, 16, FTW_PHYS);
+    assert_true(n_compared >= 1);
+    assert_int_equal(n_different, 0);
+}
+
 static void test_full_disk(void **state) {
     const char *words[] = {"--quick", "--quiet", "--out", "out", "--json", "result.json", NULL};
     result r = run_program(*state, words, 2048, 0.0); /* no figure is so small */
@@ -325,18 +368,19 @@ int main(void) {
     static const struct {
         const char *name;
         CMUnitTestFunction function;
-    } each[] = {{"help", test_help},           {"wrong options", test_wrong_options}, {"its own options", test_its_own_options},
-                {"quick run", test_quick_run}, {"full disk", test_full_disk},         {"Ctrl-C", test_interrupt}};
-    static struct CMUnitTest tests[6 * MOST_PROGRAMS + 1];
-    static char names[6 * MOST_PROGRAMS][120];
+    } each[EACH] = {{"help", test_help},           {"wrong options", test_wrong_options}, {"its own options", test_its_own_options},
+                    {"quick run", test_quick_run}, {"full disk", test_full_disk},         {"Ctrl-C", test_interrupt},
+                    {"threads", test_threads}};
+    static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
+    static char names[EACH * MOST_PROGRAMS][120];
     const char *given = getenv("RIDDLE_PROGRAMS");
     char *list = malloc(given ? strlen(given) + 1 : 1);
     int n = 0;
     if (!list) return 1;
     list[0] = '\0';
     if (given) memcpy(list, given, strlen(given) + 1);
-    for (char *program = strtok(list, "\n"); program && n + 6 <= 6 * MOST_PROGRAMS; program = strtok(NULL, "\n"))
-        for (int i = 0; i < 6; i++, n++) {
+    for (char *program = strtok(list, "\n"); program && n + EACH <= EACH * MOST_PROGRAMS; program = strtok(NULL, "\n"))
+        for (int i = 0; i < EACH; i++, n++) {
             char *slash = strrchr(program, '/');
             snprintf(names[n], sizeof names[n], "%.80s: %s", slash ? slash + 1 : program, each[i].name);
             struct CMUnitTest test = {names[n], each[i].function, make_folder, remove_folder, program};
