@@ -29,10 +29,11 @@
      >>separation  d50, imperfection, misplaced fractions
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
-   Memory: only screen_predict and screen_partition of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any, through
-   the hook def.memory, and give it back before they return.
+   Memory: only screen_predict of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any, through the hook
+   def.memory, and give it back before they return.
    Threads: no state outside the arguments; calls on different objects may run at the same time.
-   Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random numbers come from a seed.
+   Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random numbers come
+   from a seed.
    What it does not do: blocked apertures (blocking.h), motion of single grains (dem.h), oversize passing the mesh, wear.
    Settings: SCREEN_API extern everywhere and SCREEN_IMPLEMENTATION in one file give one compiled copy; default is static inline. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -57,27 +58,27 @@ extern "C" {
 
 /* ---- status ------------------------------------------------------------------------------------------------------------------------- */
 
-#define SCREEN_STATUSES(X)                                                                                         \
-    X(SCREEN_OK, "ok")                                                                                             \
-    X(SCREEN_NO_MEMORY, "out of memory")                                                                           \
-    X(SCREEN_BAD_POINTER, "an array that is needed is null")                                                       \
-    X(SCREEN_BAD_DEF, "a field of screen_def is out of range: screen_check_def names it")                          \
-    X(SCREEN_BAD_MODEL, "no such model, or the model has no form for this deck")                                   \
-    X(SCREEN_BAD_OPERATION, "amplitude [m], frequency [Hz] or inclination [rad] out of range")                     \
-    X(SCREEN_MOISTURE_IN_PERCENT, "moisture is a mass fraction in [0, 1): this looks like percent")                \
-    X(SCREEN_BAD_MOISTURE, "moisture is a mass fraction in [0, 1)")                                                \
-    X(SCREEN_BAD_PARAMETERS, "a rate constant is not positive or a parameter is not finite")                       \
-    X(SCREEN_NOT_FINITE, "these parameters give a rate that is not finite")                                        \
-    X(SCREEN_BAD_TIMES, "times are negative, not finite or not strictly rising")                                   \
-    X(SCREEN_DATA_NOT_FINITE, "retained data hold a NaN or an infinity")                                           \
-    X(SCREEN_DATA_IN_PERCENT, "retained data are fractions in [0, 1]: these look like percent")                    \
-    X(SCREEN_DATA_OUT_OF_RANGE, "retained data lie below 0 or above 1")                                            \
-    X(SCREEN_DATA_NOT_MONOTONE, "retained data rise with time")                                                    \
-    X(SCREEN_TOO_FEW_POINTS, "fewer data points than parameters to fit")                                           \
-    X(SCREEN_BAD_BOUNDS, "a bound is NaN, low above high, or a rate constant's bound is not positive and finite")  \
-    X(SCREEN_BAD_OPTION, "an option is out of range")                                                              \
-    X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                          \
-    X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                          \
+#define SCREEN_STATUSES(X)                                                                                                                 \
+    X(SCREEN_OK, "ok")                                                                                                                     \
+    X(SCREEN_NO_MEMORY, "out of memory")                                                                                                   \
+    X(SCREEN_BAD_POINTER, "an array that is needed is null")                                                                               \
+    X(SCREEN_BAD_DEF, "a field of screen_def is out of range: screen_check_def names it")                                                  \
+    X(SCREEN_BAD_MODEL, "no such model, or the model has no form for this deck")                                                           \
+    X(SCREEN_BAD_OPERATION, "amplitude [m], frequency [Hz] or inclination [rad] out of range")                                             \
+    X(SCREEN_MOISTURE_IN_PERCENT, "moisture is a mass fraction in [0, 1): this looks like percent")                                        \
+    X(SCREEN_BAD_MOISTURE, "moisture is a mass fraction in [0, 1)")                                                                        \
+    X(SCREEN_BAD_PARAMETERS, "a rate constant is not positive or a parameter is not finite")                                               \
+    X(SCREEN_NOT_FINITE, "these parameters give a rate that is not finite")                                                                \
+    X(SCREEN_BAD_TIMES, "times are negative, not finite or not strictly rising")                                                           \
+    X(SCREEN_DATA_NOT_FINITE, "retained data hold a NaN or an infinity")                                                                   \
+    X(SCREEN_DATA_IN_PERCENT, "retained data are fractions in [0, 1]: these look like percent")                                            \
+    X(SCREEN_DATA_OUT_OF_RANGE, "retained data lie below 0 or above 1")                                                                    \
+    X(SCREEN_DATA_NOT_MONOTONE, "retained data rise with time")                                                                            \
+    X(SCREEN_TOO_FEW_POINTS, "fewer data points than parameters to fit")                                                                   \
+    X(SCREEN_BAD_BOUNDS, "a bound is NaN, low above high, or a rate constant's bound is not positive and finite")                          \
+    X(SCREEN_BAD_OPTION, "an option is out of range")                                                                                      \
+    X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                                                  \
+    X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                                                  \
     X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")
 
 typedef enum screen_status {
@@ -115,30 +116,30 @@ typedef struct screen_memory {
 
 /* The deck and its feed. Get one from screen_default_def(), which is the batch screen of E&K section 4, then set classes and diameters. */
 typedef struct screen_def {
-    double aperture;      /* a, clear width of a square aperture [m], > 0; 0.008 */
-    double wire;          /* w, wire diameter [m], >= 0; 0.002; model 1 */
-    double duration;      /* t_end of eq 28 [s], > 0; 20; model 1 in batch */
-    double gravity;       /* g [m/s2], > 0; 9.81 */
-    int continuous;       /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s, k_p are in 1/m;
+    double aperture; /* a, clear width of a square aperture [m], > 0; 0.008 */
+    double wire;     /* w, wire diameter [m], >= 0; 0.002; model 1 */
+    double duration; /* t_end of eq 28 [s], > 0; 20; model 1 in batch */
+    double gravity;  /* g [m/s2], > 0; 9.81 */
+    int continuous;  /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s, k_p are in 1/m;
                              models 0, 1, 2 */
-    int classes;          /* undersize classes, >= 1; the default 0 must be set */
+    int classes;     /* undersize classes, >= 1; the default 0 must be set */
     const double *diameters; /* d_i [classes] [m], each in (0, aperture); not owned; the default null must be set */
     const double *shares;    /* S_inf,i = m_i,0/m_0 [classes], mass of a class over the mass of all undersize [-], > 0, sum 1 to 1e-6;
                                 not owned; null (default): equal shares */
     screen_average average;  /* SCREEN_AVERAGE_UNDERSIZE; models 2, 3 */
     double average_diameter; /* d_av [m], > 0; 0.006; read with SCREEN_AVERAGE_GIVEN only */
     /* Model 3 only */
-    double undersize_mass;   /* m_0 [kg], > 0; 0.94 */
-    double oversize_mass;    /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
-    double coarse_diameter;  /* d_av,c of eq 41 and size of the oversize [m], > 0; 0.010 */
-    double deck_area;        /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
-    double bulk_density;     /* rho_b [kg/m3], > 0; 1500 */
-    double bottom_limit;     /* B_p = B_mP/m_0, what the bottom layer can hold [-], > 0; infinity (default): no limit */
-    double tolerance;        /* error of retained that a step of the adaptive integrator may make [-], [1e-14, 1e-2]; 1e-9; the stratified
+    double undersize_mass;  /* m_0 [kg], > 0; 0.94 */
+    double oversize_mass;   /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
+    double coarse_diameter; /* d_av,c of eq 41 and size of the oversize [m], > 0; 0.010 */
+    double deck_area;       /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
+    double bulk_density;    /* rho_b [kg/m3], > 0; 1500 */
+    double bottom_limit;    /* B_p = B_mP/m_0, what the bottom layer can hold [-], > 0; infinity (default): no limit */
+    double tolerance;       /* error of retained that a step of the adaptive integrator may make [-], [1e-14, 1e-2]; 1e-9; the stratified
                                 part is held as closely where it matters to the retained, and to 1000 times that elsewhere */
-    double fixed_step;       /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
-    screen_memory memory;    /* the C library's */
-    uint32_t cookie;         /* set by screen_default_def */
+    double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
+    screen_memory memory;   /* the C library's */
+    uint32_t cookie;        /* set by screen_default_def */
 } screen_def;
 
 /* How the deck runs. All four are checked by every driver. */
@@ -159,7 +160,8 @@ SCREEN_API screen_status screen_check_operation(const screen_operation *operatio
 SCREEN_API int screen_parameter_count(screen_model model, int continuous);
 /* "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
 SCREEN_API const char *screen_parameter_name(screen_model model, int index);
-/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS]. SCREEN_BAD_MODEL for model 0: none is printed. */
+/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS]. SCREEN_BAD_MODEL for model 0, which has
+   none there. */
 SCREEN_API screen_status screen_published(screen_model model, double *parameters);
 
 /* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
@@ -171,8 +173,9 @@ SCREEN_API screen_status screen_published(screen_model model, double *parameters
      stratified  out [classes][times] S/S_inf, what has ever reached the bottom layer (models 0, 1: 1) [-]; may be null
      bottom      out [classes][times] B/S_inf, what lies in the bottom layer now (models 0, 1: Y) [-]; may be null
    Y = bottom + 1 - stratified. Errors: as the statuses; the outputs are then undefined. */
-SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                        int times, const double *time, double *retained, double *stratified, double *bottom);
+SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
+                                        const screen_operation *operation, int times, const double *time, double *retained,
+                                        double *stratified, double *bottom);
 
 /* The paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1. */
 SCREEN_API double screen_deviation(int points, const double *model, const double *data);
@@ -180,13 +183,14 @@ SCREEN_API double screen_deviation(int points, const double *model, const double
 /* Partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture.
    diameters [n] [m], > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes do not see each other; the classes of def
    matter only through d_av. SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes. */
-SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                          double time, int n, const double *diameters, double *partition);
+SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters,
+                                          const screen_operation *operation, double time, int n, const double *diameters,
+                                          double *partition);
 
 /* Time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED if later
    than limit, which is > 0. */
-SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                        double recovery, double limit, double *time);
+SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
+                                        const screen_operation *operation, double recovery, double limit, double *time);
 
 /* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
 typedef struct screen__layer {
@@ -209,8 +213,9 @@ SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model mod
      feed    [classes] laid on top of the bed at the start of the step [kg], >= 0; null: none
      dt      [s], >= 0 and finite (length [m] on a deck)
      passed  out [classes] mass through the mesh in this step [kg]; may be null
-   fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed forms whatever the steps. Model 1 continues at the N
-   that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is needed: N must rise with the length). Model 3 measures all masses in units of def.undersize_mass. */
+   fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed forms whatever the
+   steps. Model 1 continues at the N that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is needed: N must rise with the length).
+   Model 3 measures all masses in units of def.undersize_mass. */
 SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
                                      double dt, const double *feed, screen_bed *bed, double *passed);
 
@@ -238,10 +243,10 @@ typedef enum screen_loss {
 
 typedef struct screen_fit_options {
     screen_loss loss;
-    int starts;           /* random starts, >= 1; 20 */
-    int iterations;       /* of one start in all, >= 1; 400 */
-    uint64_t seed;        /* any; 1 */
-    const double *start;  /* [parameters] replaces the first random start; not owned; null: none (default) */
+    int starts;                         /* random starts, >= 1; 20 */
+    int iterations;                     /* of one start in all, >= 1; 400 */
+    uint64_t seed;                      /* any; 1 */
+    const double *start;                /* [parameters] replaces the first random start; not owned; null: none (default) */
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
     double data_error;     /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
@@ -254,20 +259,23 @@ typedef struct screen_fit_result {
     screen_model model;
     int parameters;
     double parameter[SCREEN_MAX_PARAMETERS];
-    double deviation;                        /* mean over cases of the deviation of a case [-] */
-    double rms;                              /* root mean square of model - data [-] */
-    double error[SCREEN_MAX_PARAMETERS];     /* standard error; correlated residuals of a curve counted as fewer points; inf: no influence */
-    double low[SCREEN_MAX_PARAMETERS];       /* 95 % range: parameter -+ 2 errors (a rate constant by a factor), cut at the bounds */
+    double deviation; /* mean over cases of the deviation of a case [-] */
+    double rms;       /* root mean square of model - data [-] */
+    double error
+        [SCREEN_MAX_PARAMETERS]; /* standard error, given the held ones; correlated residuals count as fewer points; inf: no influence */
+    double low[SCREEN_MAX_PARAMETERS]; /* 95 % range: parameter -+ 2 errors (a rate constant by a factor), cut at the bounds */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
-    int determined[SCREEN_MAX_PARAMETERS];   /* 0: 2 errors exceed ln 2 (rate constant) or max(1, |value|) (exponent): the data leave it open */
-    int at_bound[SCREEN_MAX_PARAMETERS];     /* 1: stands at a bound that is not low = high */
-    int undetermined;                        /* how many are not determined */
-    int starts;                              /* made */
-    int starts_at_best;                      /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
-    long evaluations;                        /* of the curves of all cases */
-    screen_where where;                      /* first bad datum when the data are refused */
-    double coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
+    int determined
+        [SCREEN_MAX_PARAMETERS];         /* 0: 2 errors exceed ln 2 (rate constant) or max(1, |value|) (exponent): the data leave it open */
+    int at_bound[SCREEN_MAX_PARAMETERS]; /* 1: stands at a bound that is not low = high */
+    int undetermined;                    /* how many are not determined */
+    int starts;                          /* made */
+    int starts_at_best;                  /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
+    long evaluations;                    /* of the curves of all cases */
+    screen_where where;                  /* first bad datum when the data are refused */
+    double
+        coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
     double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the coefficients' covariance */
     double centre[4];
 } screen_fit_result;
@@ -275,13 +283,14 @@ typedef struct screen_fit_result {
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
 
 /* Are the curves fit to be fitted? Where (may be null) names the first bad datum. tolerance as options.data_tolerance. */
-SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance, screen_where *where);
+SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
+                                            screen_where *where);
 
 /* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates (where alpha = 0 is no wall),
    from several random starts, first on a rounded, then on the sharp absolute deviation.
-   Models 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
-   in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases, exponents
-   when A f and d are) are held at 0, or at options->start, or the nearest bound.
+   Model 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
+   in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases,
+   exponents when A f and d are) are held at 0, or at options->start, or the nearest bound.
    options may be null (defaults). Errors: as the statuses; result->where is set for bad data. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
@@ -293,29 +302,31 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
 
 /* Draws parameter sets from the normal distribution about a fit: out sets[n][SCREEN_MAX_PARAMETERS]. A direction that the data leave open
    has the spread 2 of a log rate or exponent (20 of a product with a moisture exponent). Bounds of options (null: defaults) hold. */
-SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n, double *sets);
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
+                                       double *sets);
 
 /* Mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
      sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
-     scatter  spread of single measurements about the model to be added [-], >= 0: 0 for the band of the curve, result.rms for that of new data
+     scatter  spread of single measurements about the model to be added [-], >= 0: 0 for the band of the curve, result.rms for that of
+              new data
      level    share of the distribution inside the band, (0, 1), as 0.95
      mean, spread, low, high  out [classes][times] [-]; each may be null */
-SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets, const screen_operation *operation,
-                                     int times, const double *time, double scatter, uint64_t seed, double level, double *mean,
-                                     double *spread, double *low, double *high);
+SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets,
+                                     const screen_operation *operation, int times, const double *time, double scatter, uint64_t seed,
+                                     double level, double *mean, double *spread, double *low, double *high);
 
 /* ---- separation --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct screen_separation {
-    double d25, d50, d75;      /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them */
-    double ecart;              /* probable error (d75 - d25)/2 [m] */
-    double imperfection;       /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
-    double recovery;           /* undersize passed / undersize fed [-]; NaN without undersize */
-    double oversize_loss;      /* oversize passed / oversize fed [-]; NaN without oversize */
-    double misplaced_overflow; /* undersize in what stays / all that stays [-]; NaN when nothing stays */
+    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them */
+    double ecart;               /* probable error (d75 - d25)/2 [m] */
+    double imperfection;        /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
+    double recovery;            /* undersize passed / undersize fed [-]; NaN without undersize */
+    double oversize_loss;       /* oversize passed / oversize fed [-]; NaN without oversize */
+    double misplaced_overflow;  /* undersize in what stays / all that stays [-]; NaN when nothing stays */
     double misplaced_underflow; /* oversize in what passes / all that passes [-]; NaN when nothing passes */
-    double efficiency;         /* Hancock: recovery - oversize_loss [-] */
-    double yield;              /* passed / fed [-] */
+    double efficiency;          /* Hancock: recovery - oversize_loss [-] */
+    double yield;               /* passed / fed [-] */
 } screen_separation;
 
 /* Measures of a deck from a partition curve of any model or experiment.
@@ -538,7 +549,7 @@ static inline double screen_dong(double p, double n) {
         if (h < 0.0) low = s;
         else high = s;
         double next = s - 2.0 * h * slope / (2.0 * slope * slope - h * bend); /* Halley */
-        if (!(next > low && next < high)) next = high < HUGE_VAL ? 0.5 * (low + high) : s - h / slope;
+        if (!(next >= low && next <= high)) next = high < HUGE_VAL ? 0.5 * (low + high) : s - h / slope;
         double step = next - s;
         s = next;
         if (fabs(step) <= 1e-4 * s) break; /* leaves its cube, which the step below squares */
@@ -612,7 +623,7 @@ static inline double screen_soldinger_limit(double b, double s_inf, double t) {
 
 SCREEN_API const char *screen_status_text(screen_status status) {
     switch (status) {
-#define SCREEN__TEXT(name, text) \
+#define SCREEN__TEXT(name, text)                                                                                                           \
     case name: return text;
         SCREEN_STATUSES(SCREEN__TEXT)
 #undef SCREEN__TEXT
@@ -671,7 +682,8 @@ static inline const char *screen__bad_field(const screen_def *def) {
         }
         if (!(fabs(sum - 1.0) <= 1e-6)) return "shares";
     }
-    if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN) return "average";
+    if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN)
+        return "average";
     if (!screen__positive(def->average_diameter)) return "average_diameter";
     if (!screen__positive(def->undersize_mass)) return "undersize_mass";
     if (!(def->oversize_mass >= 0.0 && def->oversize_mass < HUGE_VAL)) return "oversize_mass";
@@ -773,8 +785,8 @@ static inline int screen__rates(screen_model model) { return model == SCREEN_SUB
 static inline screen__terms screen__terms_of(const screen_def *def, screen_model model, double average, const screen_operation *operation,
                                              double d) {
     screen__terms t;
-    double log_d = riddle_log(d), dry = riddle_log(operation->amplitude) + riddle_log(operation->frequency) -
-                                        0.5 * (log_d + riddle_log(def->gravity));
+    double log_d = riddle_log(d),
+           dry = riddle_log(operation->amplitude) + riddle_log(operation->frequency) - 0.5 * (log_d + riddle_log(def->gravity));
     double to_aperture = dry - log_d + riddle_log(def->aperture);
     t.speed[0] = model == SCREEN_DONG ? dry : model == SCREEN_FIRST_ORDER ? to_aperture : dry - log_d + riddle_log(average);
     t.speed[1] = to_aperture;
@@ -884,9 +896,10 @@ static inline screen_status screen__positive_step(const screen_def *def, screen_
             double x = 0.5 * h * (own->c[from] + own->c[2]), e = riddle_exp(-x);
             double bh = own->b * share * h, m = bh * own->u[from] * screen__mean_decay(x, e); /* b times the integral of U */
             double decay = riddle_exp(-m), first = screen__mean_decay(m, decay);
-            double second = m < 0.1 ? 0.5 - m * (1.0 / 6 - m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
-                                    : (1.0 - first) / m;
-            /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold the slow limit and the limit of instant stratification */
+            double second = m < 0.1
+                                ? 0.5 - m * (1.0 / 6 - m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
+                                : (1.0 - first) / m;
+            /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold both limits, slow and instant stratification */
             double gain = ((first - second) * e + second) * (2.0 / (1.0 + e));
             double y = own->y[from] / (decay + own->y[from] * bh * gain), u = own->u[from] * e;
             if (!(y > u)) y = u; /* only rounding can bring it below */
@@ -1057,7 +1070,8 @@ static inline screen_status screen__curves(const screen_def *def, screen_model m
             if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
             rate[r] = riddle_exp(log_rate[r]);
         }
-        if (model == SCREEN_DONG) p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
+        if (model == SCREEN_DONG)
+            p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
         for (int j = 0; j < times; j++) {
             size_t at = (size_t)i * (size_t)times + (size_t)j;
             double t = time[j], y, top = 0.0, slope[2] = {0.0, 0.0};
@@ -1091,8 +1105,9 @@ static inline screen_status screen__curves(const screen_def *def, screen_model m
     return SCREEN_OK;
 }
 
-SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                        int times, const double *time, double *retained, double *stratified, double *bottom) {
+SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
+                                        const screen_operation *operation, int times, const double *time, double *retained,
+                                        double *stratified, double *bottom) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (!status) status = screen__check_times(times, time);
@@ -1116,8 +1131,9 @@ SCREEN_API double screen_deviation(int points, const double *model, const double
     return sum / points;
 }
 
-SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                          double time, int n, const double *diameters, double *partition) {
+SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters,
+                                          const screen_operation *operation, double time, int n, const double *diameters,
+                                          double *partition) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (!status && model == SCREEN_SOLDINGER) status = SCREEN_BAD_MODEL;
@@ -1141,8 +1157,8 @@ SCREEN_API screen_status screen_partition(const screen_def *def, screen_model mo
     return SCREEN_OK;
 }
 
-SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                        double recovery, double limit, double *time) {
+SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
+                                        const screen_operation *operation, double recovery, double limit, double *time) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (status) return status;
@@ -1230,7 +1246,8 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
             if (model == SCREEN_FIRST_ORDER) {
                 after = before * screen_first_order(rate, dt);
             } else if (model == SCREEN_DONG) {
-                double p = screen_passage_probability(def->aperture, def->wire, def->diameters[i], def->continuous ? operation->inclination : 0.0);
+                double p =
+                    screen_passage_probability(def->aperture, def->wire, def->diameters[i], def->continuous ? operation->inclination : 0.0);
                 double y = before / b->fed, n = y < 1.0 ? riddle_log(y) / riddle_log1p(-p * y) : 0.0;
                 if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
                 else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
@@ -1302,8 +1319,8 @@ static inline void screen__to_coefficients(screen_model model, int n, const doub
 static inline double screen__clip(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
 /* To the nearest q inside the bounds that keeps the mean log rates where it can. */
-static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high,
-                                  const double *c, double *q) {
+static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high, const double *c,
+                                  double *q) {
     for (int j = 0; j < n; j++) q[j] = screen__clip(c[j], low[j], high[j]);
     for (int r = 0; r < screen__rates(model); r++) {
         int k = 3 * r;
@@ -1497,7 +1514,7 @@ static inline double screen__descend(screen__problem *p, double *q, double round
     screen__to_coefficients(p->model, n, p->centre, q, c);
     screen__evaluate(p, c, rounding, 1, 1, &now);
     if (!(now.loss < HUGE_VAL)) return HUGE_VAL;
-    for (int it = 0; it < most && *left > 0 && quiet < 2; it++, --*left) {
+    for (int it = 0; it<most && * left> 0 && quiet < 2; it++, --*left) {
         screen__matrix a, t;
         double g[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS], biggest = 0.0;
         int held[SCREEN_MAX_PARAMETERS], any = 0, moved = 0;
@@ -1511,6 +1528,23 @@ static inline double screen__descend(screen__problem *p, double *q, double round
             any += held[i];
         }
         if (any == n) break;
+        for (int r = 0; r < screen__rates(p->model) && any && !moved; r++) {
+            /* an exponent on its way through 0 is stopped by the bound of its moisture exponent: across, with the same product */
+            int k = 3 * r;
+            if (!(held[k + 2] && p->low[k + 2] < p->high[k + 2] && q[k + 1] * now.gradient[k + 1] > 0.0)) continue;
+            double across[SCREEN_MAX_PARAMETERS];
+            for (int i = 0; i < n; i++) across[i] = i == k + 1 ? -c[i] : c[i];
+            screen__to_box(p->model, n, p->centre, p->low, p->high, across, trial);
+            screen__to_coefficients(p->model, n, p->centre, trial, across);
+            screen__evaluate(p, across, rounding, 1, 1, &next);
+            moved = next.loss < now.loss;
+            for (int i = 0; i < n && moved; i++) {
+                q[i] = trial[i];
+                c[i] = across[i];
+            }
+            if (moved) now = next;
+        }
+        if (moved) continue;
         if (!any)
             for (int i = 0; i < n; i++) {
                 g[i] = now.gradient[i];
@@ -1575,7 +1609,8 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     return options;
 }
 
-SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance, screen_where *where) {
+SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
+                                            screen_where *where) {
     screen_where ignored;
     if (!where) where = &ignored;
     where->index = where->klass = where->time = -1;
@@ -1751,7 +1786,8 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     for (int s = 0; s < p->cases; s++) {
         const screen_case *data = &p->data[s];
         points += (double)p->def.classes * data->times;
-        if (screen__curves(&p->def, p->model, plain, &data->operation, data->times, data->time, p->retained, NULL, NULL, NULL, p->bed)) continue;
+        if (screen__curves(&p->def, p->model, plain, &data->operation, data->times, data->time, p->retained, NULL, NULL, NULL, p->bed))
+            continue;
         for (int i = 0; i < p->def.classes; i++)
             for (int j = 0; j < data->times; j++) {
                 int k = i * data->times + j;
@@ -1763,12 +1799,14 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     double rho = all > 0.0 && out->rms > options->data_error ? screen__clip(lag / all, 0.0, 0.975) : 0.0;
     double sigma = out->rms > options->data_error ? out->rms : options->data_error;
     double variance = sigma * sigma * (1.0 + rho) / (1.0 - rho) / points;
+    if (p->loss == SCREEN_LOSS_DEVIATION)
+        variance *= 0.5 * RIDDLE_PI; /* a median scatters more than a mean, for normal residuals by this */
     /* by q: errors. The curvature is scaled to ones on its diagonal, and 1e-13 added there keeps a singular one invertible */
     screen__jacobian(p, q, t);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j];
     screen__by_q(n, t, a, unused);
-    for (int i = 0; i < n; i++) scale[i] = a[i][i] > 1e-200 ? 1.0 / sqrt(a[i][i]) : 0.0;
+    for (int i = 0; i < n; i++) scale[i] = a[i][i] > 1e-200 && p->low[i] < p->high[i] ? 1.0 / sqrt(a[i][i]) : 0.0; /* held ones left out */
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 + 1e-13 : a[i][j] * scale[i] * scale[j];
     int solved = screen__cholesky(n, a);
@@ -1787,8 +1825,7 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
         out->determined[j] = reach <= least;
         double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j], high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
         if (options->low[j] == options->high[j]) out->determined[j] = 1; /* the caller's choice */
-        else if (p->low[j] == p->high[j]) { /* held for want of influence: any value will do */
-            out->determined[j] = 0;
+        else if (p->low[j] == p->high[j]) { /* held for want of influence: any value will do */ out->determined[j] = 0;
             out->error[j] = HUGE_VAL;
             low = screen__to_q(p->model, j, options->low[j]);
             high = screen__to_q(p->model, j, options->high[j]);
@@ -1984,7 +2021,8 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
     return status;
 }
 
-SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n, double *sets) {
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
+                                       double *sets) {
     if (!result || !sets) return SCREEN_BAD_POINTER;
     screen_fit_options defaults = screen_default_fit_options(result->model);
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];
@@ -1992,7 +2030,8 @@ SCREEN_API screen_status screen_sample(const screen_fit_result *result, const sc
     if (!options) options = &defaults;
     if (n < 1 || parameters < 1 || parameters > SCREEN_MAX_PARAMETERS) return SCREEN_BAD_ARGUMENT;
     for (int j = 0; j < parameters; j++) {
-        if (!(options->low[j] <= options->high[j]) || (screen__is_rate(result->model, j) && !(options->low[j] > 0.0))) return SCREEN_BAD_BOUNDS;
+        if (!(options->low[j] <= options->high[j]) || (screen__is_rate(result->model, j) && !(options->low[j] > 0.0)))
+            return SCREEN_BAD_BOUNDS;
         low[j] = screen__to_q(result->model, j, options->low[j]);
         high[j] = screen__to_q(result->model, j, options->high[j]);
     }
@@ -2029,9 +2068,9 @@ static inline double screen__quantile(const double *sorted, int n, double share)
     return i + 1 < n ? sorted[i] + (at - below) * (sorted[i + 1] - sorted[i]) : sorted[n - 1];
 }
 
-SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets, const screen_operation *operation,
-                                     int times, const double *time, double scatter, uint64_t seed, double level, double *mean,
-                                     double *spread, double *low, double *high) {
+SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets,
+                                     const screen_operation *operation, int times, const double *time, double scatter, uint64_t seed,
+                                     double level, double *mean, double *spread, double *low, double *high) {
     screen_status status = screen_check_def(def, NULL);
     if (!status) status = screen_check_operation(operation);
     if (!status) status = screen__check_times(times, time);
@@ -2040,7 +2079,8 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
     if (status) return status;
     size_t points = (size_t)def->classes * (size_t)times, rows = (size_t)n;
     double *curve = (double *)screen__take(&def->memory, points, sizeof(double));
-    double *value = points > (size_t)-1 / rows ? NULL : (double *)screen__take(&def->memory, points * rows, sizeof(double)); /* [points][n] */
+    double *value =
+        points > (size_t)-1 / rows ? NULL : (double *)screen__take(&def->memory, points * rows, sizeof(double)); /* [points][n] */
     int good = 0;
     if (!curve || !value) status = SCREEN_NO_MEMORY;
     for (int s = 0; s < n && !status; s++) {

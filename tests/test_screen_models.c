@@ -1,0 +1,1134 @@
+/* screen_models.h against 60-digit arithmetic (tests/reference/screen_models.csv), closed forms, the paper's numbers and curves made from
+   known parameters. */
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "failing_allocator.h"
+#include "screen_models.h"
+
+static const double nan_ = (double)NAN;
+static const double diameters[] = {0.005, 0.007};
+
+#define close_to(got, wanted, tolerance) close_at(got, wanted, tolerance, __LINE__)
+static void close_at(double got, double wanted, double tolerance, int line) {
+    if (!(fabs(got - wanted) <= tolerance)) fail_msg("line %d: %.17g, wanted %.17g, off by %.3g", line, got, wanted, got - wanted);
+}
+
+static double ulps(double got, long double wanted) {
+    double near = (double)wanted, ulp = nextafter(near, HUGE_VAL) - near;
+    return (double)(fabsl((long double)got - wanted) / (long double)ulp);
+}
+
+static screen_def batch(void) {
+    screen_def def = screen_default_def();
+    def.classes = 2;
+    def.diameters = diameters;
+    return def;
+}
+
+static screen_operation running(double amplitude, double frequency, double moisture) {
+    screen_operation operation = {amplitude, frequency, moisture, 0.0};
+    return operation;
+}
+
+/* ---- laws --------------------------------------------------------------------------------------------------------------------------- */
+
+static void laws_meet_60_digits(void **state) {
+    (void)state;
+    FILE *file = fopen("tests/reference/screen_models.csv", "r");
+    char line[512];
+    int rows[3] = {0, 0, 0};
+    double worst[3] = {0.0, 0.0, 0.0};
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) {
+        char *cell[7], *at = line;
+        if (line[0] == '#' || strncmp(line, "kind", 4) == 0) continue;
+        for (int i = 0; i < 7; i++) {
+            cell[i] = at;
+            at += strcspn(at, ",\n");
+            *at++ = 0;
+        }
+        double a = atof(cell[1]), b = atof(cell[2]), c = atof(cell[3]), d = atof(cell[4]), e = atof(cell[5]), got;
+        long double wanted = strtold(cell[6], NULL);
+        int kind = strcmp(cell[0], "dong") == 0 ? 0 : strcmp(cell[0], "subasinghe") == 0 ? 1 : 2;
+        if (kind == 0) got = screen_dong(a, b);
+        else if (kind == 1) got = screen_subasinghe(a, b, c);
+        else got = screen_rate(2.5, -3.7, 11.3, a, b, c, d, e, 9.81);
+        double off = kind == 2 ? fabs(got / (double)wanted - 1.0) : ulps(got, wanted);
+        if (wanted < 1e-300L) off = fabs(got) < 1e-300 ? 0.0 : 1e9;
+        if (!(off <= worst[kind])) worst[kind] = off;
+        if (kind == 0 && !(off <= 4.0)) fail_msg("dong p %s N %s: %.17g, %.1f ulp off", cell[1], cell[2], got, off);
+        /* e^-kt amplifies the rounding of its own argument: half an ulp of kt */
+        if (kind == 1 && !(off <= 6.0 + (a < b ? a : b) * c))
+            fail_msg("subasinghe %s %s %s: %.17g, %.1f ulp off", cell[1], cell[2], cell[3], got, off);
+        if (kind == 2 && !(off <= 1e-13)) fail_msg("rate: %.17g, %.2g off", got, off);
+        rows[kind]++;
+    }
+    fclose(file);
+    assert_true(rows[0] > 200 && rows[1] > 60 && rows[2] == 20);
+    print_message("worst: model 1 %.2f ulp, model 2 %.2f ulp, rate %.1e\n", worst[0], worst[1], worst[2]);
+}
+
+/* Model 1's equation in long double at 200 000 places of p in [0, 1], N in [0, 1e12]. */
+static void dong_is_within_4_ulp(void **state) {
+    (void)state;
+    if (LDBL_MANT_DIG < 64) skip();
+    uint64_t random = 9;
+    double worst = 0.0;
+    for (int i = 0; i < 200000; i++) {
+        double p = screen__uniform(&random), n = pow(10.0, -3.0 + 15.0 * screen__uniform(&random));
+        if (i % 5 == 1) p = 1.0 - pow(10.0, -16.0 * p);
+        if (i % 5 == 2) p = pow(10.0, -20.0 * p);
+        if (i % 5 == 3) p = 1.0;
+        if (i % 7 == 3) n = pow(10.0, -20.0 * screen__uniform(&random));
+        double got = screen_dong(p, n);
+        assert_true(got > 0.0 && got <= 1.0);
+        long double y = got; /* Newton on s = -ln Y with expm1l, so that nothing is lost where Y is near 1 */
+        long double s = -logl(y);
+        for (int k = 0; k < 4; k++) {
+            if (!(s > 0.0L)) s = 1e-25L;
+            long double v = (1.0L - (long double)p) - (long double)p * expm1l(-s), u = (long double)p * expl(-s);
+            long double h = s + (long double)n * (u < 0.5L ? log1pl(-u) : logl(v));
+            long double next = s - h / (1.0L + (long double)n * u / v);
+            s = next > 0.0L ? next : 0.5L * s;
+        }
+        double off = ulps(got, expl(-s));
+        if (off > worst) worst = off;
+        if (off > 4.0) fail_msg("p %.17g N %.17g: %.17g is %.2f ulp off", p, n, got, off);
+    }
+    print_message("worst of 200 000: %.2f ulp\n", worst);
+    assert_true(screen_dong(0.0, 1e12) == 1.0 && screen_dong(0.3, 0.0) == 1.0 && screen_dong(1e-300, 1e-300) == 1.0);
+    for (double n = 1.0; n < 2e12; n *= 10.0) { /* for p n >> 1, p -> 0: Lambert's W */
+        double y = screen_dong(1e-9, n * 1e3), z = 1e-6 * n, w = y * z;
+        if (z > 1e-3) assert_true(fabs(w * exp(w) / z - 1.0) < 1e-5);
+    }
+    assert_true(isnan(screen_dong(-0.1, 1.0)) && isnan(screen_dong(1.1, 1.0)) && isnan(screen_dong(0.5, -1.0)) &&
+                isnan(screen_dong(nan_, 1.0)) && isnan(screen_dong(0.5, nan_)) && isnan(screen_dong(0.5, HUGE_VAL)));
+}
+
+static void subasinghe_has_no_seam(void **state) {
+    (void)state;
+    uint64_t random = 3;
+    for (int i = 0; i < 20000; i++) {
+        double k = pow(10.0, 4.0 * screen__uniform(&random) - 3.0), t = pow(10.0, 3.0 * screen__uniform(&random) - 2.0);
+        double gap = pow(10.0, -17.0 * screen__uniform(&random)), other = k * (1.0 + gap);
+        double y = screen_subasinghe(k, other, t);
+        assert_true(y == screen_subasinghe(other, k, t)); /* symmetric to the bit */
+        /* Y falls with either rate: it lies between the two equal-rate limits */
+        double upper = (1.0 + k * t) * exp(-k * t), lower = (1.0 + other * t) * exp(-other * t), slack = 1e-14 * (1.0 + other * t);
+        assert_true(y <= upper * (1.0 + slack) + 1e-300 && y >= lower * (1.0 - slack) - 1e-300);
+    }
+    assert_true(screen_subasinghe(0.0, 5.0, 3.0) == 1.0 && screen_subasinghe(2.0, 2.0, 0.0) == 1.0);
+    assert_true(screen_subasinghe(1e300, 1e300, 1e300) == 0.0);
+    close_to(screen_subasinghe(0.7, 1e300, 2.0), exp(-1.4), 1e-15); /* passage at once: first order */
+    assert_true(isnan(screen_subasinghe(-1.0, 1.0, 1.0)) && isnan(screen_subasinghe(1.0, nan_, 1.0)) &&
+                isnan(screen_subasinghe(nan_, 1.0, 1.0)) && isnan(screen_subasinghe(1.0, 1.0, -1.0)) &&
+                isnan(screen_subasinghe(1.0, HUGE_VAL, 1.0)) && isnan(screen_subasinghe(1.0, 1.0, HUGE_VAL)));
+    double t = 1.3, top = screen_subasinghe_top(0.4, t), bottom = screen_subasinghe(0.4, 2.0, t) - top; /* dB/dt = k_s T - k_p B */
+    double h = 1e-5, later = screen_subasinghe(0.4, 2.0, t + h) - screen_subasinghe_top(0.4, t + h);
+    double before = screen_subasinghe(0.4, 2.0, t - h) - screen_subasinghe_top(0.4, t - h);
+    close_to((later - before) / (2.0 * h), 0.4 * top - 2.0 * bottom, 1e-9);
+}
+
+static void small_laws(void **state) {
+    (void)state;
+    close_to(screen_passage_probability(0.008, 0.002, 0.005, 0.0), 0.09, 1e-16); /* eq 24 */
+    close_to(screen_passage_probability(0.008, 0.002, 0.007, 0.0), 0.01, 1e-16);
+    double tau = 0.3, c = cos(tau);
+    close_to(screen_passage_probability(0.008, 0.002, 0.005, tau), (0.008 - 0.005) * (0.008 * c - 0.005) / (0.01 * 0.01 * c), 1e-15);
+    assert_true(screen_passage_probability(0.008, 0.002, 0.0079, tau) == 0.0 && screen_passage_probability(0.008, 0.0, 0.0, 0.0) == 1.0);
+    assert_true(screen_passage_probability(0.008, 0.002, 0.008, 0.0) == 0.0 && screen_passage_probability(0.008, 0.002, 0.010, 0.0) == 0.0);
+    assert_true(isnan(screen_passage_probability(0.0, 0.0, 0.001, 0.0)) && isnan(screen_passage_probability(0.008, nan_, 0.001, 0.0)) &&
+                isnan(screen_passage_probability(0.008, 0.002, 0.005, 1.6)) && isnan(screen_passage_probability(0.008, 0.002, -1.0, 0.0)));
+    close_to(screen_attempts_batch(1142.6444, 5.0, 20.0), 285.6611, 1e-12);
+    close_to(screen_attempts_deck(10.0, 0.005, 2.0, 0.2, -1.5, 0.7), 10.0 * pow(0.0025, -1.5) * pow(0.2, 0.7), 1e-9);
+    assert_true(isnan(screen_attempts_batch(-1.0, 1.0, 1.0)) && isnan(screen_attempts_batch(1.0, 1.0, 0.0)) &&
+                isnan(screen_attempts_batch(1.0, nan_, 1.0)));
+    assert_true(isnan(screen_attempts_deck(1.0, 0.0, 1.0, 0.1, 1.0, 1.0)) && isnan(screen_attempts_deck(1.0, 1.0, 1.0, 0.0, 1.0, 1.0)));
+    close_to(screen_single_grain(0.25, 3.0), 0.421875, 1e-15);
+    assert_true(screen_single_grain(1.0, 0.5) == 0.0 && screen_single_grain(0.4, 0.0) == 1.0 && isnan(screen_single_grain(2.0, 1.0)));
+    close_to(screen_first_order(0.3, 5.0), exp(-1.5), 1e-16);
+    assert_true(isnan(screen_first_order(-0.3, 5.0)) && isnan(screen_first_order(0.3, -5.0)) && isnan(screen_first_order(nan_, 1.0)));
+    close_to(screen_fines_share(0.94, 0.47), 2.0 / 3.0, 1e-16);
+    close_to(screen_log_fines_factor(2.0 / 3.0), -pow(4.0 / 3.0, 5.0), 1e-14);
+    close_to(screen_log_size_factor(2.0, 5.0), -1.0, 0.0);
+    close_to(screen_top_layers(1.41, 0.03, 1500.0, 0.01), 1.41 / 45.0 / 0.01, 1e-14);
+    close_to(screen_log_stratification(3.0, -1.0, -0.5, exp(1.0)), 0.5, 1e-15);
+    assert_true(screen_bottom_share(0.4, 0.1) == 0.25 && screen_bottom_share(0.05, 0.1) == 1.0 &&
+                screen_bottom_share(0.0, HUGE_VAL) == 1.0);
+    close_to(screen_passage(2.0, 0.5, 0.3, 0.25), 0.075, 1e-16);
+    close_to(screen_soldinger_limit(2.0, 0.5, 5.0), 1.0 / 6.0, 1e-16);
+    assert_true(isnan(screen_fines_share(0.0, 0.0)) && isnan(screen_fines_share(-1.0, 2.0)) && isnan(screen_log_fines_factor(1.1)) &&
+                isnan(screen_log_fines_factor(nan_)) && isnan(screen_log_size_factor(0.0, 1.0)) &&
+                isnan(screen_log_size_factor(1.0, nan_)) && isnan(screen_top_layers(0.0, 1.0, 1.0, 1.0)) &&
+                isnan(screen_top_layers(1.0, 1.0, nan_, 1.0)) && isnan(screen_log_stratification(1.0, 1.0, 1.0, 0.0)) &&
+                isnan(screen_bottom_share(-1.0, 1.0)) && isnan(screen_bottom_share(1.0, nan_)) &&
+                isnan(screen_passage(-1.0, 1.0, 1.0, 1.0)) && isnan(screen_passage(1.0, 1.0, nan_, 1.0)) &&
+                isnan(screen_soldinger_limit(1.0, 1.0, -1.0)));
+    assert_true(screen_rate(0.0, 1.0, 1.0, 0.001, 50.0, 0.0, 0.005, 1.0, 9.81) == 0.0);
+    assert_true(isnan(screen_rate(1.0, 1.0, 1.0, 0.0, 50.0, 0.0, 0.005, 1.0, 9.81)) &&
+                isnan(screen_rate(1.0, 1.0, 1.0, 0.001, 50.0, 1.0, 0.005, 1.0, 9.81)) &&
+                isnan(screen_rate(nan_, 1.0, 1.0, 0.001, 50.0, 0.0, 0.005, 1.0, 9.81)));
+    /* x is the screen velocity of the initial case */
+    close_to(screen_rate(1.0, 1.0, 0.0, 0.001, 50.6, 0.0, 0.005, 1.0, 9.81), 0.0506 / sqrt(0.005 * 9.81), 1e-15);
+}
+
+/* ---- the paper's numbers ------------------------------------------------------------------------------------------------------------ */
+
+static void published_parameters_give_the_text(void **state) {
+    (void)state;
+    /* initial case, small and near-mesh at 5, 10, 15, 20 s: 60 digits from the printed parameters; model 3 with instant stratification */
+    const double wanted[4][8] = {{0.0},
+                                 {0.0904640395279297563, 0.054767633565344338, 0.0403715444667044401, 0.0323732348082462021,
+                                  0.352748336608243299, 0.240995276749203114, 0.188469919383582847, 0.156903681524114491},
+                                 {0.0960374706119103232, 0.00893217906061385266, 0.000830757226971094138, 0.0000772664279882082681,
+                                  0.209726089808102982, 0.043930694389125092, 0.00920203066426570524, 0.00192752173676198385},
+                                 {0.139080425445713432, 0.0747374724558018188, 0.0510979590734682191, 0.0388193669105140122,
+                                  0.188226162779590829, 0.103890540261009632, 0.071744898944788286, 0.054791425530523286}};
+    const double time[] = {5.0, 10.0, 15.0, 20.0};
+    screen_def def = batch();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    for (int m = 1; m < 4; m++) {
+        double p[SCREEN_MAX_PARAMETERS], y[8];
+        assert_int_equal(screen_published((screen_model)m, p), SCREEN_OK);
+        assert_int_equal(screen_predict(&def, (screen_model)m, p, &initial, 4, time, y, NULL, NULL), SCREEN_OK);
+        /* model 3 is not quite instantaneous: c is 1e3 1/s and rising at first */
+        for (int k = 0; k < 8; k++) close_to(y[k], wanted[m][k], m == 3 ? 1e-3 : 1e-12);
+    }
+    /* section 8 of the specification, to its digits */
+    double p[SCREEN_MAX_PARAMETERS], y[8];
+    screen_published(SCREEN_DONG, p);
+    screen_predict(&def, SCREEN_DONG, p, &initial, 4, time, y, NULL, NULL);
+    close_to(y[0], 0.090, 0.0005);
+    close_to(y[4], 0.353, 0.0005);
+    /* Table 1's explicit form empties the screen in 0.2 s with this k */
+    double n = screen_attempts_batch(screen_rate(p[0], p[1], p[2], 0.001, 50.6, 0.0, 0.005, 1.0, 9.81), 0.2, 20.0);
+    assert_true(screen_single_grain(0.09, n) < 0.35 && screen_single_grain(0.09, 5.0 * n) < 0.005);
+    screen_published(SCREEN_SOLDINGER, p);
+    screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 4, time, y, NULL, NULL);
+    close_to(y[0], 0.139, 0.0005);
+    close_to(y[4], 0.188, 0.0005);
+    /* one monolayer as limit of the bottom layer gives .35/.44: area pi/4 0.19^2, share of a 5-7 mm layer, ~0.2 of m_0 */
+    def.average = SCREEN_AVERAGE_ALL;
+    screen_published(SCREEN_SUBASINGHE, p);
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, p, &initial, 4, time, y, NULL, NULL), SCREEN_OK);
+    assert_true(fabs(y[0] - 0.13) + fabs(y[4] - 0.20) > fabs(0.0960 - 0.13) + fabs(0.2097 - 0.20)); /* "agree less well" */
+    assert_int_equal(screen_published(SCREEN_FIRST_ORDER, p), SCREEN_BAD_MODEL);
+    assert_int_equal(screen_published(SCREEN_DONG, NULL), SCREEN_BAD_POINTER);
+}
+
+/* ---- model 3 ------------------------------------------------------------------------------------------------------------------------ */
+
+/* Parameters whose w and b are the same for all classes. */
+static void plain(double *p, double w, double b) { screen__set(p, w, 0.0, 0.0, b, 0.0, 0.0); }
+
+static void soldinger_meets_its_exact_limit(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    double time[40], y[80], s[80], b[80], p[SCREEN_MAX_PARAMETERS], worst = 0.0;
+    for (int j = 0; j < 40; j++) time[j] = 0.5 * (j + 1);
+    for (double rate = 1e-3; rate < 2e3; rate *= 10.0) {
+        plain(p, 1e30, rate);
+        assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 40, time, y, s, b), SCREEN_OK);
+        for (int k = 0; k < 80; k++) {
+            double off = fabs(y[k] - screen_soldinger_limit(rate, 0.5, time[k % 40]));
+            worst = off > worst ? off : worst;
+            assert_true(s[k] == 1.0 && b[k] == y[k]);
+        }
+    }
+    print_message("exact limit: %.1e\n", worst);
+    assert_true(worst < 1e-10);
+    /* already stratified: exact at any step, any feed share */
+    const double shares[] = {0.3, 0.7};
+    def.shares = shares;
+    screen_bed bed[2];
+    assert_int_equal(screen_bed_init(&def, SCREEN_SOLDINGER, bed), SCREEN_OK);
+    for (int i = 0; i < 2; i++) {
+        bed[i].bottom = bed[i].top;
+        bed[i].top = 0.0;
+    }
+    plain(p, 1.0, 2.0);
+    for (int k = 0; k < 5; k++) assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &initial, 1.7, NULL, bed, NULL), SCREEN_OK);
+    for (int i = 0; i < 2; i++) close_to(bed[i].bottom / (0.94 * shares[i]), screen_soldinger_limit(2.0, shares[i], 8.5), 1e-14);
+}
+
+static void soldinger_with_a_full_bottom_layer(void **state) {
+    (void)state;
+    /* one class, stratified at once: dY/dt = -b Y B_p until Y = B_p, then -b Y^2 */
+    const double d = 0.005, limit = 0.3, rate = 0.8;
+    screen_def def = batch();
+    def.classes = 1;
+    def.diameters = &d;
+    def.bottom_limit = limit;
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    double time[40], y[40], p[SCREEN_MAX_PARAMETERS], turn = log(1.0 / limit) / (rate * limit);
+    for (int j = 0; j < 40; j++) time[j] = 0.5 * (j + 1);
+    plain(p, 1e30, rate);
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 40, time, y, NULL, NULL), SCREEN_OK);
+    for (int j = 0; j < 40; j++) {
+        double exact = time[j] < turn ? exp(-rate * limit * time[j]) : limit / (1.0 + rate * limit * (time[j] - turn));
+        close_to(y[j], exact, 1e-8);
+    }
+    /* two classes: a limit slows the passage, the looser the limit the less */
+    def = batch();
+    double before[80], now[80];
+    screen_published(SCREEN_SOLDINGER, p);
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 40, time, before, NULL, NULL), SCREEN_OK);
+    for (double b = 0.8; b > 0.05; b *= 0.5) {
+        def.bottom_limit = b;
+        assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 40, time, now, NULL, NULL), SCREEN_OK);
+        for (int k = 0; k < 80; k++) assert_true(now[k] >= before[k] - 1e-8);
+        memcpy(before, now, sizeof now);
+    }
+}
+
+/* Any step, any rates: 0 <= B, 0 <= S <= 1, Y falls, Y = B + 1 - S. */
+static void soldinger_is_positive_at_every_step(void **state) {
+    (void)state;
+    const double steps[] = {0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.5, 2.0, 20.0, 1e3};
+    screen_def def = batch();
+    uint64_t random = 17;
+    double time[40], y[80], s[80], b[80], p[SCREEN_MAX_PARAMETERS];
+    for (int j = 0; j < 40; j++) time[j] = 0.5 * (j + 1);
+    for (int trial = 0; trial < 400; trial++) {
+        int published = trial < 18;
+        screen_operation operation = running(0.0008 + 0.0002 * (trial % 3), 45.8, 0.025 * (trial / 3 % 3));
+        def.fixed_step = steps[(size_t)trial % (sizeof steps / sizeof steps[0])];
+        if (published && trial >= 9) def.fixed_step = steps[(size_t)(trial - 5) % (sizeof steps / sizeof steps[0])];
+        if (def.fixed_step > 0.0 && def.fixed_step < 1e-3) def.fixed_step = 0.0; /* fine steps are what the reference test does */
+        def.bottom_limit = trial % 4 == 3 ? 0.2 : HUGE_VAL;
+        screen_published(SCREEN_SOLDINGER, p);
+        if (!published) plain(p, pow(10.0, -4.0 + 14.0 * screen__uniform(&random)), pow(10.0, -3.0 + 7.0 * screen__uniform(&random)));
+        assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &operation, 40, time, y, s, b), SCREEN_OK);
+        for (int k = 0; k < 80; k++) {
+            assert_true(y[k] >= 0.0 && y[k] <= 1.0 && b[k] >= 0.0 && s[k] >= 0.0 && s[k] <= 1.0);
+            close_to(b[k] + 1.0 - s[k], y[k], 4e-16);
+            if (k % 40 > 0) assert_true(y[k] <= y[k - 1] && s[k] >= s[k - 1]);
+        }
+    }
+}
+
+static void soldinger_without_oversize(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    double time[] = {1.0, 10.0}, y[4], s[4], b[4], p[SCREEN_MAX_PARAMETERS];
+    def.oversize_mass = 0.0; /* only fines: q = 1, and the last of the top layer is infinitely thin */
+    plain(p, 1e15, 1.0);
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 2, time, y, s, b), SCREEN_OK);
+    for (int k = 0; k < 4; k++) assert_true(y[k] > 0.0 && y[k] < 1.0 && s[k] > 0.0);
+    plain(p, 1e200, 1.0);
+    p[1] = -50.0; /* w above e^600 */
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 2, time, y, s, b), SCREEN_OK);
+    p[0] = 1e300;
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &initial, 2, time, y, s, b), SCREEN_NOT_FINITE);
+}
+
+/* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
+
+static void layers_add_up(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation wet = running(0.0012, 55.4, 0.05);
+    double time[] = {0.0, 0.5, 3.0, 20.0}, y[8], s[8], b[8], p[SCREEN_MAX_PARAMETERS] = {0.7, 0.5, 1.0, 0.0, 0.0, 0.0};
+    for (int m = 0; m < 4; m++) {
+        if (m > 0) screen_published((screen_model)m, p);
+        assert_int_equal(screen_predict(&def, (screen_model)m, p, &wet, 4, time, y, s, b), SCREEN_OK);
+        for (int k = 0; k < 8; k++) {
+            close_to(b[k] + 1.0 - s[k], y[k], 4e-16);
+            if (k % 4 == 0) close_to(y[k], 1.0, 0.0);
+        }
+        if (m < 2) assert_true(s[1] == 1.0 && b[1] == y[1]);
+        else assert_true(s[0] == 0.0 && b[0] == 0.0);
+        double again[8];
+        assert_int_equal(screen_predict(&def, (screen_model)m, p, &wet, 4, time, again, NULL, NULL), SCREEN_OK);
+        assert_memory_equal(y, again, sizeof y);
+    }
+    /* model 0 is exp(-k t) with the rate of eq 35's form */
+    double k = screen_rate(0.7, 0.5, 1.0, 0.0012, 55.4, 0.05, 0.005, 0.005 / 0.008, 9.81);
+    screen__set(p, 0.7, 0.5, 1.0, 0.0, 0.0, 0.0);
+    screen_predict(&def, SCREEN_FIRST_ORDER, p, &wet, 4, time, y, NULL, NULL);
+    close_to(y[2], exp(-3.0 * k), 1e-13);
+    double two[] = {0.5, 0.25}, three[] = {0.25, 0.5};
+    close_to(screen_deviation(2, two, three), 0.25, 0.0);
+    assert_true(isnan(screen_deviation(0, two, three)) && isnan(screen_deviation(1, NULL, two)));
+}
+
+static void any_number_of_classes(void **state) {
+    (void)state;
+    enum { N = 300 };
+    double d[N], share[N], time[] = {1.0, 4.0}, p[SCREEN_MAX_PARAMETERS], *y = malloc(2 * N * sizeof *y);
+    screen_def def = screen_default_def();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    assert_non_null(y);
+    for (int i = 0; i < N; i++) {
+        d[i] = 0.004 + 0.003 * i / N;
+        share[i] = 1.0 / N;
+    }
+    def.classes = N;
+    def.diameters = d;
+    def.shares = share;
+    for (int m = 1; m < 4; m++) {
+        screen_published((screen_model)m, p);
+        if (m == 3) p[3] *= N; /* k_i = b_i Y_i: passage depends on how the feed is cut into classes */
+        assert_int_equal(screen_predict(&def, (screen_model)m, p, &initial, 2, time, y, NULL, NULL), SCREEN_OK);
+        for (int i = 0; i < N; i++) assert_true(y[2 * i] > 0.0 && y[2 * i] < 1.0 && y[2 * i + 1] < y[2 * i]);
+    }
+    free(y);
+}
+
+static void a_continuous_deck(void **state) {
+    (void)state;
+    screen_def def = batch();
+    def.continuous = 1;
+    screen_operation inclined = {0.001, 50.6, 0.02, 0.25};
+    double length[] = {0.5, 1.0, 3.0}, y[6], p[SCREEN_MAX_PARAMETERS] = {0.4, -0.3, 1.5, -1.2, 0.6, 0.0};
+    assert_int_equal(screen_parameter_count(SCREEN_DONG, 1), 5);
+    assert_int_equal(screen_predict(&def, SCREEN_DONG, p, &inclined, 3, length, y, NULL, NULL), SCREEN_OK);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++) {
+            double rate = screen_rate(p[0], p[1], p[2], 0.001, 50.6, 0.02, diameters[i], 1.0, 9.81);
+            double n = screen_attempts_deck(rate, diameters[i], length[j], 0.25, p[3], p[4]);
+            close_to(y[3 * i + j], screen_dong(screen_passage_probability(0.008, 0.002, diameters[i], 0.25), n), 1e-13);
+        }
+    /* deck in three pieces: the steps go on where the last has ended */
+    screen_bed bed[2];
+    screen_bed_init(&def, SCREEN_DONG, bed);
+    for (int j = 0; j < 3; j++) {
+        assert_int_equal(screen_step(&def, SCREEN_DONG, p, &inclined, j ? length[j] - length[j - 1] : length[0], NULL, bed, NULL),
+                         SCREEN_OK);
+        for (int i = 0; i < 2; i++) close_to(bed[i].bottom / bed[i].fed, y[3 * i + j], 1e-12);
+    }
+    p[3] = 0.5;
+    assert_int_equal(screen_step(&def, SCREEN_DONG, p, &inclined, 1.0, NULL, bed, NULL), SCREEN_BAD_PARAMETERS);
+    /* eq 30: the same formula in the length */
+    double q[] = {1.3883, 0.8288, 2.2026, 0.0542, -5.5913, 0.4581}, z[6];
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, q, &inclined, 3, length, y, NULL, NULL), SCREEN_OK);
+    def.continuous = 0;
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, q, &inclined, 3, length, z, NULL, NULL), SCREEN_OK);
+    assert_memory_equal(y, z, sizeof y);
+    def.continuous = 1;
+    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, q, &inclined, 3, length, y, NULL, NULL), SCREEN_BAD_MODEL);
+    inclined.inclination = 0.0;
+    assert_int_equal(screen_predict(&def, SCREEN_DONG, p, &inclined, 3, length, y, NULL, NULL), SCREEN_BAD_OPERATION);
+}
+
+static void steps_with_constant_inputs_are_the_closed_form(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation wet = running(0.001, 50.6, 0.025);
+    double p[SCREEN_MAX_PARAMETERS] = {0.7, 0.5, 1.0, 0.0, 0.0, 0.0}, end = 20.0, y[2];
+    for (int m = 0; m < 4; m++)
+        for (int pieces = 1; pieces <= 1000; pieces *= 10) {
+            screen_bed bed[2];
+            double total[2] = {0.0, 0.0}, passed[2];
+            if (m > 0) screen_published((screen_model)m, p);
+            if (m == 3) plain(p, 1e30, 2.0);
+            assert_int_equal(screen_predict(&def, (screen_model)m, p, &wet, 1, &end, y, NULL, NULL), SCREEN_OK);
+            assert_int_equal(screen_bed_init(&def, (screen_model)m, bed), SCREEN_OK);
+            for (int k = 0; k < pieces; k++) {
+                assert_int_equal(screen_step(&def, (screen_model)m, p, &wet, end / pieces, NULL, bed, passed), SCREEN_OK);
+                for (int i = 0; i < 2; i++) total[i] += passed[i];
+            }
+            for (int i = 0; i < 2; i++) {
+                close_to((bed[i].top + bed[i].bottom) / 0.47, y[i], 1e-10);
+                close_to(bed[i].top + bed[i].bottom + bed[i].passed, bed[i].fed, 1e-14);
+                close_to(total[i], bed[i].passed, 1e-15);
+            }
+        }
+    /* model 3 as fitted, whose top layer is not quite instantaneous: within what the tolerance promises for each step */
+    screen_published(SCREEN_SOLDINGER, p);
+    screen_predict(&def, SCREEN_SOLDINGER, p, &wet, 1, &end, y, NULL, NULL);
+    screen_bed bed[2];
+    screen_bed_init(&def, SCREEN_SOLDINGER, bed);
+    for (int k = 0; k < 100; k++) assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &wet, 0.2, NULL, bed, NULL), SCREEN_OK);
+    for (int i = 0; i < 2; i++) close_to((bed[i].top + bed[i].bottom) / 0.47, y[i], 1e-8);
+}
+
+static void steps_with_changing_inputs(void **state) {
+    (void)state;
+    screen_def def = batch();
+    for (int m = 0; m < 4; m++) {
+        double p[SCREEN_MAX_PARAMETERS] = {0.7, 0.5, 1.0, 0.0, 0.0, 0.0}, fed = 0.0, out = 0.0, held = 0.0, passed[2],
+               feed[2] = {0.01, 0.02};
+        screen_bed bed[2];
+        memset(bed, 0, sizeof bed); /* an empty deck */
+        if (m > 0) screen_published((screen_model)m, p);
+        for (int k = 0; k < 400; k++) { /* a deck that runs to a steady state, then stands without feed */
+            screen_operation operation = running(0.0008 + 0.0004 * (k % 2), 45.8 + k % 10, 0.05 * (k % 3) / 2.0);
+            assert_int_equal(screen_step(&def, (screen_model)m, p, &operation, 0.25, k < 300 ? feed : NULL, bed, passed), SCREEN_OK);
+            fed += k < 300 ? feed[0] + feed[1] : 0.0;
+            out += passed[0] + passed[1];
+            for (int i = 0; i < 2; i++) assert_true(passed[i] >= 0.0 && bed[i].top >= 0.0 && bed[i].bottom >= 0.0);
+        }
+        for (int i = 0; i < 2; i++) held += bed[i].top + bed[i].bottom;
+        close_to(held + out, fed, 1e-12);
+        assert_true(held < 0.2 * fed);
+    }
+    /* refused steps leave the masses alone */
+    screen_bed bed[2], before[2];
+    double p[SCREEN_MAX_PARAMETERS], feed[2] = {0.01, nan_};
+    screen_operation operation = running(0.001, 50.6, 0.0);
+    screen_published(SCREEN_SOLDINGER, p);
+    screen_bed_init(&def, SCREEN_SOLDINGER, bed);
+    memset(&bed[0].own, 0, sizeof bed[0].own);
+    memset(&bed[1].own, 0, sizeof bed[1].own);
+    memcpy(before, bed, sizeof bed);
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, 0.5, feed, bed, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, -0.5, NULL, bed, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, nan_, NULL, bed, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, 1.0, NULL, NULL, NULL), SCREEN_BAD_POINTER);
+    double huge[SCREEN_MAX_PARAMETERS] = {1e300, -50.0, 0.0, 1.0, 0.0, 0.0};
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, huge, &operation, 1.0, NULL, bed, NULL), SCREEN_NOT_FINITE);
+    assert_memory_equal(before, bed, sizeof bed);
+    bed[1].top = 2.0; /* more than was fed */
+    assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, 0.5, NULL, bed, NULL), SCREEN_BAD_ARGUMENT);
+}
+
+static void partition_and_time(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    double d[] = {0.005, 0.007, 0.0079, 0.008, 0.012}, part[5], time[] = {5.0}, y[2], p[SCREEN_MAX_PARAMETERS], at;
+    for (int m = 1; m < 3; m++) {
+        screen_published((screen_model)m, p);
+        screen_predict(&def, (screen_model)m, p, &initial, 1, time, y, NULL, NULL);
+        assert_int_equal(screen_partition(&def, (screen_model)m, p, &initial, 5.0, 5, d, part), SCREEN_OK);
+        close_to(part[0], y[0], 0.0);
+        close_to(part[1], y[1], 0.0);
+        assert_true(part[2] > part[1] && part[2] < 1.0 && part[3] == 1.0 && part[4] == 1.0);
+    }
+    for (int m = 1; m < 4; m++)
+        for (double recovery = 0.0; recovery < 0.95; recovery += 0.3) {
+            screen_published((screen_model)m, p);
+            assert_int_equal(screen_time_to(&def, (screen_model)m, p, &initial, recovery, 100.0, &at), SCREEN_OK);
+            if (recovery == 0.0) {
+                close_to(at, 0.0, 0.0);
+                continue;
+            }
+            screen_predict(&def, (screen_model)m, p, &initial, 1, &at, y, NULL, NULL);
+            close_to(1.0 - 0.5 * (y[0] + y[1]), recovery, 1e-8);
+        }
+    assert_int_equal(screen_time_to(&def, SCREEN_DONG, p, &initial, 0.99, 1e-6, &at), SCREEN_NOT_REACHED);
+    assert_int_equal(screen_time_to(&def, SCREEN_DONG, p, &initial, 1.0, 10.0, &at), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_time_to(&def, SCREEN_DONG, p, &initial, 0.5, nan_, &at), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_time_to(&def, SCREEN_DONG, p, &initial, 0.5, 1.0, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_partition(&def, SCREEN_SOLDINGER, p, &initial, 5.0, 5, d, part), SCREEN_BAD_MODEL);
+    assert_int_equal(screen_partition(&def, SCREEN_DONG, p, &initial, -5.0, 5, d, part), SCREEN_BAD_TIMES);
+    assert_int_equal(screen_partition(&def, SCREEN_DONG, p, &initial, 5.0, 0, d, part), SCREEN_BAD_ARGUMENT);
+    d[1] = nan_;
+    assert_int_equal(screen_partition(&def, SCREEN_DONG, p, &initial, 5.0, 5, d, part), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_partition(&def, SCREEN_DONG, p, &initial, 5.0, 5, NULL, part), SCREEN_BAD_POINTER);
+}
+
+/* ---- refusals ----------------------------------------------------------------------------------------------------------------------- */
+
+static void bad_configurations_are_named(void **state) {
+    (void)state;
+    const char *field = "x";
+    screen_def good = batch(), def = good;
+    assert_int_equal(screen_check_def(&good, &field), SCREEN_OK);
+    assert_null(field);
+    def = screen_default_def();
+    assert_int_equal(screen_check_def(&def, &field), SCREEN_BAD_DEF);
+    assert_string_equal(field, "classes");
+    memset(&def, 0, sizeof def);
+    assert_int_equal(screen_check_def(&def, &field), SCREEN_BAD_DEF);
+    assert_string_equal(field, "cookie");
+    assert_int_equal(screen_check_def(NULL, NULL), SCREEN_BAD_DEF);
+    const double bad[] = {nan_, -1.0, HUGE_VAL};
+#define REFUSED(name, value)                                                                                                               \
+    do {                                                                                                                                   \
+        def = good;                                                                                                                        \
+        def.name = value;                                                                                                                  \
+        assert_int_equal(screen_check_def(&def, &field), SCREEN_BAD_DEF);                                                                  \
+        assert_string_equal(field, #name);                                                                                                 \
+    } while (0)
+    for (int i = 0; i < 3; i++) {
+        REFUSED(aperture, bad[i]);
+        REFUSED(wire, bad[i]);
+        REFUSED(duration, bad[i]);
+        REFUSED(gravity, bad[i]);
+        REFUSED(average_diameter, bad[i]);
+        REFUSED(undersize_mass, bad[i]);
+        REFUSED(oversize_mass, bad[i]);
+        REFUSED(coarse_diameter, bad[i]);
+        REFUSED(deck_area, bad[i]);
+        REFUSED(bulk_density, bad[i]);
+        REFUSED(tolerance, bad[i]);
+        REFUSED(fixed_step, bad[i]);
+        if (i < 2) REFUSED(bottom_limit, bad[i]);
+        double shares[] = {0.5, bad[i]}, sizes[] = {0.005, bad[i]};
+        REFUSED(shares, shares);
+        REFUSED(diameters, sizes);
+    }
+    const double percent[] = {50.0, 50.0}, coarse[] = {0.005, 0.008}, millimetres[] = {5.0, 7.0};
+    REFUSED(shares, percent);
+    REFUSED(diameters, coarse);
+    REFUSED(diameters, millimetres);
+    REFUSED(diameters, NULL);
+    REFUSED(classes, -1);
+    REFUSED(continuous, 2);
+    REFUSED(average, (screen_average)7);
+    REFUSED(tolerance, 0.0);
+    REFUSED(bottom_limit, 0.0);
+    def = good;
+    def.wire = 0.0;
+    def.oversize_mass = 0.0;
+    assert_int_equal(screen_check_def(&def, NULL), SCREEN_OK); /* zero is legal there */
+    assert_int_equal(screen_check_operation(NULL), SCREEN_BAD_POINTER);
+    const screen_operation wrong[] = {{0.0, 50.0, 0.0, 0.0},    {1.0, 50.0, 0.0, 0.0},   {nan_, 50.0, 0.0, 0.0},
+                                      {0.001, 0.0, 0.0, 0.0},   {0.001, nan_, 0.0, 0.0}, {0.001, 50.0, 0.0, 15.0},
+                                      {0.001, 50.0, 0.0, -0.1}, {0.001, 50.0, 0.0, nan_}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) assert_int_equal(screen_check_operation(&wrong[i]), SCREEN_BAD_OPERATION);
+    const screen_operation damp[] = {{0.001, 50.0, 2.5, 0.0}, {0.001, 50.0, -0.1, 0.0}, {0.001, 50.0, nan_, 0.0}};
+    assert_int_equal(screen_check_operation(&damp[0]), SCREEN_MOISTURE_IN_PERCENT);
+    assert_int_equal(screen_check_operation(&damp[1]), SCREEN_BAD_MOISTURE);
+    assert_int_equal(screen_check_operation(&damp[2]), SCREEN_BAD_MOISTURE);
+    for (int s = 0; s <= (int)SCREEN_NOT_REACHED; s++) assert_true(strlen(screen_status_text((screen_status)s)) > 1);
+    assert_string_equal(screen_status_text((screen_status)999), "unknown status");
+    assert_string_equal(screen_parameter_name(SCREEN_SUBASINGHE, 3), "k_p");
+    assert_string_equal(screen_parameter_name(SCREEN_DONG, 4), "delta");
+    assert_null(screen_parameter_name(SCREEN_DONG, 5));
+    assert_null(screen_parameter_name(SCREEN_DONG, -1));
+    assert_int_equal(screen_parameter_count((screen_model)9, 0), 0);
+}
+
+static void bad_calls_are_refused(void **state) {
+    (void)state;
+    screen_def def = batch();
+    screen_operation initial = running(0.001, 50.6, 0.0);
+    double p[SCREEN_MAX_PARAMETERS], y[8], time[] = {1.0, 2.0}, falling[] = {2.0, 1.0}, same[] = {1.0, 1.0}, sick[] = {1.0, nan_},
+                                           early[] = {-1.0, 1.0};
+    screen_published(SCREEN_SUBASINGHE, p);
+#define PREDICT(n, t) screen_predict(&def, SCREEN_SUBASINGHE, p, &initial, n, t, y, NULL, NULL)
+    assert_int_equal(PREDICT(2, time), SCREEN_OK);
+    assert_int_equal(PREDICT(2, falling), SCREEN_BAD_TIMES);
+    assert_int_equal(PREDICT(2, same), SCREEN_BAD_TIMES);
+    assert_int_equal(PREDICT(2, sick), SCREEN_BAD_TIMES);
+    assert_int_equal(PREDICT(2, early), SCREEN_BAD_TIMES);
+    assert_int_equal(PREDICT(0, time), SCREEN_BAD_TIMES);
+    assert_int_equal(PREDICT(2, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, NULL, &initial, 2, time, y, NULL, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, p, NULL, 2, time, y, NULL, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, p, &initial, 2, time, NULL, NULL, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_predict(&def, (screen_model)4, p, &initial, 2, time, y, NULL, NULL), SCREEN_BAD_MODEL);
+    for (int j = 0; j < 6; j++) {
+        double kept = p[j];
+        p[j] = nan_;
+        assert_int_equal(PREDICT(2, time), SCREEN_BAD_PARAMETERS);
+        p[j] = HUGE_VAL;
+        assert_int_equal(PREDICT(2, time), SCREEN_BAD_PARAMETERS);
+        p[j] = kept;
+    }
+    p[3] = 0.0;
+    assert_int_equal(PREDICT(2, time), SCREEN_BAD_PARAMETERS);
+    p[3] = 1.0;
+    p[4] = -1e3; /* x^-1000 */
+    assert_int_equal(PREDICT(2, time), SCREEN_NOT_FINITE);
+    p[4] = 1e3; /* a rate of 0 is a number */
+    assert_int_equal(PREDICT(2, time), SCREEN_OK);
+    assert_true(y[0] == 1.0);
+    /* extremes that must pass through without a crash or a NaN */
+    screen_operation faint = running(1e-300, 1e-300, 0.0);
+    screen__set(p, 1e-300, 1.0, 0.0, 1e-300, 1.0, 0.0);
+    for (int m = 0; m < 4; m++) {
+        assert_int_equal(screen_predict(&def, (screen_model)m, p, &faint, 2, time, y, NULL, NULL), SCREEN_OK);
+        for (int k = 0; k < 4; k++) assert_true(y[k] == 1.0);
+    }
+}
+
+/* ---- fit ---------------------------------------------------------------------------------------------------------------------------- */
+
+enum { CASES = 27, TIMES = 40, POINTS = 2 * TIMES };
+typedef struct study {
+    double time[TIMES], retained[CASES][POINTS];
+    screen_case cases[CASES];
+} study;
+
+/* Table 5: case 1 + 9 i_M + 3 i_A + i_f; curves of a model. */
+static void make_study(study *s, const screen_def *def, screen_model model, const double *parameters) {
+    for (int j = 0; j < TIMES; j++) s->time[j] = 0.5 * (j + 1);
+    for (int k = 0; k < CASES; k++) {
+        const double amplitude[] = {0.0008, 0.001, 0.0012}, frequency[] = {45.8, 50.6, 55.4}, moisture[] = {0.0, 0.025, 0.05};
+        s->cases[k].operation = running(amplitude[k / 3 % 3], frequency[k % 3], moisture[k / 9]);
+        s->cases[k].times = TIMES;
+        s->cases[k].time = s->time;
+        s->cases[k].retained = s->retained[k];
+        assert_int_equal(screen_predict(def, model, parameters, &s->cases[k].operation, TIMES, s->time, s->retained[k], NULL, NULL),
+                         SCREEN_OK);
+    }
+}
+
+static void add_noise(study *s, double size, uint64_t seed) {
+    for (int k = 0; k < CASES; k++)
+        for (int j = 0; j < POINTS; j++) s->retained[k][j] += size * screen__normal(&seed);
+}
+
+static void the_fitter_recovers_published_parameters(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    for (int m = 0; m < 3; m++) {
+        double p[SCREEN_MAX_PARAMETERS] = {1.3, 1.7, 3.0, 0.0, 0.0, 0.0};
+        screen_fit_result fit;
+        if (m > 0) screen_published((screen_model)m, p);
+        make_study(&s, &def, (screen_model)m, p);
+        assert_int_equal(screen_fit(&def, (screen_model)m, CASES, s.cases, NULL, &fit), SCREEN_OK);
+        print_message("model %d: deviation %.1e, %d of %d starts\n", m, fit.deviation, fit.starts_at_best, fit.starts);
+        assert_true(fit.deviation < 1e-12 && fit.undetermined == 0 && fit.starts == 20 && fit.starts_at_best == 20);
+        for (int j = 0; j < fit.parameters; j++) {
+            close_to(fit.parameter[j] / p[j], 1.0, 1e-6);
+            assert_true(fit.determined[j] && !fit.at_bound[j] && fit.low[j] <= p[j] && p[j] <= fit.high[j] && fit.error[j] > 0.0);
+        }
+    }
+}
+
+/* Model 3's published exponent makes stratification instant: k_p, beta, delta come back, k_s, alpha, gamma are named as open. */
+static void the_fitter_names_what_the_data_leave_open(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_published(SCREEN_SOLDINGER, p);
+    make_study(&s, &def, SCREEN_SOLDINGER, p);
+    screen_fit_options options = screen_default_fit_options(SCREEN_SOLDINGER);
+    screen_fit_result fit;
+    options.starts = 3;
+    assert_int_equal(screen_fit(&def, SCREEN_SOLDINGER, CASES, s.cases, &options, &fit), SCREEN_OK);
+    assert_true(fit.deviation < 1e-5);
+    for (int j = 0; j < 6; j++) {
+        assert_int_equal(fit.determined[j], j >= 3);
+        if (fit.deviation < 1e-8 && j >= 3) close_to(fit.parameter[j] / p[j], 1.0, 1e-6);
+    }
+    assert_int_equal(fit.undetermined, 3);
+
+    /* dry cases only: nothing is known of moisture; the exponents come back all the same */
+    screen_published(SCREEN_SUBASINGHE, p);
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 9, s.cases, NULL, &fit), SCREEN_OK);
+    for (int j = 0; j < 6; j++) {
+        assert_int_equal(fit.determined[j], j % 3 != 2);
+        if (j % 3 == 2) assert_true(fit.parameter[j] == 0.0 && fit.error[j] == HUGE_VAL && fit.low[j] == -1000.0 && fit.high[j] == 1000.0);
+        else close_to(fit.parameter[j] / p[j], 1.0, 1e-6);
+    }
+    /* one moist case: k is that of this moisture, x^alpha (1-M)^(alpha gamma) cannot be taken apart */
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 1, &s.cases[13], NULL, &fit), SCREEN_OK);
+    assert_true(fit.deviation < 1e-12 && !fit.determined[2] && !fit.determined[5]);
+    close_to(fit.parameter[0] / (p[0] * pow(1.0 - 0.025, p[1] * p[2])), 1.0, 1e-6);
+    close_to(fit.parameter[1] / p[1], 1.0, 1e-6);
+    /* one case and one class: k and alpha hang together, k alone is held by alpha = 0 */
+    screen_def one = def;
+    one.classes = 1;
+    one.average = SCREEN_AVERAGE_GIVEN;
+    assert_int_equal(screen_fit(&one, SCREEN_FIRST_ORDER, 1, &s.cases[4], NULL, &fit), SCREEN_OK);
+    assert_true(fit.parameter[1] == 0.0 && fit.determined[0] && !fit.determined[1] && !fit.determined[2]);
+}
+
+static void bounds_hold(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_published(SCREEN_SUBASINGHE, p);
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    screen_fit_options options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    screen_fit_result fit, free_fit;
+    options.low[1] = 1.0; /* published 0.8288 */
+    options.high[4] = -6.0;
+    options.low[5] = options.high[5] = 0.2; /* held */
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_OK);
+    for (int j = 0; j < 6; j++) assert_true(fit.parameter[j] >= options.low[j] - 1e-15 && fit.parameter[j] <= options.high[j] + 1e-15);
+    assert_true(fit.parameter[5] == 0.2 && fit.at_bound[1] && fit.parameter[1] == 1.0 && !fit.at_bound[5] && fit.determined[5]);
+    assert_true(fit.deviation > 1e-4 && fit.deviation < 0.02);
+    /* a start given by the caller is used, and its result does not depend on the random ones */
+    options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    options.starts = 1;
+    options.start = p;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &free_fit), SCREEN_OK);
+    assert_true(free_fit.deviation < 1e-12);
+    /* rate constants' bounds must be positive, bounds in order */
+    options.low[0] = 0.0;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_BAD_BOUNDS);
+    options.low[0] = 2.0;
+    options.high[0] = 1.0;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_BAD_BOUNDS);
+    options.high[0] = nan_;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_BAD_BOUNDS);
+}
+
+/* The two steps of model 2 can be exchanged: k_s' = k_p (a/d_av)^beta, k_p' = k_s (d_av/a)^alpha give the same curves. */
+static void model_2_has_a_twin(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS], twin[SCREEN_MAX_PARAMETERS], y[POINTS], z[POINTS];
+    screen_published(SCREEN_SUBASINGHE, p);
+    screen__set(twin, p[3] * pow(0.008 / 0.006, p[4]), p[4], p[5], p[0] * pow(0.006 / 0.008, p[1]), p[1], p[2]);
+    make_study(&s, &def, SCREEN_SUBASINGHE, twin);
+    for (int k = 0; k < CASES; k++) {
+        screen_predict(&def, SCREEN_SUBASINGHE, p, &s.cases[k].operation, TIMES, s.time, y, NULL, NULL);
+        screen_predict(&def, SCREEN_SUBASINGHE, twin, &s.cases[k].operation, TIMES, s.time, z, NULL, NULL);
+        for (int j = 0; j < POINTS; j++) close_to(y[j], z[j], 1e-13);
+    }
+    screen_fit_result fit;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, NULL, &fit), SCREEN_OK);
+    for (int j = 0; j < 6; j++) close_to(fit.parameter[j] / p[j], 1.0, 1e-6); /* the slower step is called stratification */
+    screen_fit_options options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    options.high[1] = -1.0; /* unless the bounds want it the other way round */
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_OK);
+    for (int j = 0; j < 6; j++) close_to(fit.parameter[j] / twin[j], 1.0, 1e-6);
+}
+
+/* 200 studies with noise: the 95 % range of each parameter holds the truth about 19 times in 20. */
+static void ranges_are_honest(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS] = {1.3, 1.7, 3.0, 0.0, 0.0, 0.0};
+    int inside[3] = {0, 0, 0}, trials = 200;
+    screen_fit_options options = screen_default_fit_options(SCREEN_FIRST_ORDER);
+    options.starts = 2;
+    options.loss = SCREEN_LOSS_SQUARES;
+    options.data_tolerance = 1.0;
+    for (int trial = 0; trial < trials; trial++) {
+        screen_fit_result fit;
+        make_study(&s, &def, SCREEN_FIRST_ORDER, p);
+        for (int k = 0; k < CASES; k++) s.cases[k].times = 8; /* 0.5 .. 4 s, where clipping at 0 does not matter */
+        for (int k = 0; k < CASES; k++)
+            for (int i = 0; i < 8; i++) s.retained[k][8 + i] = s.retained[k][TIMES + i];
+        add_noise(&s, 0.01, (uint64_t)trial * 77 + 5);
+        assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, CASES, s.cases, &options, &fit), SCREEN_OK);
+        for (int j = 0; j < 3; j++) inside[j] += fit.low[j] <= p[j] && p[j] <= fit.high[j];
+    }
+    print_message("inside the 95 %% range: %d %d %d of %d\n", inside[0], inside[1], inside[2], trials);
+    for (int j = 0; j < 3; j++) assert_true(inside[j] >= 180 && inside[j] <= 200);
+}
+
+static void fits_with_noise(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_published(SCREEN_SUBASINGHE, p);
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    add_noise(&s, 0.02, 4);
+    screen_fit_options options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    screen_fit_result fit, again, squares;
+    options.data_tolerance = 0.2;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_OK);
+    double truth = 0.0, y[POINTS];
+    for (int k = 0; k < CASES; k++) {
+        screen_predict(&def, SCREEN_SUBASINGHE, p, &s.cases[k].operation, TIMES, s.time, y, NULL, NULL);
+        truth += screen_deviation(POINTS, y, s.retained[k]) / CASES;
+    }
+    assert_true(fit.deviation <= truth && fit.deviation > 0.9 * truth); /* better than the truth, by a little */
+    assert_true(fit.starts_at_best >= 18);
+    double check = 0.0;
+    for (int k = 0; k < CASES; k++) {
+        screen_predict(&def, SCREEN_SUBASINGHE, fit.parameter, &s.cases[k].operation, TIMES, s.time, y, NULL, NULL);
+        check += screen_deviation(POINTS, y, s.retained[k]) / CASES;
+    }
+    close_to(check, fit.deviation, 1e-12);
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &again), SCREEN_OK);
+    assert_memory_equal(fit.parameter, again.parameter, sizeof fit.parameter); /* one seed, one answer */
+    options.loss = SCREEN_LOSS_SQUARES;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &squares), SCREEN_OK);
+    assert_true(squares.rms <= fit.rms + 1e-9 && squares.deviation >= fit.deviation - 1e-9);
+    /* the correlation matrix is one */
+    for (int a = 0; a < 6; a++)
+        for (int b = 0; b < 6; b++)
+            assert_true(fit.correlation[a][b] == fit.correlation[b][a] || fabs(fit.correlation[a][b] - fit.correlation[b][a]) < 1e-6);
+    for (int a = 0; a < 6; a++) assert_true(fit.correlation[a][a] == 1.0);
+}
+
+static void a_continuous_deck_is_fitted(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    def.continuous = 1;
+    double p[] = {0.4, -0.3, 3.5, -1.2, 0.6, 0.0};
+    make_study(&s, &def, SCREEN_FIRST_ORDER, p);
+    for (int k = 0; k < CASES; k++) {
+        s.cases[k].operation.inclination = 0.15 + 0.05 * (k % 4);
+        assert_int_equal(screen_predict(&def, SCREEN_DONG, p, &s.cases[k].operation, TIMES, s.time, s.retained[k], NULL, NULL), SCREEN_OK);
+    }
+    screen_fit_options options = screen_default_fit_options(SCREEN_DONG);
+    screen_fit_result fit;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, CASES, s.cases, &options, &fit), SCREEN_OK);
+    assert_int_equal(fit.parameters, 5);
+    for (int j = 0; j < 5; j++) close_to(fit.parameter[j] / p[j], 1.0, 1e-6);
+    s.cases[2].operation.inclination = 0.0;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, CASES, s.cases, &options, &fit), SCREEN_BAD_OPERATION);
+    assert_int_equal(fit.where.index, 2);
+}
+
+static void bad_data_are_named(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS];
+    screen_where where;
+    screen_fit_result fit;
+    screen_published(SCREEN_SUBASINGHE, p);
+#define REFUSED_AS(wanted, c, i, j, change)                                                                                                \
+    do {                                                                                                                                   \
+        make_study(&s, &def, SCREEN_SUBASINGHE, p);                                                                                        \
+        change;                                                                                                                            \
+        assert_int_equal(screen_check_cases(&def, CASES, s.cases, 0.01, &where), wanted);                                                  \
+        assert_int_equal(where.index, c);                                                                                                  \
+        assert_int_equal(where.klass, i);                                                                                                  \
+        assert_int_equal(where.time, j);                                                                                                   \
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, NULL, &fit), wanted);                                         \
+        assert_true(fit.where.index == c && fit.where.klass == i && fit.where.time == j);                                                  \
+    } while (0)
+    REFUSED_AS(SCREEN_OK, -1, -1, -1, (void)0);
+    REFUSED_AS(SCREEN_DATA_NOT_FINITE, 3, 1, 7, s.retained[3][TIMES + 7] = nan_);
+    REFUSED_AS(SCREEN_DATA_NOT_FINITE, 3, 0, 7, s.retained[3][7] = -HUGE_VAL);
+    REFUSED_AS(SCREEN_DATA_NOT_MONOTONE, 26, 0, 9, s.retained[26][9] = s.retained[26][8] + 0.02);
+    REFUSED_AS(SCREEN_OK, -1, -1, -1, s.retained[26][9] = s.retained[26][8] + 0.009);
+    REFUSED_AS(SCREEN_DATA_OUT_OF_RANGE, 0, 0, 0, s.retained[0][0] = 1.02);
+    REFUSED_AS(SCREEN_DATA_OUT_OF_RANGE, 0, 0, 39, s.retained[0][39] = -0.02);
+    REFUSED_AS(SCREEN_DATA_IN_PERCENT, 5, 0, 0, for (int j = 0; j < POINTS; j++) s.retained[5][j] *= 100.0);
+    REFUSED_AS(SCREEN_BAD_TIMES, 0, -1, 4, s.time[4] = s.time[3]);
+    REFUSED_AS(SCREEN_BAD_TIMES, 0, -1, 4, s.time[4] = nan_);
+    REFUSED_AS(SCREEN_BAD_TIMES, 0, -1, 0, s.time[0] = -1.0);
+    REFUSED_AS(SCREEN_MOISTURE_IN_PERCENT, 9, -1, -1, s.cases[9].operation.moisture = 2.5);
+    REFUSED_AS(SCREEN_BAD_OPERATION, 9, -1, -1, s.cases[9].operation.amplitude = 1.0);
+    REFUSED_AS(SCREEN_TOO_FEW_POINTS, 9, -1, -1, s.cases[9].times = 0);
+    REFUSED_AS(SCREEN_BAD_POINTER, 9, -1, -1, s.cases[9].retained = NULL);
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    s.cases[0].times = 2; /* 4 points, 6 parameters */
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 1, s.cases, NULL, &fit), SCREEN_TOO_FEW_POINTS);
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, NULL, &fit), SCREEN_OK);
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 0, s.cases, NULL, &fit), SCREEN_TOO_FEW_POINTS);
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, NULL, NULL, &fit), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, NULL, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_fit(&def, (screen_model)8, 1, s.cases, NULL, &fit), SCREEN_BAD_MODEL);
+    screen_fit_options options = screen_default_fit_options(SCREEN_DONG), broken;
+    broken = options;
+    broken.starts = 0;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+    broken = options;
+    broken.data_error = nan_;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+    broken = options;
+    broken.cookie = 0;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+    broken = options;
+    broken.data_tolerance = nan_;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+    double sick[] = {nan_, 1.0, 1.0};
+    broken = options;
+    broken.start = sick;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+}
+
+static void profiles(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS], low, high;
+    screen_fit_result fit;
+    screen_published(SCREEN_DONG, p);
+    make_study(&s, &def, SCREEN_DONG, p);
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, CASES, s.cases, NULL, &fit), SCREEN_OK);
+    double before = 0.0;
+    for (double rise = 1e-4; rise < 2e-2; rise *= 10.0) { /* wider for a larger rise, and the truth is inside */
+        assert_int_equal(screen_profile(&def, CASES, s.cases, NULL, &fit, 0, rise, &low, &high), SCREEN_OK);
+        assert_true(low < p[0] && p[0] < high && log(high / low) > before);
+        before = log(high / low);
+    }
+    /* a flat valley: dry data say nothing of gamma; it reaches from bound to bound only where it is free */
+    screen_fit_options options = screen_default_fit_options(SCREEN_DONG);
+    assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 5, 1e-3, &low, &high), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 0, nan_, &low, &high), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_profile(&def, CASES, s.cases, &options, NULL, 0, 1e-3, &low, &high), SCREEN_BAD_POINTER);
+    /* stratification of model 2 so fast that only its lower end is known */
+    screen__set(p, 1e4, 0.0, 0.0, 0.3, 0.9, 2.0);
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    options.low[1] = options.high[1] = options.low[2] = options.high[2] = 0.0;
+    options.low[3] = 0.25;
+    options.high[3] = 0.35;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_OK);
+    assert_true(!fit.determined[0] && fit.determined[3]);
+    assert_int_equal(screen_profile(&def, CASES, s.cases, &options, &fit, 0, 1e-3, &low, &high), SCREEN_OK);
+    assert_true(high == options.high[0] || high > 0.999e12);
+    assert_true(low > 5.0 && low < 1e3);
+}
+
+/* ---- bands and separation ----------------------------------------------------------------------------------------------------------- */
+
+static void bands_cover(void **state) {
+    (void)state;
+    enum { SETS = 400 };
+    static study s;
+    static double sets[SETS][SCREEN_MAX_PARAMETERS];
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS], mean[POINTS], spread[POINTS], low[POINTS], high[POINTS], truth[POINTS], best[POINTS];
+    screen_fit_options options = screen_default_fit_options(SCREEN_SUBASINGHE);
+    screen_fit_result fit;
+    screen_operation between = running(0.0009, 48.0, 0.01);
+    int inside = 0, studies = 12;
+    options.data_tolerance = 0.2;
+    options.starts = 2;
+    screen_published(SCREEN_SUBASINGHE, p);
+    for (int k = 0; k < studies; k++) {
+        make_study(&s, &def, SCREEN_SUBASINGHE, p);
+        add_noise(&s, 0.02, 100 * (uint64_t)k + 7);
+        assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, CASES, s.cases, &options, &fit), SCREEN_OK);
+        assert_int_equal(screen_sample(&fit, &options, 3, SETS, &sets[0][0]), SCREEN_OK);
+        screen_predict(&def, SCREEN_SUBASINGHE, p, &between, TIMES, s.time, truth, NULL, NULL);
+        screen_predict(&def, SCREEN_SUBASINGHE, fit.parameter, &between, TIMES, s.time, best, NULL, NULL);
+        assert_int_equal(
+            screen_band(&def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &between, TIMES, s.time, 0.0, 1, 0.95, mean, spread, low, high),
+            SCREEN_OK);
+        for (int j = 0; j < POINTS; j++) {
+            inside += low[j] <= truth[j] && truth[j] <= high[j];
+            assert_true(low[j] <= mean[j] && mean[j] <= high[j] && spread[j] >= 0.0 && spread[j] < 0.02);
+            assert_true(fabs(mean[j] - best[j]) < 3.0 * spread[j] + 1e-6);
+        }
+    }
+    print_message("inside the 95 %% band: %d of %d points\n", inside, studies * POINTS);
+    assert_true(inside >= studies * POINTS * 8 / 10); /* the points of one curve hang together */
+    double narrow[POINTS], wide[POINTS];
+    assert_int_equal(
+        screen_band(&def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &between, TIMES, s.time, fit.rms, 1, 0.95, NULL, NULL, narrow, wide),
+        SCREEN_OK);
+    for (int j = 0; j < POINTS / 4; j++) assert_true(wide[j] - narrow[j] > high[j] - low[j]);
+    /* mean and spread of known sets */
+    double two[2][SCREEN_MAX_PARAMETERS] = {{1.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {2.0, 0.0, 0.0, 0.0, 0.0, 0.0}}, t = 0.7;
+    assert_int_equal(screen_band(&def, SCREEN_FIRST_ORDER, 2, &two[0][0], &between, 1, &t, 0.0, 1, 0.5, mean, spread, low, high),
+                     SCREEN_OK);
+    double a = exp(-1.4), b = exp(-0.7);
+    close_to(mean[0], 0.5 * (a + b), 1e-15);
+    close_to(spread[0], (b - a) / sqrt(2.0), 1e-15);
+    close_to(low[0], a + 0.25 * (b - a), 1e-15);
+    close_to(high[0], a + 0.75 * (b - a), 1e-15);
+    assert_int_equal(screen_band(&def, SCREEN_FIRST_ORDER, 1, &two[0][0], &between, 1, &t, 0.0, 1, 0.5, mean, spread, low, high),
+                     SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_band(&def, SCREEN_FIRST_ORDER, 2, &two[0][0], &between, 1, &t, nan_, 1, 0.5, mean, spread, low, high),
+                     SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_band(&def, SCREEN_FIRST_ORDER, 2, NULL, &between, 1, &t, 0.0, 1, 0.5, mean, spread, low, high),
+                     SCREEN_BAD_POINTER);
+    two[0][0] = two[1][0] = nan_;
+    assert_int_equal(screen_band(&def, SCREEN_FIRST_ORDER, 2, &two[0][0], &between, 1, &t, 0.0, 1, 0.5, mean, spread, low, high),
+                     SCREEN_NOT_FINITE);
+    assert_int_equal(screen_sample(&fit, &options, 3, 0, &sets[0][0]), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_sample(NULL, &options, 3, 1, &sets[0][0]), SCREEN_BAD_POINTER);
+}
+
+static void separation_of_a_known_curve(void **state) {
+    (void)state;
+    const double d[] = {0.001, 0.003, 0.005, 0.007, 0.009}, feed[] = {1.0, 2.0, 3.0, 2.0, 2.0}, stays[] = {0.0, 0.2, 0.6, 0.9, 1.0};
+    screen_separation m;
+    assert_int_equal(screen_measure(5, d, feed, stays, 0.006, &m), SCREEN_OK);
+    close_to(m.d25, 0.003 + 0.002 * 0.05 / 0.4, 1e-17);
+    close_to(m.d50, 0.0045, 1e-17);
+    close_to(m.d75, 0.006, 1e-17);
+    close_to(m.ecart, 0.5 * (0.006 - 0.00325), 1e-17);
+    close_to(m.imperfection, 0.001375 / 0.0045, 1e-15);
+    close_to(m.recovery, (6.0 - 0.4 - 1.8) / 6.0, 1e-15);
+    close_to(m.oversize_loss, 0.2 / 4.0, 1e-15);
+    close_to(m.misplaced_overflow, 2.2 / (2.2 + 3.8), 1e-15);
+    close_to(m.misplaced_underflow, 0.2 / 4.0, 1e-15);
+    close_to(m.efficiency, 3.8 / 6.0 - 0.05, 1e-15);
+    close_to(m.yield, 0.4, 1e-15);
+    const double perfect[] = {0.0, 0.0, 0.0, 1.0, 1.0};
+    assert_int_equal(screen_measure(5, d, feed, perfect, 0.006, &m), SCREEN_OK);
+    assert_true(m.recovery == 1.0 && m.oversize_loss == 0.0 && m.misplaced_overflow == 0.0 && m.misplaced_underflow == 0.0);
+    const double nothing[] = {1.0, 1.0, 1.0, 1.0, 1.0}, sick[] = {0.0, 0.2, nan_, 0.9, 1.0}, percent[] = {0.0, 20.0, 60.0, 90.0, 100.0};
+    assert_int_equal(screen_measure(5, d, feed, nothing, 0.006, &m), SCREEN_NOT_REACHED);
+    assert_true(isnan(m.d50) && m.recovery == 0.0 && isnan(m.misplaced_underflow) && m.yield == 0.0);
+    assert_int_equal(screen_measure(5, d, feed, sick, 0.006, &m), SCREEN_DATA_OUT_OF_RANGE);
+    assert_int_equal(screen_measure(5, d, feed, percent, 0.006, &m), SCREEN_DATA_IN_PERCENT);
+    assert_int_equal(screen_measure(5, feed, feed, stays, 0.006, &m), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_measure(5, d, sick, stays, 0.006, &m), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_measure(0, d, feed, stays, 0.006, &m), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_measure(5, d, feed, stays, nan_, &m), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_measure(5, d, feed, stays, 0.006, NULL), SCREEN_BAD_POINTER);
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------------------------------------- */
+
+static void memory_may_run_out_anywhere(void **state) {
+    (void)state;
+    static study s;
+    static double sets[8][SCREEN_MAX_PARAMETERS];
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS], y[POINTS], at, low, high;
+    failing_allocator memory;
+    screen_published(SCREEN_SOLDINGER, p);
+    make_study(&s, &def, SCREEN_SOLDINGER, p);
+    def.memory.fn = failing_fn;
+    def.memory.user = &memory;
+    screen_fit_options options = screen_default_fit_options(SCREEN_SOLDINGER);
+    screen_fit_result fit;
+    options.starts = 1;
+    options.iterations = 2;
+    for (int call = 0; call < 5; call++)
+        for (int k = 0;; k++) {
+            screen_status status = SCREEN_OK;
+            failing_init_at(&memory, k);
+            if (call == 0) status = screen_predict(&def, SCREEN_SOLDINGER, p, &s.cases[0].operation, TIMES, s.time, y, NULL, NULL);
+            if (call == 1) status = screen_time_to(&def, SCREEN_SOLDINGER, p, &s.cases[0].operation, 0.5, 20.0, &at);
+            if (call == 2) status = screen_fit(&def, SCREEN_SOLDINGER, 2, s.cases, &options, &fit);
+            if (call == 3) status = screen_profile(&def, 2, s.cases, &options, &fit, 3, 0.5, &low, &high);
+            for (int j = 0; j < 8; j++) memcpy(sets[j], p, sizeof p);
+            if (call == 4)
+                status = screen_band(&def, SCREEN_SOLDINGER, 8, &sets[0][0], &s.cases[0].operation, TIMES, s.time, 0.0, 1, 0.9, y, NULL,
+                                     NULL, NULL);
+            assert_int_equal(failing_live(&memory), 0);
+            assert_int_equal(status, memory.has_failed ? SCREEN_NO_MEMORY : SCREEN_OK);
+            if (!memory.has_failed) {
+                assert_true(k > 0);
+                break;
+            }
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(laws_meet_60_digits),
+        cmocka_unit_test(dong_is_within_4_ulp),
+        cmocka_unit_test(subasinghe_has_no_seam),
+        cmocka_unit_test(small_laws),
+        cmocka_unit_test(published_parameters_give_the_text),
+        cmocka_unit_test(soldinger_meets_its_exact_limit),
+        cmocka_unit_test(soldinger_with_a_full_bottom_layer),
+        cmocka_unit_test(soldinger_is_positive_at_every_step),
+        cmocka_unit_test(soldinger_without_oversize),
+        cmocka_unit_test(layers_add_up),
+        cmocka_unit_test(any_number_of_classes),
+        cmocka_unit_test(a_continuous_deck),
+        cmocka_unit_test(steps_with_constant_inputs_are_the_closed_form),
+        cmocka_unit_test(steps_with_changing_inputs),
+        cmocka_unit_test(partition_and_time),
+        cmocka_unit_test(bad_configurations_are_named),
+        cmocka_unit_test(bad_calls_are_refused),
+        cmocka_unit_test(the_fitter_recovers_published_parameters),
+        cmocka_unit_test(the_fitter_names_what_the_data_leave_open),
+        cmocka_unit_test(bounds_hold),
+        cmocka_unit_test(model_2_has_a_twin),
+        cmocka_unit_test(ranges_are_honest),
+        cmocka_unit_test(fits_with_noise),
+        cmocka_unit_test(a_continuous_deck_is_fitted),
+        cmocka_unit_test(bad_data_are_named),
+        cmocka_unit_test(profiles),
+        cmocka_unit_test(bands_cover),
+        cmocka_unit_test(separation_of_a_known_curve),
+        cmocka_unit_test(memory_may_run_out_anywhere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
