@@ -321,8 +321,8 @@ int main(int argc, char **argv) {
     p.step = 0.02;
     const char *field = NULL;
     if (screen_check_def(&p.def, &field) != SCREEN_OK)
-        program_refuse(&self, strcmp(field, "diameters") == 0 ? "diameters-mm" : "opening-mm", classes,
-                       "grain sizes above 0 and below the opening");
+        program_refuse(&self, strcmp(field, "diameters") == 0 ? "diameters-mm" : "opening-mm",
+                       strcmp(field, "diameters") == 0 ? classes : NULL, "grain sizes above 0 and below the opening");
     if (options[13].given != options[14].given)
         program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
     const bool own = options[13].given;
