@@ -856,7 +856,7 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     }
     const double distance = sqrt(da * da + dc * dc + up * up), inverse = 1.0 / distance;
     out->gap = distance - inner - radius;
-    out->curvature = inner > 0.0 ? 0.5 / half : 0.0;
+    out->curvature = 0.5 / half; /* of the round part everywhere, so that a contact's constants do not depend on when they are asked for */
     out->normal = dem_vec3(da * inverse, dc * inverse, up * inverse);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
@@ -1234,12 +1234,12 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials) return DEM_BAD_ARGUMENT;
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         if (!dem__positive(diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) || !dem__finite(centres[3 * k + 2])) return DEM_BAD_ARGUMENT;
         double volume = RIDDLE_PI / 6.0 * diameters[k] * diameters[k] * diameters[k];
         if (!dem__positive(volume * w->def.material[material].density * diameters[k] * diameters[k])) return DEM_BAD_ARGUMENT;
     }
-    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     if (w->count + n + 1 > w->capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
         int        arrays = dem__particle_arrays(w, list);
@@ -1611,7 +1611,11 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
     double speed = dem__length(v) + 2.0 * w->ball__[i];
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
-    if (wall->spin != 0.0) speed += fabs(wall->spin) * (dem__length(dem__sub(x, wall->position)) + dem__length(dem__sub(wall->position, wall->spin_centre)) + w->reach__);
+    if (wall->spin != 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
+        const double turn = DEM_WHEEL * w->dt__, out = turn * (speed + turn * w->fall__);
+        const double arm = dem__length(dem__sub(x, wall->position)) + dem__length(dem__sub(wall->origin, wall->spin_centre));
+        speed += fabs(wall->spin) * (arm + out);
+    }
     dem__set_timer(w, e, step + dem__steps_until(w, dem__time_to_cover(least, speed, w->fall__)));
 }
 
@@ -1623,6 +1627,10 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
     w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
     w->ball__[i] = w->slack__ + 16.0 * w->dt__ * dem__length(a);
     double speed = dem__length(v) + 2.0 * w->ball__[i];
+    if (!(dem__length(v) * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
+        w->status = DEM_TOO_FAST;
+        w->failed_id = w->id[i];
+    }
     dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
     int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
     if (due < w->next_check__) w->next_check__ = due;
@@ -1844,6 +1852,7 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_speed__[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i, w->step);
+    if (w->status != DEM_OK) return 0;
     if (w->def.skip & DEM_SKIP_SPACE) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
@@ -2204,6 +2213,12 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
     double  tau = (double)(w->step + 1 - w->origin[i]) * w->dt__;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
+        ptrdiff_t k = w->passed_count - 1;
+        while (w->passed[k].id != w->id[i]) k--;
+        if (wall < w->passed[k].exit) w->passed[k].exit = wall;
+        return;
+    }
     if (w->passed_count >= w->passed_capacity__) {
         ptrdiff_t   larger = w->passed_capacity__ * 2 + 256;
         dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed, (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
@@ -2247,6 +2262,8 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     for (int k = 0; k < w->walls; k++) dem__stop_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls + k);
 }
 
+static inline void dem__bury(dem_world *w, int64_t step);
+
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
@@ -2255,6 +2272,7 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
         if (w->live_i__[c] == i || w->live_j__[c] == i) w->live_ended__[c] = 1;
     }
     w->stale__ = w->fresh__ = 1;
+    dem__bury(w, w->step);
     return DEM_OK;
 }
 
@@ -2579,6 +2597,20 @@ static inline void dem__look(dem_world *w, int64_t step) {
     }
 }
 
+/* Takes back what was found in a step that cannot be finished. */
+static DEM__COLD int dem__undo_look(dem_world *w) {
+    for (; w->born__ > 0; w->born__--) {
+        const int32_t p = w->live_near__[--w->live_count__];
+        if (p >= 0 && p < w->near_count__) w->near_live__[p] = 0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
+    }
+    w->leaving__ = 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    return 0;
+}
+
 static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h) {
     w->kernel_dt__ = h;
 #ifdef _OPENMP
@@ -2620,7 +2652,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
             }
         }
         w->def.skip = skip;
-        if (w->status != DEM_OK) return 0;
+        if (w->status != DEM_OK) return dem__undo_look(w);
         dem__admit_born(w, 0.0);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
             if (w->live_near__[c] >= 0) dem__stop_timer(w, w->live_near__[c]);
@@ -2636,6 +2668,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         if (ended) dem__bury(w, w->step);
         dem__watch(w);
+        if (w->status != DEM_OK) return 0;
     }
     w->fresh__ = 0;
     w->features__ = features;
@@ -2656,7 +2689,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         if (w->wall[k].speed_bound > 0.0 || w->wall[k].spin != 0.0) dem__move_wall(&w->wall[k], w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__);
     }
     dem__look(w, w->step + 1);
-    if (w->status != DEM_OK) return 0;
+    if (w->status != DEM_OK) return dem__undo_look(w);
     if (w->born__) {
         ptrdiff_t old = w->live_count__ - w->born__;
         dem__admit_born(w, 1.0);
@@ -2665,13 +2698,14 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     } else dem__advance(w, w->dt__);
     dem__call_kernel(w, kernel, w->dt__);
     int ended = dem__gather(w, w->dt__, turns);
-    if (!dem__kick(w, w->dt__)) return dem__fail(w, DEM_NOT_FINITE);
+    const int finite = dem__kick(w, w->dt__);
     dem__settle_events(w, turns);
     if (features & DEM_ENERGY) dem__gather_losses(w);
     w->particle_steps += w->count - w->dropped__;
     w->contact_steps += w->live_count__;
     w->step++;
     w->time = w->start_time__ + (double)(w->step - w->start_step__) * w->dt__;
+    if (!finite) return dem__fail(w, DEM_NOT_FINITE);
     if (w->leaving__) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) {
             ptrdiff_t j = w->live_j__[c];
@@ -2684,7 +2718,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     }
     if (ended) dem__bury(w, w->step);
     dem__watch(w);
-    return 1;
+    return w->status == DEM_OK;
 }
 
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
@@ -3119,7 +3153,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->count = (ptrdiff_t)present;
     w->live_count__ = live;
     w->passed_count = passed;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
     check = s.hash;
@@ -3135,6 +3169,10 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         w->order__[c] = (int32_t)c;
         dem__activate(w, w->live_i__[c]);
         if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
+        else {
+            w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
+            w->wall_head__[w->live_i__[c]] = (int32_t)c;
+        }
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_loaded(w, i) && !w->is_active__[i]) {
