@@ -1379,7 +1379,7 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
         /* with no limit of the bottom layer a class feels only its own b: one run with all of them moved is enough */
         int runs = p->def.bottom_limit < HUGE_VAL ? n : 4;
         for (int j = 0; j < runs && derivatives && numeric && !status; j++) {
-            double moved[SCREEN_MAX_PARAMETERS], step = j % 3 == 0 ? 1e-4 : 1e-3; /* a speed term is about 0.1, a wet one 0.03 */
+            double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = j % 3 == 0 ? 1e-4 : 1e-3; /* speed terms are about 0.1, wet 0.03 */
             double *column = p->slopes + (size_t)j * (size_t)p->points;
             for (int k = 0; k < n; k++) moved[k] = c[k];
             moved[j] += step;
