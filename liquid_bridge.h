@@ -153,6 +153,9 @@ typedef struct bridge_shape {
 
 /* >>laws-list: pure functions of scalars; NaN outside the stated domain ------------------------------------------------------------- */
 
+/* Unless a line says otherwise: gap S >= 0 [m]; volume V > 0 [m3]; radii > 0 [m]; contact angles 0 .. pi/2 [rad]; surface_tension > 0
+   [N/m]; viscosity >= 0 [Pa s]; viscous_gap > 0 [m]; velocity [m/s], > 0 separating. Films, shares and volumes may be 0. */
+
 /* R_h = 2 ri rj/(ri + rj) [m]; ri, rj > 0, INFINITY allowed for one (plate, wire: 2 ri). */
 static inline double bridge_harmonic_radius(double ri, double rj);
 /* R_s = ri rj/(ri + rj) [m] = R_h/2. */
@@ -188,7 +191,7 @@ static inline double bridge_effective_angle(double angle_i, double angle_j);
    Too strong at contact (4 .. 30 %), too weak near rupture (-30 %): for estimates. */
 static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                          double surface_tension);
-/* Stiffness dF/dS of bridge_force_energy [N/m], <= 0; -HUGE_VAL never: V > 0. */
+/* Slope dF/dS of bridge_force_energy [N/m], < 0. */
 static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                              double surface_tension);
 /* Work [J] to open from contact to gap S against bridge_force_energy. */
@@ -204,7 +207,8 @@ static inline double bridge_force_tension_plate(double gap, double volume, doubl
 /* Capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50 degrees, 5e-5 <= V/R_h^3 <= 0.2. Error 1 .. 3
    % to half of rupture, 10 % at 0.95. */
 static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension);
-/* Capillary force [N], simple rational fit of Willett et al. 2000. */
+/* Capillary force [N], simple rational fit of Willett et al. 2000: pi sigma R_h (cos i + cos j)/(1 + 1.05 s + 2.5 s^2),
+   s = S sqrt(R_h/V). Up to 40 % off. */
 static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                                  double surface_tension);
 
@@ -224,7 +228,7 @@ static inline double bridge_goldman_coupling_far(double x);
 static inline double bridge_goldman_rotation(double x);
 
 /* Static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad], radius_ratio = small/large in 0 .. 1
-   (plate 0), R_h harmonic, V/R_h^3 <= 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
+   (plate 0), R_h harmonic, V/R_h^3 0 .. 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
 static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j);
 /* The same with a correction fitted to 300 Young-Laplace bridges of unequal angles (angles to 45 degrees, V/R_h^3 from 1e-5 to 0.05;
    rms 3.8 %, at most 16 %); equal to eq 19 for equal ones. angle_small: on the smaller sphere. A prepared pair is within 0.2 %. */
@@ -235,7 +239,8 @@ static inline double bridge_rupture_gap_dynamic(double rupture_gap, double veloc
 
 /* Impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg] the reduced mass, e in (0, 1]. */
 static inline double bridge_sticking_velocity(double work, double reduced_mass, double restitution);
-/* Wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 [m/s]; liquid that is taken up only on the way out (hysteresis). */
+/* Wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 the impact speed [m/s]. The bridge forms in contact and
+   costs W once, on the way out; no viscosity. */
 static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity);
 
 /* >>printed-list: eqs 12-20 of Elskamp & Kruggel-Emden 2019 as they stand in print. For comparison; they are not right. */
