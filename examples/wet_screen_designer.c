@@ -155,11 +155,13 @@ static const char *cell(char *text, double x) {
 
 static void draw_retained(const program *self, const plan *p, const holes *h) {
     static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS], high[MOST_STEPS];
+    plan q = *p;
+    q.step = 0.1;
     plot *figure = plot_new("Undersize still on the deck, clean and blocking", 1, MODELS);
     csv *file = csv_open(self->out, "retained.csv", "model,time_s,retained_clean,retained_blocking");
     for (int m = 0; m < MODELS; m++) {
         int rows = 0;
-        for (int b = 0; b < 2; b++) run(p, m, b ? h : &clean, p->recovery, curve[b], &rows);
+        for (int b = 0; b < 2; b++) run(&q, m, b ? h : &clean, p->recovery, curve[b], &rows);
         for (int i = 0; i < rows; i++) {
             x[i] = curve[0][i * (1 + CLASSES)];
             for (int b = 0; b < 2; b++) {
