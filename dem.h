@@ -681,7 +681,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     scale = size > limit ? scale : 1.0;
     for (int a = 0; a < 3; a++) {
         double kept = scale * xi[a]; /* the dashpot's share of a sliding force is not stored: it relaxes within the contact */
-        r->slide_loss += 0.5 * p[DEM__KT] * (xi[a] * xi[a] - kept * kept);
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force on the way slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
         r->rolling_power += scale * p[DEM__GAMMA_T] * c->slip[a] * c->slip[a];
         state[DEM__XI + a] = kept;
@@ -2089,7 +2089,13 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         start = r.normal;
         extra = e.impulse - 0.5 * h * start;
         sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
-        if (features & DEM_ENERGY) dem__put_losses(w, c, &r, 0.0, 0);
+        if (features & DEM_ENERGY) {
+            if (features & DEM_FRICTION) {
+                const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
+                r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
+            }
+            dem__put_losses(w, c, &r, 0.0, 0);
+        }
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
         extra = e.impulse - 0.5 * h * force;
