@@ -733,7 +733,7 @@ static inline double blocking_time_for_exposure(double exposure, double f0, doub
     if (!(exposure >= 0.0 && blocking__within(f0, 0.0, 1.0) && blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 && blocking__finite(k)))
         return (double)NAN;
     if (exposure == 0.0) return 0.0;
-    if (k == 0.0 || f0 == f_inf || !blocking__finite(exposure)) return exposure / f0;
+    if (k == 0.0 || f0 == f_inf || !blocking__finite(exposure)) return exposure / fabs(f0);
     if (f_inf == 0.0) return k * exposure < f0 ? -riddle_log1p(-k * exposure / f0) / k : HUGE_VAL;
     double rise = f_inf > f0 ? f_inf - f0 : 0.0;
     double low = exposure / (rise > 0.0 ? f_inf : f0);
@@ -1538,8 +1538,11 @@ BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const b
     if (conditions->K < 0.0) return BLOCKING_NEGATIVE;
     blocking_status status = blocking__check_fraction(conditions->x_h);
     if (status != BLOCKING_OK) return status;
-    out->raw = blocking_table3(shape, conditions->K, conditions->x_h);
-    out->slope = blocking_table3_slope(shape, conditions->K, conditions->x_h);
+    double raw = blocking_table3(shape, conditions->K, conditions->x_h),
+           slope = blocking_table3_slope(shape, conditions->K, conditions->x_h);
+    if (!blocking__finite(raw) || !blocking__finite(slope)) return BLOCKING_NOT_FINITE; /* K beyond 1e100 */
+    out->raw = raw;
+    out->slope = slope;
     out->value = blocking__clip(out->raw, 0.0, 1.0);
     out->flags = blocking_outside_box(conditions);
     if (out->raw > 1.0) out->flags |= BLOCKING_FLAG_ABOVE_ONE;
@@ -1704,7 +1707,8 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
     const char *bad = NULL;
     if (!duty || duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
     else if (!(duty->passing > 0.0 && blocking__finite(duty->passing))) bad = "passing";
-    else if (!(duty->capacity > 0.0 && blocking__finite(duty->capacity))) bad = "capacity";
+    else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 && blocking__finite(duty->passing / duty->capacity)))
+        bad = "capacity";
     else if (!(duty->clearance > 0.0 && duty->clearance <= 1.0)) bad = "clearance";
     else if (!blocking__within(duty->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__within(duty->f_inf, 0.0, 1.0)) bad = "f_inf";

@@ -1076,6 +1076,7 @@ static void deck_area(void **state) {
     BAD_DUTY(duty.cookie = 0, "cookie");
     BAD_DUTY(duty.passing = 0.0, "passing");
     BAD_DUTY(duty.capacity = HUGE_VAL, "capacity");
+    BAD_DUTY((duty.passing = 1e-300, duty.capacity = 1e300), "capacity");
     BAD_DUTY(duty.clearance = 36.0, "clearance");
     BAD_DUTY(duty.f0 = 95.0, "f0");
     BAD_DUTY(duty.f_inf = nan_, "f_inf");
@@ -1085,6 +1086,110 @@ static void deck_area(void **state) {
     assert_null(field);
     assert_int_equal(blocking_design(NULL, &deck), BLOCKING_BAD_DEF);
     assert_int_equal(blocking_design(&good, NULL), BLOCKING_BAD_ARGUMENT);
+}
+
+/* ---- any number whatever ---- */
+
+/* Zeros, denormals, the largest, infinities, NaN, percents, negatives and, mostly, fractions */
+static double any(uint64_t *s) {
+    static const double odd[] = {0, -0.0, 1, 0.5, 4.9e-324, 1e-300, 1e300, DBL_MAX, -1, -1e-300, 95, 1e-9, 1e9, HUGE_VAL, -HUGE_VAL};
+    size_t pick = (size_t)(40.0 * next_random(s));
+    if (pick < LENGTH(odd)) return odd[pick];
+    if (pick == LENGTH(odd)) return nan_;
+    return pick < 32 ? next_random(s) : 100.0 * next_random(s);
+}
+
+static void any_rates(void *user, double t, double *k1, double *k2) {
+    uint64_t *s = (uint64_t *)user;
+    int wild = next_random(s) < 0.1;
+    *k1 = wild ? any(s) : 0.01 * (1.0 + sin(t));
+    *k2 = wild ? any(s) : 0.2;
+}
+
+/* What comes out is NaN, refused, or within the promised range; the sanitizers watch the rest. */
+static void any_numbers(void **state) {
+    (void)state;
+    uint64_t s = 41;
+    int fitted = 0, estimated = 0, integrated = 0;
+    for (int i = 0; i < 40000; i++) {
+        const double a = any(&s), b = any(&s), c = any(&s), d = any(&s), e = any(&s);
+        double f = blocking_free_fraction(a, b, c, d), later = blocking_time_for_exposure(a, b, c, d),
+               K = blocking_toss_indicator(a, b, c, d, e);
+        assert_true(isnan(f) || (f >= 0.0 && f <= 1.0));
+        assert_true(isnan(later) || later >= 0.0);
+        assert_true(isnan(K) || K >= 0.0);
+        f = blocking_time_mean(a, b, c, d);
+        assert_true(isnan(f) || (f >= fmin(a, b) && f <= fmax(a, b)));
+        f = blocking_time_to(a, b, c, d);
+        assert_true(isnan(f) || f >= 0.0);
+        f = blocking_clearance(a, b);
+        assert_true(isnan(f) || (f >= 0.0 && f <= 1.0));
+
+        double t[8], g[8], sigma[8], mean[8], now = 0.0;
+        size_t n = (size_t)(9.0 * next_random(&s));
+        for (int j = 0; j < 8; j++) {
+            now += next_random(&s) < 0.05 ? any(&s) : 10.0 * next_random(&s);
+            t[j] = now;
+            g[j] = next_random(&s) < 0.05 ? any(&s) : next_random(&s);
+            sigma[j] = next_random(&s) < 0.02 ? any(&s) : 0.01;
+        }
+        blocking_estimate estimate;
+        blocking_status status = blocking_three_point(t, g, i % 10 ? 0.01 : a, i % 7 ? 1e-9 : b, &estimate);
+        if (status == BLOCKING_OK || status == BLOCKING_OUT_OF_RANGE) {
+            estimated++;
+            assert_true(estimate.k > 0.0 && estimate.f_inf_clipped >= 0.0 && estimate.f_inf_clipped <= 1.0 && estimate.k1 >= 0.0);
+        } else assert_true(isnan(estimate.k));
+        if (i % 10 == 0) {
+            blocking_fit_def def = blocking_default_fit_def();
+            blocking_fit_result fit;
+            if (i % 100 == 0) def.k_low = a, def.k_high = b, def.z = c, def.turn_back = d;
+            status = blocking_fit(&def, t, g, i % 20 ? sigma : NULL, n, &fit);
+            if (status == BLOCKING_OK || (status >= BLOCKING_NON_MONOTONE && status <= BLOCKING_NOT_RESOLVED)) {
+                fitted++;
+                assert_true(fit.k > 0.0 && fit.f0 >= 0.0 && fit.f0 <= 1.0 && fit.f_inf >= 0.0 && fit.f_inf <= 1.0 && fit.sse >= 0.0);
+                assert_true(isnan(fit.k_lowest) || (fit.k_lowest <= fit.k * (1 + 1e-9) && fit.k_highest >= fit.k * (1 - 1e-9)));
+            } else assert_true(isnan(fit.k));
+        }
+        if (i % 10 == 1) {
+            blocking_ode_def def = blocking_default_ode_def();
+            double out[8];
+            def.rates = any_rates;
+            def.user = &s;
+            def.f0 = i % 100 < 50 ? next_random(&s) : a;
+            def.tolerance = 1e-3;
+            def.max_steps = 200;
+            def.breaks = sigma;
+            def.n_breaks = i % 30 == 1 ? 1 : 0;
+            if (i % 200 == 1) def.max_step = b;
+            status = blocking_integrate(&def, t, n, out, mean, NULL);
+            integrated += status == BLOCKING_OK;
+            for (size_t j = 0; j < n; j++) {
+                assert_true(isnan(out[j]) ? status != BLOCKING_OK : out[j] >= 0.0 && out[j] <= 1.0);
+                assert_true(isnan(mean[j]) ? status != BLOCKING_OK : mean[j] >= 0.0 && mean[j] <= 1.0);
+            }
+        }
+        blocking_hard hard;
+        status = i % 2 ? blocking_hard_from_classes(t, g, n, a, &hard) : blocking_hard_from_curve(t, g, n, a, &hard);
+        assert_true(status == BLOCKING_OK ? hard.below >= 0.0 && hard.above >= 0.0 && hard.x_h <= 1.0 + 1e-12 : isnan(hard.x_h));
+        blocking_conditions conditions = {a, b, c, d, e, a};
+        blocking_average average;
+        status = blocking_average_free((blocking_shape)(i % 5), &conditions, &average);
+        assert_true(status == BLOCKING_OK ? average.value >= 0.0 && average.value <= 1.0 : isnan(average.value));
+        blocking_duty duty = blocking_default_duty();
+        blocking_deck deck;
+        duty.passing = a;
+        duty.capacity = b;
+        duty.clearance = c;
+        duty.f_inf = d;
+        duty.k = e;
+        status = blocking_design(&duty, &deck);
+        assert_true(status == BLOCKING_OK ? deck.area_lowest >= deck.area_clean : isnan(deck.area_mean));
+        double work[BLOCKING_POLYNOMIAL_WORK(8, 2)], two[2], error[2];
+        const int line[2] = {0, 1};
+        status = blocking_polynomial_fit(t, g, n, line, 2, 1, two, error, work, NULL);
+        assert_true(status == BLOCKING_OK || isnan(two[0]));
+    }
+    assert_true(fitted > 500 && estimated > 500 && integrated > 100);
 }
 
 static void texts(void **state) {
@@ -1128,6 +1233,7 @@ int main(void) {
         cmocka_unit_test(averages_with_flags),
         cmocka_unit_test(polynomials),
         cmocka_unit_test(deck_area),
+        cmocka_unit_test(any_numbers),
         cmocka_unit_test(texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
