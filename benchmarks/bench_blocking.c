@@ -1,8 +1,8 @@
 /* blocking.h: error against run time.
 
-   1. The blocking ODE with changing rates: a deck whose toss indicator is raised for 20 s every 2 minutes while the feed's hard-to-screen content
-      drifts. Explicit Euler and classical Runge-Kutta with fixed steps, the exact step with rates frozen at its middle, and
-      blocking_integrate by its tolerance, against blocking_integrate at 1e-14.
+   1. The blocking ODE with changing rates: a deck whose toss indicator is raised for 20 s every 2 minutes while the feed's
+      hard-to-screen content drifts. Explicit Euler and classical Runge-Kutta with fixed steps, the exact step with rates frozen at its
+      middle, and blocking_integrate by its tolerance, against blocking_integrate at 1e-14.
    2. The two estimators of k: error over many repeated counts of the same sieve, against the number of holes counted, and their run time.
    3. Time a call. */
 #include <math.h>
@@ -155,8 +155,8 @@ static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
 }
 
-/* Fit 7b of the paper at its times, `holes` counted at each. Least squares over all; three readings at 0, 128, 256 s (k t = 1.3: near the best 1.59).
-   Error: median of |k / 0.0101 - 1|, an estimate that fails counts as infinite. */
+/* Fit 7b of the paper at its times, `holes` counted at each. Least squares over all; three readings at 0, 128, 256 s (k t = 1.3: near
+   the best 1.59). Error: median of |k / 0.0101 - 1|, an estimate that fails counts as infinite. */
 static void estimators(const program *self, json *report, plot *figure) {
     enum { TIMES = 13, SIZES = 8, MOST = 2000 };
     static double error[2][MOST];

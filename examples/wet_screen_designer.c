@@ -1,16 +1,18 @@
 /* Planning a batch on a wet screen: screen_models.h says how fast undersize passes, blocking.h how many holes are left for it.
 
-   Choose amplitude, frequency, moisture, deck area and feed; get the time to a wanted recovery of the undersize, with its uncertainty, with blocking
-   and without, by the models of Dong, Subasinghe and Soldinger with the parameters of Elskamp & Kruggel-Emden (2019). Their 27 cases are glass spheres of 5
-   and 7 mm (and 10 mm that stay) on an 8 mm mesh, A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05: the defaults; beyond, they extrapolate.
+   Choose amplitude, frequency, moisture, deck area and feed; get the time to a wanted recovery of the undersize, with its uncertainty,
+   with blocking and without, by the models of Dong, Subasinghe and Soldinger with the parameters of Elskamp & Kruggel-Emden (2019).
+   Their 27 cases are glass spheres of 5 and 7 mm (and 10 mm that stay) on an 8 mm mesh, A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05:
+   the defaults; beyond, they extrapolate.
 
-   How the two are composed: each model's rate of passing is multiplied by the free holes per mass of feed over those of the study: by the free fraction
-   f(t), mean over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: what counts is f F A0). That is k_p
-   of Subasinghe and Soldinger and k of Dong, its trials per time. Stratification is not slowed by blocking.
+   How the two are composed: each model's rate of passing is multiplied by the free holes per mass of feed over those of the study: by
+   the free fraction f(t), mean over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: what
+   counts is f F A0). That is k_p of Subasinghe and Soldinger and k of Dong, its trials per time. Stratification is not slowed by
+   blocking.
 
-   k1 and k2 are yours: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit 7b, of
-   Lawinska et al. stand in as an illustration; they are dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction from K and
-   x_h, --xh) is used only inside the box it was measured in; all 27 cases lie outside.
+   k1 and k2 are yours: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit
+   7b, of Lawinska et al. stand in as an illustration; they are dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction
+   from K and x_h, --xh) is used only inside the box it was measured in; all 27 cases lie outside.
 
    Uncertainty: the published deviation of each model (mean |Y - Y_dem| 0.0593, 0.0387, 0.0417, as a normal error of the recovery) and
    the relative errors of k1 and k2 (--rate-error), 95 % ranges.
@@ -52,8 +54,9 @@ static double free_holes(const plan *p) {
     return p->def.deck_area / (p->def.undersize_mass + p->def.oversize_mass) * (study_feed / study_area);
 }
 
-/* Steps through the batch until the wanted recovery of all undersize, or the limit. Returns the time [s], infinite if it is not reached; curve (may be NULL)
-   takes [MOST_STEPS][1 + CLASSES] time and retained by class, *rows their number, and the run then goes on to the limit. */
+/* Steps through the batch until the wanted recovery of all undersize, or the limit. Returns the time [s], infinite if it is not
+   reached; curve (may be NULL) takes [MOST_STEPS][1 + CLASSES] time and retained by class, *rows their number, and the run then goes on
+   to the limit. */
 static double run(const plan *p, int model, const holes *h, double wanted, double *curve, int *rows) {
     screen_bed bed[CLASSES];
     double published[SCREEN_MAX_PARAMETERS], now[SCREEN_MAX_PARAMETERS], reached = HUGE_VAL, before = 0.0;

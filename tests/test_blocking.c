@@ -800,7 +800,8 @@ static double deviate(uint64_t *seed) {
 
 static void fit_intervals_cover(void **state) {
     (void)state;
-    /* fit 7b, the paper's schedule, noise of 400 counted holes: k within its 95 % profile range in about 95 of 100 trials, and its scatter as predicted */
+    /* fit 7b, the paper's schedule, noise of 400 counted holes: k within its 95 % profile range in about 95 of 100 trials, and its
+       scatter as predicted */
     const double t[] = {0, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048}, k = .0101;
     blocking_fit_def def = blocking_default_fit_def();
     blocking_fit_result fit;
