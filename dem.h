@@ -159,7 +159,7 @@ typedef struct dem_def {
     int           threads;     /* >= 1; default 1 */
     int           skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double        dt;          /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
-    double        skin;        /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.15 */
+    double        skin;        /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35 */
     dem_vec       gravity;     /* [m/s2]; default (0, 0, -9.81) */
     int           periodic[3]; /* 1: that axis is periodic between low and high; default 0 */
     dem_vec       low, high;   /* [m]; used on periodic axes only; default 0 and 1 */
@@ -706,8 +706,9 @@ static inline double dem__prepare_linear(const dem_birth *b, double *constants) 
 }
 
 /* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e
-   exactly: Antypov & Elliott 2011), tangential force by increments of 8 G* sqrt(R* delta), scaled down with the contact radius on
-   unloading (Thornton, Cummins & Cleary 2013), so that unloading makes no energy. */
+   exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip), so
+   that a stored force follows the contact radius both ways: the form that Chung & Ooi's impact tests and the bulk codes use. What
+   the change of radius gives or takes stands in the sliding loss, with its sign. */
 enum { DEM__HERTZ_K, DEM__HERTZ_GAMMA, DEM__HERTZ_RADIUS, DEM__HERTZ_G, DEM__HERTZ_MU, DEM__HERTZ_GAMMA_T, DEM__HERTZ_ROLL, DEM__HERTZ_CAP };
 enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
 
@@ -726,11 +727,11 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__HERTZ_MU] * push;
     double kt = p[DEM__HERTZ_G] * area, before = state[DEM__AREA];
-    double shrink = area < before ? area / (before + 1e-300) : 1.0;
+    double follow = area / (before + 1e-300); /* at birth the force is zero */
     double t[3], f[3], old = 0.0, work = 0.0, now = 0.0;
     for (int a = 0; a < 3; a++) {
         old += state[DEM__FT + a] * state[DEM__FT + a];
-        f[a] = shrink * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
+        f[a] = follow * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
         t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
@@ -1077,7 +1078,7 @@ DEM_API dem_def dem_default_def(void) {
     def.threads = 1;
     def.skip = DEM_SKIP_ALL;
     def.dt = 1e-6;
-    def.skin = 0.15;
+    def.skin = 0.35;
     def.gravity = dem_vec3(0.0, 0.0, -9.81);
     def.high = dem_vec3(1.0, 1.0, 1.0);
     def.allocator.fn = dem__default_allocator;
@@ -1619,36 +1620,41 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     dem__set_timer(w, e, step + dem__steps_until(w, dem__time_to_cover(least, speed, w->fall__)));
 }
 
-/* A particle's velocity left the ball that its timers count on: a new ball, and new timers. */
-static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
+/* A new reference velocity for particle i's timers, and a ball around it that holds 16 steps of the present force. */
+static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     double  t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
     dem_vec v = dem__velocity_at(w, i, tau), g = w->def.gravity;
     dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
     w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
     w->ball__[i] = w->slack__ + 16.0 * w->dt__ * dem__length(a);
-    double speed = dem__length(v) + 2.0 * w->ball__[i];
-    if (!(dem__length(v) * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
+    double speed = dem__length(v);
+    if (!(speed * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
         w->failed_id = w->id[i];
     }
+    speed += 2.0 * w->ball__[i];
     dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
     int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
     if (due < w->next_check__) w->next_check__ = due;
-    if (w->def.skip & DEM_SKIP_PAIRS) {
-        for (int32_t a0 = w->adjacent_start__[i]; a0 < w->adjacent_start__[i + 1]; a0++) {
-            int32_t p = w->adjacent__[a0];
-            if (w->near_live__[p]) continue;
-            dem_vec d;
-            dem__pair_gap(w, w->near_i__[p], w->near_j__[p], step, &d);
-            dem__wait_for_pair(w, p, step, d);
-        }
-    }
     if ((w->def.skip & DEM_SKIP_SPACE) && speed > w->wall_speed__[i]) {
         w->wall_speed__[i] = 1.25 * speed;
         for (int k = 0; k < w->walls; k++) {
             int32_t e = (int32_t)w->near_count__ + (int32_t)i * w->walls + k;
             if (w->timer_due__[e] >= 0) dem__set_timer(w, e, step + 1); /* the look at the next step finds the time */
         }
+    }
+}
+
+/* Particle i's velocity left its ball: a new one, and new timers. */
+static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
+    dem__aim(w, i, step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
+    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
+        int32_t p = w->adjacent__[a];
+        if (w->near_live__[p]) continue;
+        dem_vec d;
+        dem__pair_gap(w, w->near_i__[p], w->near_j__[p], step, &d);
+        dem__wait_for_pair(w, p, step, d);
     }
 }
 
@@ -1721,48 +1727,69 @@ static inline dem__grid dem__make_grid(const dem_world *w, double size) {
     return g;
 }
 
-/* Finds the near pairs: gap below margin, i < j. Returns 0 when out of memory. */
+static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
+    if (w->near_count__ >= w->near_capacity__) {
+        dem__array list[DEM__ARRAYS_MAX];
+        int        n = dem__near_arrays(w, list);
+        if (w->near_count__ > INT32_MAX / 4 || !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1)) return 0;
+    }
+    w->near_i__[w->near_count__] = i < j ? i : j;
+    w->near_j__[w->near_count__] = i < j ? j : i;
+    w->near_live__[w->near_count__++] = 0;
+    return 1;
+}
+
+/* Finds the near pairs: gap below margin. Particles sorted by cell, each cell against itself and 13 neighbours. Returns 0 when out of
+   memory. The sums of forces serve as scratch: a step begins with clearing them. */
 static inline int dem__find_pairs(dem_world *w) {
     double largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) largest = w->radius[i] > largest ? w->radius[i] : largest;
     dem__grid g = dem__make_grid(w, 2.0 * largest + w->margin__);
-    double    scale[3];
+    double    scale[3], *x = w->fx__, *y = w->fy__, *z = w->fz__, *reach = w->tx__;
     ptrdiff_t cells = (ptrdiff_t)g.n[0] * g.n[1] * g.n[2];
+    int32_t  *start, *sorted = w->remap__;
     for (int a = 0; a < 3; a++) scale[a] = g.wraps[a] ? g.n[a] / ((&w->def.high.x)[a] - (&w->def.low.x)[a]) : g.inverse;
-    if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells)) return 0;
-    for (ptrdiff_t c = 0; c < cells; c++) w->cells__[c] = -1;
-    for (ptrdiff_t i = w->count - 1; i >= 0; i--) { /* backwards, so that each list rises */
-        int32_t   cx = dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), cy = dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]);
-        ptrdiff_t c = ((ptrdiff_t)dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2]) * g.n[1] + cy) * g.n[0] + cx;
-        w->cell_next__[i] = w->cells__[c];
-        w->cells__[c] = (int32_t)i;
+    if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells + 1)) return 0;
+    start = w->cells__;
+    for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        int32_t cx = dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), cy = dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]);
+        int32_t c = (dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2]) * g.n[1] + cy) * g.n[0] + cx;
+        w->cell_next__[i] = c;
+        start[c]++;
+    }
+    for (ptrdiff_t c = 0, sum = 0; c <= cells; c++) {
+        sum += start[c];
+        start[c] = (int32_t)sum;
+    }
+    for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
+        int32_t k = --start[w->cell_next__[i]];
+        sorted[k] = (int32_t)i;
+        x[k] = w->rx__[i], y[k] = w->ry__[i], z[k] = w->rz__[i];
+        reach[k] = w->radius[i] + 0.5 * w->margin__;
     }
     w->near_count__ = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        int32_t at[3] = {dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]),
-                         dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2])};
-        for (int code = 0; code < 27; code++) {
-            int32_t cell[3], step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
-            int     outside = 0;
+    for (ptrdiff_t c = 0; c < cells; c++) {
+        const int32_t at[3] = {(int32_t)(c % g.n[0]), (int32_t)(c / g.n[0] % g.n[1]), (int32_t)(c / g.n[0] / g.n[1])};
+        if (start[c] == start[c + 1]) continue;
+        for (int code = 13; code < 27; code++) { /* 13: the cell itself */
+            const int32_t step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
+            int32_t       cell[3];
+            int           outside = 0;
             for (int a = 0; a < 3; a++) {
                 cell[a] = at[a] + step[a];
                 if (g.wraps[a] && g.n[a] >= 3) cell[a] = cell[a] < 0 ? cell[a] + g.n[a] : (cell[a] >= g.n[a] ? cell[a] - g.n[a] : cell[a]);
                 outside |= cell[a] < 0 || cell[a] >= g.n[a];
             }
             if (outside) continue; /* with one or two periodic cells the plain neighbours are all there are */
-            for (int32_t j = w->cells__[((ptrdiff_t)cell[2] * g.n[1] + cell[1]) * g.n[0] + cell[0]]; j >= 0; j = w->cell_next__[j]) {
-                if (j <= i) continue;
-                dem_vec d = dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j]));
-                double  reach = w->radius[i] + w->radius[j] + w->margin__;
-                if (!(dem__dot(d, d) < reach * reach)) continue;
-                if (w->near_count__ >= w->near_capacity__) {
-                    dem__array list[DEM__ARRAYS_MAX];
-                    int        n = dem__near_arrays(w, list);
-                    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1)) return 0;
+            const ptrdiff_t other = ((ptrdiff_t)cell[2] * g.n[1] + cell[1]) * g.n[0] + cell[0];
+            const int32_t   end = start[other + 1];
+            for (int32_t p = start[c]; p < start[c + 1]; p++) {
+                for (int32_t q = code == 13 ? p + 1 : start[other]; q < end; q++) {
+                    const dem_vec d = dem__apart(w, dem_vec3(x[p] - x[q], y[p] - y[q], z[p] - z[q]));
+                    const double  sum = reach[p] + reach[q];
+                    if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
                 }
-                w->near_i__[w->near_count__] = (int32_t)i;
-                w->near_j__[w->near_count__] = j;
-                w->near_live__[w->near_count__++] = 0;
             }
         }
     }
@@ -1851,7 +1878,12 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
     w->stale__ = 0;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_speed__[i] = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__aim(w, i, w->step);
+    for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
+        if (w->near_live__[p]) continue;
+        const int32_t i = w->near_i__[p], j = w->near_j__[p];
+        dem__wait_for_pair(w, p, w->step, dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j])));
+    }
     if (w->status != DEM_OK) return 0;
     if (w->def.skip & DEM_SKIP_SPACE) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
