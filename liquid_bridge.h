@@ -1069,12 +1069,11 @@ static inline int bridge__locate(const bridge__problem *problem, const bridge__m
     return 1;
 }
 
-/* Follows the family from contact: *rupture, its last stable member, and *fold. Either may be NULL. */
-static inline int bridge__follow(const bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
-                                 bridge__meniscus *fold) {
+static inline int bridge__follow_by_steps(const bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
+                                          bridge__meniscus *fold) {
     bridge__meniscus m = *contact;
     int unstable = 0;
-    for (int i = 0; i < 400; i++) {
+    while (m.z[1] > contact->z[1] - 12.0) { /* a neck is never that thin */
         bridge__meniscus before = m;
         if (!bridge__advance(problem, &m, m.z[1] - problem->step)) return 0;
         if (problem->symmetric && !unstable && m.half[0].g[3] < 0.0) {
@@ -1092,6 +1091,15 @@ static inline int bridge__follow(const bridge__problem *problem, const bridge__m
             return 1;
         }
     }
+    return 0;
+}
+
+/* Follows the family from contact: *rupture, its last stable member, and *fold. Either may be NULL. A branch that gets lost is tried
+   again in smaller steps, which stay in *problem. */
+static inline int bridge__follow(bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
+                                 bridge__meniscus *fold) {
+    for (int attempt = 0; attempt < 3; attempt++, problem->step *= 0.2)
+        if (bridge__follow_by_steps(problem, contact, rupture, fold)) return 1;
     return 0;
 }
 
@@ -1140,25 +1148,34 @@ static inline void bridge__describe(const bridge_pair_def *def, const bridge__pr
     shape->stable = !(problem->symmetric && m->half[0].g[3] < 0.0);
 }
 
-BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
-    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
-    double R = bridge_harmonic_radius(def->radius_i, def->radius_j), wanted = gap / R;
-    bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
-    bridge__meniscus m;
-    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m)) return BRIDGE_NO_SOLUTION;
-    while (m.gap < wanted) { /* open it until the gap is passed, then close in from the near side, where Newton cannot overshoot */
-        bridge__meniscus before = m, fold;
-        if (!bridge__advance(&problem, &m, m.z[1] - problem.step)) return BRIDGE_NO_SOLUTION;
-        if (m.slope >= 0.0) {
-            if (!bridge__locate(&problem, &before, &m, 1, &fold)) return BRIDGE_NO_SOLUTION;
-            if (wanted > fold.gap) return BRIDGE_RUPTURED;
-            m = before;
+/* Opens the bridge from contact to a gap: until the gap is passed, then back in from the near side, where Newton cannot overshoot. */
+static inline bridge_status bridge__open(const bridge__problem *problem, double gap, bridge__meniscus *m) {
+    while (m->gap < gap) {
+        bridge__meniscus before = *m, fold;
+        if (!bridge__advance(problem, m, m->z[1] - problem->step)) return BRIDGE_NO_SOLUTION;
+        int folded = m->slope >= 0.0;
+        if (folded && !bridge__locate(problem, &before, m, 1, &fold)) return BRIDGE_NO_SOLUTION;
+        if (folded && gap > fold.gap) return BRIDGE_RUPTURED;
+        if (folded || m->gap >= gap) {
+            *m = before;
             break;
         }
-        if (m.gap >= wanted) m = before;
-        if (m.gap == before.gap) break;
     }
-    if (!bridge__newton(&problem, &m, BRIDGE__AT_GAP, wanted)) return BRIDGE_NO_SOLUTION;
+    return bridge__newton(problem, m, BRIDGE__AT_GAP, gap) ? BRIDGE_OK : BRIDGE_NO_SOLUTION;
+}
+
+BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
+    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
+    double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
+    bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
+    bridge__meniscus contact, m;
+    bridge_status status = BRIDGE_NO_SOLUTION;
+    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &contact)) return BRIDGE_NO_SOLUTION;
+    for (int attempt = 0; attempt < 3 && status == BRIDGE_NO_SOLUTION; attempt++, problem.step *= 0.2) {
+        m = contact;
+        status = bridge__open(&problem, gap / R, &m);
+    }
+    if (status != BRIDGE_OK) return status;
     bridge__describe(def, &problem, &m, shape);
     shape->gap = gap;
     return BRIDGE_OK;
@@ -1228,7 +1245,10 @@ static inline int bridge__curve_solve(bridge__problem *problem, bridge__curve *c
     curve->share = bridge__share(problem, &rupture);
     for (int k = 0; k < BRIDGE__SAMPLES; k++) { /* Chebyshev points in ln y0: dense at both ends */
         double at = 0.5 - 0.5 * riddle_cos(RIDDLE_PI * (k + 0.5) / BRIDGE__SAMPLES);
-        if (!bridge__advance(problem, &m, start + (rupture.z[1] - start) * at)) return 0;
+        double target = start + (rupture.z[1] - start) * at;
+        while (m.z[1] - target > problem->step)
+            if (!bridge__advance(problem, &m, m.z[1] - problem->step)) return 0;
+        if (!bridge__advance(problem, &m, target)) return 0;
         if (k > 0 && !(m.gap > curve->gap[k - 1] && m.force > 0.0)) return 0;
         curve->gap[k] = m.gap;
         curve->force[k] = m.force;

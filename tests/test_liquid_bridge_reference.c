@@ -249,8 +249,9 @@ static meridian integrated(double neck, double K, double length) {
    solid, and contact angle, gap, volume, force and energy are compared. Nothing of the closed form is used. */
 static void test_against_step_by_step_integration(void **state) {
     (void)state;
-    const double kinds[][5] = {{1, 1, 15, 15, 1e-2},   {1, 3, 0, 0, 1e-3},   {1, INFINITY, 15, 45, 1e-2}, {1, INFINITY, 45, 15, 0.4},
-                               {1, 1.5, 40, 10, 5e-2}, {1, 1, 35, 35, 1e-1}, {1, INFINITY, 0, 0, 1e-4},   {1, 8, 25, 50, 2e-2}};
+    const double kinds[][5] = {
+        {1, 1, 15, 15, 1e-2},   {1, 3, 0, 0, 1e-3},   {1, (double)INFINITY, 15, 45, 1e-2}, {1, (double)INFINITY, 45, 15, 0.4},
+        {1, 1.5, 40, 10, 5e-2}, {1, 1, 35, 35, 1e-1}, {1, (double)INFINITY, 0, 0, 1e-4},   {1, 8, 25, 50, 2e-2}};
     double worst = 0.0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         bridge_pair_def def = solids(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
