@@ -1061,6 +1061,9 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
     const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: look at them from within */
     blocking__rates a, q1, m, q3, b;
     if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report)) return BLOCKING_BAD_RATE;
+    /* Never the whole way at once: rates that repeat themselves would look constant in steps of whole periods. */
+    const double first = 0.27639320225002103 * (end - *t);
+    if (*h > first) *h = first;
     while (*t < end) {
         if (report->steps + report->rejected >= def->max_steps) return BLOCKING_TOO_MANY_STEPS;
         double left = end - *t, step = *h < def->max_step ? *h : def->max_step;
