@@ -4,11 +4,10 @@
    #include "classifier.h"
 
    int main(void) {
-       classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);  // every field documented below; edit what you
-       know better
+       classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);  // edit any field: all are documented below
        classifier_model model;
-       if (classifier_init(&model, &def, NULL) != CLASSIFIER_OK) return 1;              // draws the sample points once
-       double error, t = classifier_tromp(&model, 20e-6, &error);                       // share of 20 um particles that is rejected
+       if (classifier_init(&model, &def, NULL) != CLASSIFIER_OK) return 1;             // draws the sample points once
+       double error, t = classifier_tromp(&model, 20e-6, &error);                      // share of 20 um particles that is rejected
        printf("T(20 um) = %.4f +- %.4f, x50 = %.2f um\n", t, error, 1e6 * classifier_quantile(&model, 0.5));
        classifier_free(&model);
    }
@@ -20,21 +19,21 @@
      cases         weights of "one clean hit", "thrown by a particle", "hit again" for any number of contacts
      curves        Plitt, Molerus-Hoffmann, Rosin-Rammler with exact inverses; bypass and fish-hook
    Drivers (loops that call laws; return a status)
-     classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480: T(x) with an error bar
+     classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480, "the paper": T(x) with an error bar
      classifier_trajectory ...  the same rebound followed along its path: the check of the balance at the instant of the hit
-     classifier_fit             curves to measured T(x);  classifier_reconcile  T(x) from feed, coarse and fine size distributions
-     classifier_calibrate       one measured cut size;    classifier_circuit    several stages with recycle
+     classifier_calibrate       one measured cut size
+     classifier_fit             a curve to measured T(x)
+     classifier_reconcile       T(x) from measured size distributions of feed, coarse and fine
+     classifier_circuit         several stages with recycle
 
-   Units: SI, angles in rad; rotor speeds in revolutions per minute because every machine shows them so. Size x: diameter of the sphere
-   of equal volume.
-   Signs: radial velocity inward, tangential velocity of gas and rebound with the wheel, own tangential velocity before the hit against
-   the wheel.
-   T is the share that is rejected to the coarse product. One memory block per model, made in classifier_init, freed in classifier_free.
-   Threads: no globals; a model that nobody changes may be read by any number of threads. Determinism: same input, same bits, on every
-   IEEE machine
-   with -ffp-contract=off; random shifts come from def.seed. It does not solve the gas flow (its factor is an input), nor dispersion, nor
-   wear.
-   Sources and errata: docs/classifier.md. */
+   Units    SI, angles [rad]; rotor speed [1/min], as every machine shows it. Size x [m]: diameter of the sphere of equal volume.
+   Signs    radial velocity of gas and entering particles inward; tangential velocity of an entering particle against the wheel, after the
+            hit with it. T is the share that is rejected to the coarse product.
+   Memory   one block a model (1 MB by default), made in classifier_init through a hook, freed in classifier_free. Nothing else allocates.
+   Threads  no globals; a model that nobody changes may be read by any number of threads.
+   Bits     + - * / sqrt and the portable block below: the same on every machine with -ffp-contract=off. Random shifts come from def.seed.
+   Linking  static inline. One shared copy: #define CLASSIFIER_API extern everywhere, CLASSIFIER_IMPLEMENTATION as well in one file.
+   Not here the gas flow between the paddles (its factor is an input), dispersion, wear. Sources and errata: docs/classifier.md. */
 #ifndef CLASSIFIER_H
 #define CLASSIFIER_H
 
@@ -95,14 +94,13 @@ typedef struct classifier_memory {
 /* ============================================================ drag ============================================================ */
 
 /* Area that a drag coefficient is multiplied with. Hoelzer & Sommerfeld's belongs to the volume-equivalent sphere, pi x^2 / 4. The
-   paper's eqs 6 and
-   10 multiply it with the projected area (pi x^2 / 4) / sphericity, which counts the shape twice: 13-16 % coarser cuts. */
+   paper's eqs 6 and 10 multiply it with the projected area (pi x^2 / 4) / sphericity, which counts the shape twice: cuts 13-16 % too
+   coarse. */
 typedef enum { CLASSIFIER_EQUIVALENT, CLASSIFIER_PROJECTED } classifier_basis;
 typedef enum { CLASSIFIER_HOELZER_SOMMERFELD, CLASSIFIER_SCHILLER_NAUMANN, CLASSIFIER_STOKES } classifier_drag_law;
 
 /* A drag law with its shape worked in: c_D(Re) = c1 / Re + c2 / Re^p + c3, p = 0.5 or, for Schiller-Naumann, 0.313. Referred to pi x^2 /
-   4.
-   Made once a shape; evaluating it needs no power. Any NaN in it comes from a sphericity outside (0, 1]. */
+   4. Made once a shape; evaluating it needs no power. Any NaN in it comes from a sphericity outside (0, 1]. */
 typedef struct classifier_drag {
     double c1, c2, c3; /* [-] */
     classifier_drag_law law;
@@ -113,8 +111,8 @@ static inline double classifier_newton_factor(double psi);
 /* Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are one (Cauchy).
    psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
 static inline classifier_drag classifier_hoelzer_sommerfeld(double psi, classifier_basis basis);
-/* The same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular:
-   (pi x^2 / 4) / area across the flow. Both > 0. */
+/* The same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular: (pi x^2
+   / 4) / area across the flow. Both > 0. */
 static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
                                                                      classifier_basis basis);
 /* Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld for psi >= 0.995,
@@ -135,17 +133,15 @@ static inline double classifier_rorato(double psi_2d);
 /* The same with psi_2d moved into the range first; *clamped (may be NULL) is set to whether that was needed. NaN stays NaN. */
 static inline double classifier_rorato_clamped(double psi_2d, bool *clamped);
 
-/* Di Felice 1994: chi(Re) (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6. And the factor
-   on the drag of
-   a lone particle at void fraction in (0, 1], which depends on the velocity that c_D and v^2 are taken with and on what the force
-   contains: */
+/* Di Felice 1994: exponent chi(Re) (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6. */
 static inline double classifier_di_felice_exponent(double re);
-static inline double classifier_di_felice_superficial(double voids,
-                                                      double re); /* superficial slip (= voids x interstitial), drag alone: voids^-chi */
-static inline double classifier_di_felice_interstitial_drag(double voids, double re); /* interstitial slip, drag alone: voids^(2 - chi) */
-static inline double
-classifier_di_felice_interstitial_total(double voids, double re); /* interstitial slip, drag + pressure gradient: voids^(1 - chi) (eq 10);
-                                                                                          do not add -V grad p to it */
+/* Factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with. Superficial slip
+   (= voids * interstitial): voids^-chi. */
+static inline double classifier_di_felice_superficial(double voids, double re);
+/* Interstitial slip, drag alone: voids^(2 - chi). */
+static inline double classifier_di_felice_interstitial_drag(double voids, double re);
+/* Interstitial slip, drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not add -V grad p to it. */
+static inline double classifier_di_felice_interstitial_total(double voids, double re);
 
 /* ========================================================== balance =========================================================== */
 
@@ -162,8 +158,8 @@ typedef struct classifier_balance {
 
 /* Eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2)) [m]: sphere in Stokes flow. */
 static inline double classifier_cut_size_stokes(const classifier_balance *at);
-/* Eq 6: the one size [m] at which both forces are equal, x = K c_D(a x). iterations may be NULL; at most 6.
-   Quartic in sqrt(x) with one positive root (Descartes), Newton from above; Schiller-Naumann by Newton in ln x. NaN for bad input. */
+/* Eq 6: the one size [m] at which both forces are equal, x = K c_D(a x). iterations may be NULL; at most 6. Quartic in sqrt(x) with one
+   positive root (Descartes), Newton from above; Schiller-Naumann by Newton in ln x. NaN for bad input. */
 static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations);
 /* d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
 static inline double classifier_cut_sensitivity(classifier_drag drag, double re);
@@ -174,7 +170,7 @@ static inline double classifier_cut_radial_velocity(const classifier_balance *at
 /* Settling velocity [m/s] of size x in rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag describes. */
 static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
                                                   double viscosity, double gravity);
-/* Path [m] of a particle shot into gas at rest with speed [m/s], closed form for any Reynolds number:
+/* Path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number:
    (4 rho x / 3 rho_f) int_0^Re dRe / (Re c_D). Stokes number = this / length. */
 static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
                                                   double viscosity, double speed);
@@ -184,8 +180,8 @@ static inline double classifier_stopping_distance_mercer(double x, double partic
 
 /* ========================================================== rebound =========================================================== */
 
-/* Thornton & Ning 1998: restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0; 1 up to the yield velocity [m/s].
-   */
+/* Thornton & Ning 1998: restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0; 1 up to the
+   yield velocity [m/s]. */
 static inline double classifier_thornton_ning(double speed, double yield_velocity);
 /* 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]: a sphere on a plane; contact_pressure: limiting contact pressure [Pa] (1.6 to 2.8 yield
    stresses). */
@@ -196,13 +192,14 @@ static inline double classifier_reduced_modulus(double modulus_1, double poisson
 /* Normal hit on a paddle of speed v_w by a particle that comes against it with v_i: v_w + e (v_w + v_i), in the direction of the wheel
    [m/s]. */
 static inline double classifier_rebound_normal(double paddle_speed, double e, double approach_speed);
-/* Tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's normal,
-   specular + imperfection. */
+/* Tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's normal, specular
+   + imperfection. */
 static inline double classifier_rebound_paddle(double paddle_speed, double e, double relative_speed, double cos_angle);
 /* Two equal particles: one leaves the wheel with v_a, the other comes against it with v_t. k = (1 + e) / 2.
    Thrown (case B): -v_t + k share (v_a + v_t), share = cos(alpha), or cos^2(alpha) if the impulse follows the line of centres. */
 static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share);
-static inline double classifier_rebound_slowed(double v_a, double v_t, double e); /* the other one (case C): v_a - k (v_a + v_t) */
+/* The other one (case C): v_a - k share (v_a + v_t); the paper's share is 1, momentum asks for the cos^2(alpha) of its partner. */
+static inline double classifier_rebound_slowed(double v_a, double v_t, double e, double share);
 
 /* ====================================================== collision cases ======================================================= */
 
@@ -218,8 +215,7 @@ static inline classifier_weights classifier_weights_of(int n);
 static inline classifier_weights classifier_weights_poisson(double mean);   /* mixed over a Poisson number, mean >= 0 */
 static inline classifier_weights classifier_weights_geometric(double mean); /* mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean) */
 /* Extension: a chain instead of equal sequences. counter: probability that a contact turns the particle round; wall: that it hits the
-   paddle
-   whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of for (1/2, 1/2): that counts forced steps once. */
+   paddle whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of for (1/2, 1/2): that counts forced steps once. */
 static inline classifier_weights classifier_weights_markov(int n, double counter, double wall);
 
 /* ======================================================= distributions ======================================================== */
@@ -277,8 +273,8 @@ typedef struct classifier_impact {
     double angle;   /* between relative velocity and the face's normal, negative: sliding inward [rad] */
     int iterations; /* of Newton's method */
 } classifier_impact;
-/* angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle line [rad]; velocities of the particle [m/s].
-   */
+/* angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle line [rad]; velocities of the
+   particle [m/s]. */
 CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward);
 
@@ -286,8 +282,7 @@ typedef enum { CLASSIFIER_LATTICE, CLASSIFIER_SOBOL, CLASSIFIER_MONTE_CARLO } cl
 enum { CLASSIFIER_MAX_SHIFTS = 64 };
 
 /* Everything the model needs. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or not given there,
-   replaced by us
-   (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
+   replaced by us (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
 typedef struct classifier_def {
     unsigned cookie;         /* set by classifier_default_def */
     classifier_wheel wheel;  /* 25 mm (paper), 18 mm, 26.91 mm, 24, 2 mm (stand-ins that meet the paper's two gas velocities) */
@@ -305,7 +300,7 @@ typedef struct classifier_def {
     classifier_contacts contacts;          /* geometric, mean 1.0, beads 0.2 (stand-in, Fig 11) */
     double particle_restitution;           /* particle on particle, in [0, 1]; mean of restitution (paper) */
     double cone_half_angle;                /* of the directions after a particle hit [rad], in [0, pi/2]; 65 degrees (paper) */
-    bool impulse_along_centres;            /* cos^2 in place of cos in case B; false (paper) */
+    bool impulse_along_centres;            /* cos^2 in place of cos in case B and of 1 in case C; false (paper) */
     classifier_drag_law law;               /* CLASSIFIER_HOELZER_SOMMERFELD; the two others ignore the sphericity */
     classifier_basis basis;                /* CLASSIFIER_EQUIVALENT; the paper: CLASSIFIER_PROJECTED */
     bool buoyancy;                         /* false */
@@ -370,14 +365,18 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
    CLASSIFIER_OUTSIDE if a factor of 1e-3 .. 1e3 cannot reach it. */
 CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
                                                       classifier_def *calibrated);
+/* The air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. The same
+   errors; speeds from 1 to 1e6 are tried. */
+CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
+                                                         double *air_flow);
+CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm);
 
 /* ---- the path after the hit ---- */
 typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
-/* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the
-   wheel and flows
-   inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if neither
-   happens within 10 turns. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance; FULL_SLIP: the whole vector.
-   */
+/* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the wheel
+   and flows inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if
+   neither happens within 10 turns. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance; FULL_SLIP: the whole
+   vector. */
 CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
                                          classifier_slip slip);
 /* The size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
@@ -385,21 +384,21 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
                                                 classifier_slip slip);
 
 /* T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it). Uses
-   def's points and
-   shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points will do. Paths that
-   stay count half. */
+   def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points will
+   do. Paths that stay are not rejected. */
 CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
                                                              double *error);
 
 /* =========================================================== curves =========================================================== */
 
+/* Separation curves T(x) of sizes x [m] >= 0, and their inverses for t in [0, 1). */
 static inline double classifier_plitt(double x, double x50, double m);         /* 1 - exp(-ln2 (x/x50)^m) */
 static inline double classifier_plitt_size(double t, double x50, double m);    /* inverse */
 static inline double classifier_rosin_rammler(double x, double x63, double n); /* 1 - exp(-(x/x63)^n) */
 static inline double classifier_rosin_rammler_size(double t, double x63, double n);
-static inline double classifier_molerus_hoffmann(double x, double x50,
-                                                 double alpha); /* 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0 */
-static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha); /* Lambert W */
+/* 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0; the inverse by Lambert's W */
+static inline double classifier_molerus_hoffmann(double x, double x50, double alpha);
+static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha);
 
 typedef enum { CLASSIFIER_PLITT, CLASSIFIER_ROSIN_RAMMLER, CLASSIFIER_MOLERUS_HOFFMANN } classifier_curve_law;
 typedef struct classifier_curve {
@@ -423,14 +422,13 @@ CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t
 enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* size and slope are always free */
 typedef struct classifier_fit_result {
     classifier_curve curve;
-    double size_sd, slope_sd, bypass_sd,
-        hook_sd; /* standard deviations from the curvature; 0 where not free. With sd NULL scaled by the residuals */
-    double rms;  /* of T [-] */
+    /* standard deviations from the curvature, 0 where not free; with sd NULL scaled by the residuals */
+    double size_sd, slope_sd, bypass_sd, hook_sd;
+    double rms; /* of T [-] */
     int iterations;
 } classifier_fit_result;
 /* Least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n]; sd[n] > 0 or
-   NULL (all equal).
-   Needs more points than free parameters and values on both sides of one half (CLASSIFIER_OUTSIDE otherwise). */
+   NULL (all equal). Needs more points than free parameters and values on both sides of one half (CLASSIFIER_OUTSIDE otherwise). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -446,13 +444,13 @@ typedef struct classifier_balance_result {
     double chi_squared;                   /* sum of (adjustment / sd)^2: about `freedom` if the sds are honest */
     int freedom;
 } classifier_balance_result;
-/* Least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it.
-   Outputs (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
+/* Least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it. Outputs
+   (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
 CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result);
 
-/* Several classifiers with recycle. Stage i sends share t of what it gets to coarse_to[i], the rest to fine_to[i]: a stage, or one of
-   the two products. */
+/* Several classifiers with recycle. Stage i sends share t of what it gets to coarse_to[i], the rest to fine_to[i]: a stage, or one of the
+   two products. */
 enum { CLASSIFIER_STAGES = 16, CLASSIFIER_TO_COARSE = -1, CLASSIFIER_TO_FINE = -2 };
 typedef struct classifier_circuit_def {
     int stages; /* 1 .. CLASSIFIER_STAGES; fresh feed enters stage 0 */
@@ -460,8 +458,7 @@ typedef struct classifier_circuit_def {
     int fine_to[CLASSIFIER_STAGES];
 } classifier_circuit_def;
 /* One size class: t[stages] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each stage /
-   fresh feed.
-   CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
+   fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
 CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
 
 /* clang-format off */
@@ -730,9 +727,8 @@ static inline double classifier_di_felice_interstitial_total(double voids, doubl
 /* >>balance =================================================================================================================== */
 
 /* Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3 y^2 - u2 y - u1 = 0 with
-   all u in
-   [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method cannot leave.
-   The start takes sqrt(Re) of the middle term as 1. */
+   all u in [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method cannot
+   leave. The start takes sqrt(Re) of the middle term as 1. */
 static inline double classifier__solve_cut(classifier_drag drag, double g, int *iterations) {
     double s1 = sqrt(g) * sqrt(drag.c1), s2 = riddle_cbrt(g * drag.c2), s3 = g * drag.c3;
     s2 *= s2;
@@ -749,8 +745,8 @@ static inline double classifier__solve_cut(classifier_drag drag, double g, int *
     return unit * y * y;
 }
 
-/* Re^2 c_D(Re) = b: in units of the smallest one-term solution v3 y^4 + v2 y^3 + v1 y^2 = 1, rising and convex, root between 1/sqrt 3
-   and 1. */
+/* Re^2 c_D(Re) = b: in units of the smallest one-term solution v3 y^4 + v2 y^3 + v1 y^2 = 1, rising and convex, root between 1/sqrt 3 and
+   1. */
 static inline double classifier__solve_speed(classifier_drag drag, double b, int *iterations) {
     double s1 = b / drag.c1, s2 = riddle_cbrt(b / drag.c2), s3 = sqrt(b / drag.c3); /* infinite where a term is missing */
     s2 *= s2;
@@ -941,8 +937,8 @@ static inline double classifier_rebound_paddle(double paddle_speed, double e, do
 static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share) {
     return e >= 0.0 && e <= 1.0 ? 0.5 * (1.0 + e) * share * (v_a + v_t) - v_t : classifier__nan();
 }
-static inline double classifier_rebound_slowed(double v_a, double v_t, double e) {
-    return e >= 0.0 && e <= 1.0 ? v_a - 0.5 * (1.0 + e) * (v_a + v_t) : classifier__nan();
+static inline double classifier_rebound_slowed(double v_a, double v_t, double e, double share) {
+    return e >= 0.0 && e <= 1.0 ? v_a - 0.5 * (1.0 + e) * share * (v_a + v_t) : classifier__nan();
 }
 
 /* >>cases ===================================================================================================================== */
@@ -1726,20 +1722,21 @@ static inline void classifier__case_lines(const classifier__recipe *q, const cla
     line[0][1] = gain;
     line[1][0] = classifier_rebound_thrown(w1, p->v_t2, e_pp, p->share);
     line[1][1] = 0.5 * (1.0 + e_pp) * p->share * gain;
-    double slowed = classifier_rebound_slowed(classifier_rebound_paddle(w1, p->e_first, p->first.speed, p->cos_first[0]), p->v_t2, e_pp);
+    double v_a = classifier_rebound_paddle(w1, p->e_first, p->first.speed, p->cos_first[0]);
+    double slowed = classifier_rebound_slowed(v_a, p->v_t2, e_pp, q->def->impulse_along_centres ? p->share : 1.0);
     bool caught = p->second.hit && slowed < w2; /* else the paddle does not catch up with it */
     line[2][0] = caught ? w2 : slowed;
     line[2][1] = caught ? (w2 - slowed) * p->cos_second : 0.0;
 }
 
 /* The particle's numbers in the model: threshold terms at the first hit [3] and at the second [3]; start of A's lines and their inverse
-   slopes [REBOUNDS];
-   start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line is flat. */
+   slopes [REBOUNDS]; start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line is
+   flat. */
 static inline void classifier__store(const classifier__recipe *q, const classifier__particle *p, double *out) {
     const classifier_def *def = q->def;
     double line[3][2], *slopes = out + 7, *b = slopes + CLASSIFIER__REBOUNDS, *c = b + 2;
     if (!p->first.hit) { /* never rejected: a threshold that nothing reaches */
-        for (int k = 0; k < CLASSIFIER__NUMBERS; k++) out[k] = k < 6 ? 0.0 : 1e290;
+        for (int k = 0; k < CLASSIFIER__NUMBERS; k++) out[k] = k < 6 ? 1.0 : 1e290;
         out[6] = b[0] = c[0] = -1e290;
         return;
     }
@@ -2030,6 +2027,45 @@ CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def,
     return CLASSIFIER_OK;
 }
 
+CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
+                                                         double *air_flow) {
+    classifier_def calibrated;
+    if (!air_flow) return CLASSIFIER_BAD_ARGUMENT;
+    classifier_status status = classifier_calibrate(def, x50, memory, &calibrated); /* flow and factor only occur as a product */
+    if (status == CLASSIFIER_OK) *air_flow = def->air_flow * (calibrated.radial_factor / def->radial_factor);
+    return status;
+}
+
+typedef struct classifier__speed_goal {
+    const classifier_def *def;
+    const classifier_memory *memory;
+    double x;
+    classifier_status *status;
+} classifier__speed_goal;
+static inline double classifier__speed_gap(double ln_rpm, const void *user) {
+    const classifier__speed_goal *goal = (const classifier__speed_goal *)user;
+    classifier_def def = *goal->def;
+    classifier_model model;
+    def.rpm = riddle_exp(ln_rpm);
+    *goal->status = classifier_init(&model, &def, goal->memory);
+    if (*goal->status != CLASSIFIER_OK) return classifier__nan();
+    double gap = classifier__weighted(&model, goal->x, 1.0, NULL) - 0.5;
+    classifier_free(&model);
+    return gap;
+}
+
+CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm) {
+    classifier_status status = classifier_check_def(def, NULL);
+    if (status != CLASSIFIER_OK) return status;
+    if (!(rpm && classifier__positive(x50))) return CLASSIFIER_BAD_ARGUMENT;
+    classifier__speed_goal goal = {def, memory, x50, &status};
+    double found = classifier__find(classifier__speed_gap, &goal, 1.0, 1e6, def->rpm, 0.2);
+    if (status != CLASSIFIER_OK) return status;
+    if (!(found > 0.0)) return CLASSIFIER_OUTSIDE;
+    *rpm = found;
+    return CLASSIFIER_OK;
+}
+
 /* >>trajectory ================================================================================================================ */
 
 /* d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration and drag on the slip against a gas that turns with the wheel
@@ -2108,13 +2144,11 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
                                                 classifier_slip slip) {
     if (classifier_check_def(def, NULL) != CLASSIFIER_OK) return classifier__nan();
     double low = def->size_low, high = def->size_high;
-    if (classifier_trajectory(def, drag, low, r, 0.0, v_phi, slip) != 0 || classifier_trajectory(def, drag, high, r, 0.0, v_phi, slip) != 1)
+    if (classifier_trajectory(def, drag, low, r, 0.0, v_phi, slip) == 1 || classifier_trajectory(def, drag, high, r, 0.0, v_phi, slip) != 1)
         return classifier__nan();
-    while (high / low > 1.0 + 1e-10) { /* fine below, rejected above; one that circles for ten turns sits on the cut */
+    while (high / low > 1.0 + 1e-9) {
         double middle = sqrt(low * high);
-        int fate = classifier_trajectory(def, drag, middle, r, 0.0, v_phi, slip);
-        if (fate < 0) return middle;
-        if (fate) high = middle;
+        if (classifier_trajectory(def, drag, middle, r, 0.0, v_phi, slip) == 1) high = middle;
         else low = middle;
     }
     return sqrt(low * high);
@@ -2149,7 +2183,7 @@ CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_de
                 int fate = weight[k] > 0.0 ? classifier_trajectory(def, p.drag, x,
                                                                    r < def->wheel.outer_radius ? r : def->wheel.outer_radius, 0.0, v, slip)
                                            : 0;
-                mean[shift] += weight[k] * (fate < 0 ? 0.5 : fate) / def->points;
+                if (fate == 1) mean[shift] += weight[k] / def->points;
             }
         }
         sum += mean[shift] / def->shifts;
@@ -2364,8 +2398,8 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
 
 /* >>reconciliation ============================================================================================================ */
 
-/* For a split c: the balance of class i misses r_i = f - c g - (1 - c) h with variance s_i; the least adjustment has multipliers
-   lambda_i = (r_i + c G_i mu + (1 - c) H_i nu) / s_i with mu, nu such that coarse and fine (and so feed) still add up to 1. */
+/* For a split c: the balance of class i misses r_i = f - c g - (1 - c) h with variance s_i; the least adjustment has multipliers lambda_i
+   = (r_i + c G_i mu + (1 - c) H_i nu) / s_i with mu, nu such that coarse and fine (and so feed) still add up to 1. */
 typedef struct classifier__balance {
     const classifier_balance_data *data;
     double c, mu, nu;
@@ -2407,6 +2441,19 @@ static inline double classifier__balance_at(classifier__balance *b, double c) {
     return chi;
 }
 
+/* Half of d(chi squared)/dc: by the envelope theorem - sum of multiplier * (reconciled coarse - reconciled fine) */
+static inline double classifier__balance_slope(double c, const void *user) {
+    classifier__balance b = *(const classifier__balance *)user;
+    const classifier_balance_data *d = b.data;
+    double slope = d->coarse_share_sd > 0.0 ? (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd) : 0.0;
+    (void)classifier__balance_at(&b, c);
+    for (int i = 0; i < d->classes; i++) {
+        double lambda = classifier__multiplier(&b, i), G = d->coarse_sd[i] * d->coarse_sd[i], H = d->fine_sd[i] * d->fine_sd[i];
+        slope -= lambda * (d->coarse[i] + G * (c * lambda - b.mu) - d->fine[i] - H * ((1.0 - c) * lambda - b.nu));
+    }
+    return slope;
+}
+
 CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result) {
     if (!(data && result && data->feed && data->coarse && data->fine && data->feed_sd && data->coarse_sd && data->fine_sd))
@@ -2434,7 +2481,7 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
     if (!known) d.coarse_share_sd = classifier__nan();
     classifier__balance b;
     b.data = &d;
-    /* chi squared has one smooth valley in (0, 1) for usable data: a scan, then parabolas through three points */
+    /* a scan for the valley of chi squared, then the zero of its slope */
     double best = 0.5, best_chi = HUGE_VAL, stride = 1.0 / 256.0;
     for (int i = 1; i < 256; i++) {
         double chi = classifier__balance_at(&b, i * stride);
@@ -2443,26 +2490,14 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
             best = i * stride;
         }
     }
-    for (int i = 0; i < 60; i++) {
-        double width = stride < 1e-4 ? 1e-4 : stride, low = best - width, high = best + width;
-        if (low < 1e-9) low = 1e-9;
-        if (high > 1.0 - 1e-9) high = 1.0 - 1e-9;
-        double f0 = classifier__balance_at(&b, low), f1 = classifier__balance_at(&b, best), f2 = classifier__balance_at(&b, high);
-        double h1 = best - low, h2 = high - best, curvature = (f0 * h2 - f1 * (h1 + h2) + f2 * h1),
-               slope = (f2 - f1) * h1 * h1 - (f1 - f0) * -h2 * h2;
-        double next = curvature > 0.0 ? best - 0.5 * slope / curvature : best;
-        if (!(next > low)) next = 0.5 * (low + best);
-        if (!(next < high)) next = 0.5 * (high + best);
-        double moved = fabs(next - best);
-        best = next;
-        stride *= 0.5;
-        if (moved < 1e-13) break;
-    }
+    double low = best > stride ? best - stride : 1e-9, high = best < 1.0 - stride ? best + stride : 1.0 - 1e-9;
+    double low_slope = classifier__balance_slope(low, &b), high_slope = classifier__balance_slope(high, &b);
+    if (!(low_slope < 0.0 && high_slope > 0.0)) return CLASSIFIER_OUTSIDE;
+    best = classifier__brent(classifier__balance_slope, &b, low, low_slope, high, high_slope);
     double chi = classifier__balance_at(&b, best), h = 1e-3 * (best < 0.5 ? best : 1.0 - best), c = best, e = 1.0 - c;
-    double curvature = (classifier__balance_at(&b, best + h) - 2.0 * chi + classifier__balance_at(&b, best - h)) / (h * h);
-    chi = classifier__balance_at(&b, best);
-    if (!(curvature > 0.0) || best < 1e-6 || best > 1.0 - 1e-6) return CLASSIFIER_OUTSIDE;
-    double c_variance = 2.0 / curvature;
+    double curvature = (classifier__balance_slope(best + h, &b) - classifier__balance_slope(best - h, &b)) / (2.0 * h);
+    if (!(curvature > 0.0)) return CLASSIFIER_OUTSIDE;
+    double c_variance = 1.0 / curvature;
     for (int i = 0; i < d.classes; i++) {
         double F = d.feed_sd[i] * d.feed_sd[i], G = d.coarse_sd[i] * d.coarse_sd[i], H = d.fine_sd[i] * d.fine_sd[i],
                s = F + c * c * G + e * e * H;
