@@ -1,0 +1,469 @@
+/* dem.h: how fast, at equal physics. Beds of 2 000, 20 000 and 100 000 spheres of 5 mm, 22 diameters deep, periodic in x and y, on a floor
+   that vibrates (1 mm, 50.6 Hz: the bed is thrown after 5 ms, mostly bookkeeping of neighbours that don't touch) or rests (five contacts a
+   sphere throughout: bound by contacts and their history), with friction and without.
+
+   Figure of merit: particle-steps per second of processor time. Checks: mean height to 5e-6 m and kinetic energy to 0.5 % of what LAMMPS
+   computes from the same start (tests/reference/beds/lammps.csv); 2e-5 m and 2 % without friction, where the skin of LAMMPS's neighbour
+   list alone changes the energy by 1.2 %; the same hash in every repeat and for any number of threads.
+
+   --compare FILE runs nothing: it takes runs of several codes, as benchmarks/peers/run collects them, and tells and draws medians and ratios. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "dem.h"
+
+enum { SIZES = 3, SCENES = 4, REPEATS_MAX = 99 };
+
+static const int sizes[SIZES] = {2000, 20000, 100000};
+static const char *const size_names[SIZES] = {"2000 spheres", "20 000 spheres", "100 000 spheres"};
+static const char *const scene_names[SCENES] = {"vibrated", "static", "vibrated, no friction", "static, no friction"};
+
+static const double diameter = 0.005, density = 2534.0, stiffness = 1e5, time_step = 4e-6, amplitude = 1e-3, frequency = 50.6;
+static const double pair_damping = 5475.7, floor_damping = 3871.9; /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
+enum { FULL_STEPS = 5000 };                                        /* to which the references belong */
+static const double height_tolerance = 5e-6, energy_tolerance = 5e-3; /* with friction */
+static const double height_scatter = 2e-5, energy_scatter = 2e-2;     /* without: other roundings already make much of this, in LAMMPS too */
+
+static int is_static(int scene) { return scene & 1; }
+static int has_friction(int scene) { return scene < 2; }
+
+/* ---- a bed ---- */
+
+typedef struct bed {
+    int n;
+    double length_x, length_y;
+    double *centres, *diameters, *velocities, *spins;
+} bed;
+
+static void bed_free(bed *b) {
+    free(b->centres);
+    free(b->diameters);
+    free(b->velocities);
+    free(b->spins);
+    memset(b, 0, sizeof *b);
+}
+
+/* The start of `spheres` spheres; 100 000 are the 20 000 five times along x. 0, or -1 after a line. */
+static int bed_read(bed *b, const char *folder, int spheres) {
+    char path[1000], message[400];
+    const int copies = spheres == 100000 ? 5 : 1;
+    const char *const names[9] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z"};
+    csv_data data;
+    int column[9];
+    memset(b, 0, sizeof *b);
+    output_path(path, sizeof path, folder, spheres == 2000 ? "settled_2000.csv" : "settled_20000.csv");
+    if (csv_read(path, &data, message, sizeof message) != 0) return common_fail("%s", message);
+    for (int k = 0; k < 9; k++) {
+        column[k] = csv_column(&data, names[k]);
+        if (column[k] < 0) {
+            csv_free(&data);
+            return common_fail("%s: no column %s", path, names[k]);
+        }
+    }
+    b->n = copies * data.rows;
+    b->length_y = spheres == 2000 ? 0.045 : 0.14;
+    b->length_x = copies * b->length_y;
+    const size_t vectors = 3 * (size_t)b->n * sizeof(double);
+    b->centres = malloc(vectors);
+    b->velocities = malloc(vectors);
+    b->spins = malloc(vectors);
+    b->diameters = malloc(vectors);
+    const int got = b->centres && b->velocities && b->spins && b->diameters;
+    for (int i = 0; got && i < b->n; i++) {
+        const double *row = data.values + (ptrdiff_t)(i % data.rows) * data.columns;
+        for (int k = 0; k < 3; k++) {
+            b->centres[3 * i + k] = row[column[k]];
+            b->velocities[3 * i + k] = row[column[3 + k]];
+            b->spins[3 * i + k] = row[column[6 + k]];
+        }
+        b->centres[3 * i] += i / data.rows * b->length_y;
+        b->diameters[i] = diameter;
+    }
+    csv_free(&data);
+    if (got) return 0;
+    bed_free(b);
+    return common_fail("out of memory");
+}
+
+static dem_status bed_world(dem_world *world, const bed *b, int scene, int threads, double skin) {
+    dem_def def = dem_default_def();
+    const char *field;
+    const int glass = dem_add_material(&def, density, 5e10, 0.2), ground = dem_add_material(&def, density, 5e10, 0.2);
+    const double mass = RIDDLE_PI / 6.0 * diameter * diameter * diameter * density;
+    for (int k = 0; k < 2; k++) {
+        dem_pair_def *pair = dem_pair(&def, glass, k ? ground : glass);
+        const double reduced = k ? mass : 0.5 * mass, gamma = reduced * (k ? floor_damping : pair_damping);
+        pair->stiffness = stiffness;
+        pair->mode = DEM_NAIVE;
+        pair->restitution = dem_restitution_of(gamma / (2.0 * sqrt(stiffness * reduced)), DEM_NAIVE);
+        pair->friction = has_friction(scene) ? 0.2 : 0.0;
+    }
+    def.dt = time_step;
+    def.threads = threads;
+    def.skin = skin;
+    def.periodic[0] = def.periodic[1] = 1;
+    def.high = dem_vec3(b->length_x, b->length_y, 1.0);
+    dem_status status = dem_init(world, &def, &field);
+    if (status != DEM_OK) return status;
+    const int floor_wall = dem_add_plane(world, ground, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
+    if (floor_wall < 0) return (dem_status)-floor_wall;
+    if (!is_static(scene)) /* A (1 - cos) */
+        status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), frequency);
+    if (status == DEM_OK) status = dem_add_spheres(world, b->n, b->centres, b->diameters, glass, 0);
+    for (int i = 0; i < b->n && status == DEM_OK; i++) {
+        const double *v = b->velocities + 3 * i, *w = b->spins + 3 * i;
+        status = dem_set_motion(world, i, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
+    }
+    return status;
+}
+
+/* What one run tells. */
+typedef struct run {
+    int spheres, scene, threads, steps;
+    double cpu_s, wall_s, height, energy, contacts, looks;
+    long long rebuilds;
+    uint64_t hash;
+} run;
+
+static int bed_run(run *r, const bed *b, double skin, progress *bar) {
+    dem_world world;
+    memset(&world, 0, sizeof world);
+    dem_status status = bed_world(&world, b, r->scene, r->threads, skin);
+    const int features = DEM_LINEAR | (has_friction(r->scene) ? DEM_FRICTION : 0), chunk = 100;
+    r->cpu_s = r->wall_s = 0.0;
+    for (int done = 0; done < r->steps && status == DEM_OK && !common_interrupted(); done += chunk) {
+        const int steps = r->steps - done < chunk ? r->steps - done : chunk;
+        const double cpu = machine_processor_seconds(), wall = machine_seconds();
+        status = dem_run(&world, steps * time_step, features);
+        r->cpu_s += machine_processor_seconds() - cpu;
+        r->wall_s += machine_seconds() - wall;
+        progress_add(bar, (double)steps * b->n);
+    }
+    r->height = r->energy = 0.0;
+    for (ptrdiff_t i = 0; i < world.count; i++) {
+        const dem_vec v = dem_velocity(&world, i);
+        r->height += dem_position(&world, i).z / (double)world.count;
+        r->energy += 0.5 * world.mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
+    }
+    r->contacts = 2.0 * (double)world.contact_steps / (double)world.particle_steps;
+    r->looks = (double)world.looks / (double)world.particle_steps;
+    r->rebuilds = (long long)world.rebuilds;
+    r->hash = dem_hash(&world);
+    if (status != DEM_OK)
+        common_fail("%d spheres, %s: %s (step %lld)", r->spheres, scene_names[r->scene], dem_status_text(status), (long long)world.step);
+    dem_free(&world);
+    return status == DEM_OK ? 0 : -1;
+}
+
+/* ---- the references ---- */
+
+typedef struct reference {
+    int known;
+    double height, energy;
+} reference;
+
+static int size_of(double spheres) {
+    for (int s = 0; s < SIZES; s++)
+        if (spheres == sizes[s]) return s;
+    return -1;
+}
+
+/* The scene that a row of a table names by its columns "scene" and "friction"; -1 if none. */
+static int scene_of(const csv_data *data, int row) {
+    const int column = csv_column(data, "scene");
+    const double friction = csv_value(data, row, "friction");
+    if (column < 0 || !(friction == 0.0 || friction == 1.0)) return -1;
+    const char *name = data->cells[row * data->columns + column];
+    if (strcmp(name, "vibrated") != 0 && strcmp(name, "static") != 0) return -1;
+    return (friction == 1.0 ? 0 : 2) + (name[0] == 's');
+}
+
+static int references_read(reference (*references)[SCENES], const char *folder) {
+    char path[1000], message[400];
+    csv_data data;
+    memset(references, 0, SIZES * sizeof *references);
+    output_path(path, sizeof path, folder, "lammps.csv");
+    if (csv_read(path, &data, message, sizeof message) != 0) return common_fail("%s", message);
+    for (int row = 0; row < data.rows; row++) {
+        const int size = size_of(csv_value(&data, row, "spheres")), scene = scene_of(&data, row);
+        if (size < 0 || scene < 0) continue;
+        references[size][scene].known = 1;
+        references[size][scene].height = csv_value(&data, row, "mean_height_m");
+        references[size][scene].energy = csv_value(&data, row, "kinetic_energy_J");
+    }
+    csv_free(&data);
+    return 0;
+}
+
+static bool same_physics(const reference *of, int scene, double height, double energy) {
+    const int friction = has_friction(scene);
+    return fabs(height - of->height) <= (friction ? height_tolerance : height_scatter) &&
+           fabs(energy / of->energy - 1.0) <= (friction ? energy_tolerance : energy_scatter);
+}
+
+static double median(double *values, int n) {
+    for (int i = 1; i < n; i++) {
+        double v = values[i];
+        int k = i;
+        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
+        values[k] = v;
+    }
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+/* ---- runs of several codes ---- */
+
+enum { CODES = 8 };
+
+static double spread_speed(const csv_data *data, const char *code, int size, int scene, double *height, double *energy, int *steps) {
+    double speeds[REPEATS_MAX];
+    int n = 0, column = csv_column(data, "code");
+    for (int row = 0; row < data->rows && n < REPEATS_MAX; row++) {
+        if (strcmp(data->cells[row * data->columns + column], code) != 0 || scene_of(data, row) != scene) continue;
+        if (size_of(csv_value(data, row, "spheres")) != size) continue;
+        speeds[n++] = sizes[size] * csv_value(data, row, "steps") / csv_value(data, row, "cpu_s");
+        *height = csv_value(data, row, "mean_height_m");
+        *energy = csv_value(data, row, "kinetic_energy_J");
+        *steps = (int)csv_value(data, row, "steps");
+    }
+    return n ? median(speeds, n) : (double)NAN;
+}
+
+static void compare(const program *self, const char *path, reference (*references)[SCENES]) {
+    static const char *const needed[] = {"code", "spheres", "scene", "friction", "steps", "cpu_s", "mean_height_m", "kinetic_energy_J"};
+    char message[400];
+    const char *codes[CODES];
+    double speed[CODES][SIZES * SCENES];
+    const char *groups[SIZES * SCENES];
+    char group_names[SIZES * SCENES][40];
+    int n_codes = 0, n_groups = 0;
+    csv_data data;
+    if (csv_read(path, &data, message, sizeof message) != 0) {
+        common_fail("%s", message);
+        return;
+    }
+    for (size_t k = 0; k < sizeof needed / sizeof *needed; k++) {
+        if (csv_column(&data, needed[k]) < 0) {
+            common_fail("%s: no column %s", path, needed[k]);
+            csv_free(&data);
+            return;
+        }
+    }
+    for (int row = 0; row < data.rows; row++) {
+        const char *code = data.cells[row * data.columns + csv_column(&data, "code")];
+        int k = 0;
+        while (k < n_codes && strcmp(codes[k], code) != 0) k++;
+        if (k == n_codes && n_codes < CODES) codes[n_codes++] = code;
+    }
+    int base = 0; /* ratios are to LAMMPS as it comes, else to the first code */
+    for (int k = 0; k < n_codes; k++)
+        if (strcmp(codes[k], "LAMMPS") == 0) base = k;
+
+    json *report = json_open(self->json);
+    csv *file = csv_open(self->out, "compare.csv", "code,spheres,scene,friction,particle_steps_per_cpu_s,ratio,same_physics");
+    char header[200];
+    snprintf(header, sizeof header, "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
+             n_codes ? codes[base] : "");
+    table t = table_begin(header);
+    json_array_begin(report, "beds");
+    for (int size = 0; size < SIZES; size++) {
+        for (int scene = 0; scene < SCENES; scene++) {
+            double height = 0.0, energy = 0.0;
+            int steps = 0, any = 0;
+            for (int k = 0; k < n_codes; k++) {
+                speed[k][n_groups] = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps);
+                any += speed[k][n_groups] > 0.0;
+            }
+            if (!any) continue;
+            for (int k = 0; k < n_codes; k++) {
+                const double own = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps), ratio = own / speed[base][n_groups];
+                if (!(own > 0.0)) continue;
+                const reference *of = &references[size][scene];
+                const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, height, energy);
+                table_cell(&t, "%d", sizes[size]);
+                table_cell(&t, "%s", scene_names[scene]);
+                table_cell(&t, "%s", codes[k]);
+                table_cell(&t, "%.3g", own);
+                table_cell(&t, "%.2f", ratio);
+                table_cell(&t, "%.7f", height);
+                table_cell(&t, "%.5g", energy);
+                table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
+                csv_line(file, "%s,%d,%s,%d,%.17g,%.17g,%s", codes[k], sizes[size], is_static(scene) ? "static" : "vibrated",
+                         has_friction(scene), own, ratio, !judged ? "" : same ? "1" : "0");
+                json_object_begin(report, NULL);
+                json_string(report, "code", codes[k]);
+                json_integer(report, "spheres", sizes[size]);
+                json_string(report, "scene", is_static(scene) ? "static" : "vibrated");
+                json_bool(report, "friction", has_friction(scene));
+                json_number(report, "particle_steps_per_cpu_s", own);
+                json_number(report, "ratio", ratio);
+                json_number(report, "mean_height_m", height);
+                json_number(report, "kinetic_energy_J", energy);
+                if (judged) json_bool(report, "same_physics", same);
+                json_object_end(report);
+            }
+            const char *short_size = size == 0 ? "2k" : size == 1 ? "20k" : "100k";
+            snprintf(group_names[n_groups], sizeof group_names[0], "%s %s%s", short_size, is_static(scene) ? "static" : "vibrated",
+                     has_friction(scene) ? "" : ", \xc2\xb5 = 0");
+            groups[n_groups] = group_names[n_groups];
+            n_groups++;
+        }
+    }
+    json_array_end(report);
+    table_end(&t);
+    csv_close(file);
+    plot *figure = plot_new("Beds of spheres: particle-steps per second of processor time", 1, 1);
+    plot_panel_size(figure, 150.0 + 90.0 * (n_groups > 4 ? n_groups : 4), 400.0);
+    plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
+    for (int k = 0; k < n_codes; k++) {
+        for (int g = 0; g < n_groups; g++) speed[k][g] *= 1e-6;
+        plot_bars(figure, codes[k], groups, speed[k], n_groups);
+    }
+    plot_write(figure, self->out, "compare.svg");
+    json_program(report, self);
+    json_close(report);
+    csv_free(&data);
+}
+
+/* ---- main ---- */
+
+int main(int argc, char **argv) {
+    int size_choice = 0, scene_choice = 0, friction_choice = 0, steps = FULL_STEPS, repeats = 1;
+    double skin = dem_default_def().skin;
+    const char *folder = "tests/reference/beds", *comparison = NULL, *label = "Riddle";
+    option options[] = {
+        option_choice("spheres", &size_choice, "all|2000|20000|100000", "number of spheres"),
+        option_choice("scene", &scene_choice, "both|vibrated|static", "floor that vibrates or rests"),
+        option_choice("friction", &friction_choice, "both|on|off", "with friction, without"),
+        option_int("steps", "N", &steps, 1, 1000000, "time steps of 4e-6 s; the references belong to 5000"),
+        option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; medians are told"),
+        option_positive("skin", "X", &skin, 1.0, "margin of the neighbour list over the diameter [-]"),
+        option_string("beds", "DIR", &folder, "folder of the start files and references"),
+        option_string("label", "TEXT", &label, "name of this build in the CSV"),
+        option_string("compare", "FILE", &comparison, "run nothing, tell and draw the runs in this CSV"),
+    };
+    program self = program_start("dem_beds", "dem.h: speed of vibrated and static beds of spheres, with the physics checked against LAMMPS.",
+                                 options, sizeof options / sizeof *options, argc, argv);
+    if (strpbrk(label, ",\"\n")) program_refuse(&self, "label", label, "text without commas and quotes");
+    reference references[SIZES][SCENES];
+    if (references_read(references, folder) != 0) return common_exit_status();
+    if (comparison) {
+        compare(&self, comparison, references);
+        return common_exit_status();
+    }
+    if (self.quick && !options[0].given) size_choice = 1;
+#ifndef _OPENMP
+    self.threads = 1;
+#endif
+
+    int wanted[SIZES][SCENES], thread_counts[2] = {1, self.threads}, variants = self.threads > 1 ? 2 : 1;
+    double work = 0.0;
+    for (int size = 0; size < SIZES; size++) {
+        for (int scene = 0; scene < SCENES; scene++) {
+            wanted[size][scene] = (size_choice == 0 || size_choice == size + 1) && (scene_choice == 0 || scene_choice == 1 + is_static(scene)) &&
+                                  (friction_choice == 0 || friction_choice == 2 - has_friction(scene));
+            if (wanted[size][scene]) work += (double)steps * sizes[size] * variants * repeats;
+        }
+    }
+    json *report = json_open(self.json);
+    csv *file = csv_open(self.out, "dem_beds.csv",
+                         "code,spheres,scene,friction,steps,cpu_s,wall_s,threads,mean_height_m,kinetic_energy_J,particle_steps_per_cpu_s");
+    table t = table_begin("spheres|bed|threads|particle-steps per CPU second|per second|contacts a sphere|looks a step|mean height [m]|"
+                          "kinetic energy [J]|same physics");
+    progress bar;
+    progress_begin(&bar, "beds", work);
+    json_array_begin(report, "beds");
+    double speeds[SIZES][SCENES];
+    int wrong = 0, changed = 0;
+    for (int size = 0; size < SIZES; size++) {
+        bed b;
+        int any = 0;
+        for (int scene = 0; scene < SCENES; scene++) {
+            any |= wanted[size][scene];
+            speeds[size][scene] = (double)NAN;
+        }
+        if (!any || common_interrupted()) continue;
+        if (bed_read(&b, folder, sizes[size]) != 0) break;
+        for (int scene = 0; scene < SCENES; scene++) {
+            double alone_s = 0.0;
+            uint64_t hash = 0;
+            for (int variant = 0; wanted[size][scene] && variant < variants && !common_interrupted(); variant++) {
+                double cpu[REPEATS_MAX], wall[REPEATS_MAX];
+                run r = {0};
+                r.spheres = sizes[size], r.scene = scene, r.threads = thread_counts[variant], r.steps = steps;
+                int failed = 0;
+                for (int k = 0; k < repeats && !failed && !common_interrupted(); k++) {
+                    failed = bed_run(&r, &b, skin, &bar) != 0;
+                    cpu[k] = r.cpu_s, wall[k] = r.wall_s;
+                    if (!failed && !common_interrupted()) {
+                        csv_line(file, "%s%s,%d,%s,%d,%d,%.9g,%.9g,%d,%.17g,%.17g,%.9g", label, variant ? " threads" : "", sizes[size],
+                                 is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, r.cpu_s, r.wall_s, r.threads, r.height,
+                                 r.energy, (double)steps * b.n / r.cpu_s);
+                        changed += (k || variant) && r.hash != hash;
+                        hash = r.hash;
+                    }
+                }
+                if (failed || common_interrupted()) continue;
+                const reference *of = &references[size][scene];
+                const double all = (double)steps * b.n, cpu_s = median(cpu, repeats), wall_s = median(wall, repeats);
+                const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, r.height, r.energy);
+                if (!variant) alone_s = wall_s, speeds[size][scene] = 1e-6 * all / cpu_s;
+                wrong += judged && !same;
+                table_cell(&t, "%d", b.n);
+                table_cell(&t, "%s", scene_names[scene]);
+                table_cell(&t, "%d", r.threads);
+                table_cell(&t, "%.3g", all / cpu_s);
+                table_cell(&t, "%.3g", all / wall_s);
+                table_cell(&t, "%.3f", r.contacts);
+                table_cell(&t, "%.3f", r.looks);
+                table_cell(&t, "%.7f", r.height);
+                table_cell(&t, "%.5g", r.energy);
+                table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
+                json_object_begin(report, NULL);
+                json_integer(report, "spheres", b.n);
+                json_string(report, "scene", is_static(scene) ? "static" : "vibrated");
+                json_bool(report, "friction", has_friction(scene));
+                json_integer(report, "threads", r.threads);
+                json_integer(report, "steps", steps);
+                json_number(report, "cpu_s", cpu_s);
+                json_number(report, "run_wall_s", wall_s);
+                json_number(report, "particle_steps_per_cpu_s", all / cpu_s);
+                json_number(report, "speed_up", alone_s / wall_s);
+                json_number(report, "coordination_number", r.contacts);
+                json_number(report, "looks_per_particle_step", r.looks);
+                json_integer(report, "list_rebuilds", r.rebuilds);
+                json_number(report, "mean_height_m", r.height);
+                json_number(report, "kinetic_energy_J", r.energy);
+                if (judged) {
+                    json_number(report, "mean_height_lammps_m", of->height);
+                    json_number(report, "kinetic_energy_lammps_J", of->energy);
+                    json_bool(report, "same_physics", same);
+                }
+                json_object_end(report);
+            }
+        }
+        bed_free(&b);
+    }
+    progress_end(&bar);
+    json_array_end(report);
+    json_bool(report, "same_physics", wrong == 0);
+    json_bool(report, "same_bits", changed == 0);
+    json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
+    table_end(&t);
+    csv_close(file);
+    plot *figure = plot_new("dem.h: beds of spheres, one thread", 1, 1);
+    plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
+    const char *const groups[SCENES] = {"vibrated", "static", "vibrated, \xc2\xb5 = 0", "static, \xc2\xb5 = 0"};
+    for (int size = 0; size < SIZES; size++) {
+        if (size_choice == 0 || size_choice == size + 1) plot_bars(figure, size_names[size], groups, speeds[size], SCENES);
+    }
+    plot_write(figure, self.out, "dem_beds.svg");
+    json_program(report, &self);
+    json_close(report);
+    if (wrong) common_fail("%d runs are not the same physics as the references", wrong);
+    if (changed) common_fail("%d runs gave other bits than the first", changed);
+    return common_exit_status();
+}
