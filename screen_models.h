@@ -15,7 +15,7 @@
 
    Models (E&K = Elskamp and Kruggel-Emden 2019, whose equation numbers are used; extended there by moisture M)
      SCREEN_FIRST_ORDER  0  Y = exp(-k t), eq 29                                                    k alpha gamma
-     SCREEN_DONG         1  Y = (1 - p Y)^N, eq 25, solved; p eq 23, 24; N eq 28, on a deck eq 26   k alpha gamma [beta delta]
+     SCREEN_DONG         1  Y = (1 - p Y)^N, eq 25 in two readings; p eq 23, 24; N eq 28, 26         k alpha gamma [beta delta]
      SCREEN_SUBASINGHE   2  stratification, then passage: two first-order steps, eq 31, 34, 35      k_s alpha gamma k_p beta delta
      SCREEN_SOLDINGER    3  stratification that slows as fines leave, bottom layer, eq 36-43        k_s alpha gamma k_p beta delta
    Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) ratio), ratio 1, d/d_av or d/a: screen_rate().
@@ -108,6 +108,12 @@ typedef enum screen_average {
     SCREEN_AVERAGE_GIVEN      /* def.average_diameter */
 } screen_average;
 
+/* What the mass ratio m_p,l,i/m_p,l,i,0 of eq 25 is. docs/screen_models.md weighs the two readings. */
+typedef enum screen_ratio {
+    SCREEN_RATIO_RETAINED, /* Y itself: Y = (1 - p Y)^N, implicit; default */
+    SCREEN_RATIO_GRAIN     /* mass of one grain over def.ratio_mass: Y = (1 - p ratio)^N */
+} screen_ratio;
+
 /* fn(user, old, old_size, new_size): like realloc; new_size 0 frees and returns null; null for a new_size > 0 means "no". */
 typedef struct screen_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size); /* null: the C library's realloc and free (default) */
@@ -128,6 +134,10 @@ typedef struct screen_def {
                                 not owned; null (default): equal shares */
     screen_average average;  /* SCREEN_AVERAGE_UNDERSIZE; models 2, 3 */
     double average_diameter; /* d_av [m], > 0; 0.006; read with SCREEN_AVERAGE_GIVEN only */
+    /* Model 1 only */
+    screen_ratio ratio; /* SCREEN_RATIO_RETAINED */
+    double density;     /* of a grain [kg/m3], > 0; 2534.1; read with SCREEN_RATIO_GRAIN only, as the next */
+    double ratio_mass;  /* mass that a grain's is measured in [kg], > 0; 0.001: grams, as in the paper's Table 2 */
     /* Model 3 only */
     double undersize_mass;  /* m_0 [kg], > 0; 0.94 */
     double oversize_mass;   /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
@@ -560,6 +570,12 @@ static inline double screen_dong(double p, double n) {
     return y - y * ((riddle_log(y) - n * riddle_log1p(-u)) / (1.0 + n * (u / v)));
 }
 
+/* Mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3], d [m], reference [kg], all > 0. */
+static inline double screen_grain_ratio(double density, double d, double reference) {
+    if (!(density > 0.0 && d > 0.0 && reference > 0.0)) return (double)NAN;
+    return density * (RIDDLE_PI / 6.0) * (d * d * d) / reference;
+}
+
 /* (1 - e^-z)/z for z >= 0, 1 at 0 */
 static inline double screen__expm1c(double z) { return z > 0.0 ? -riddle_expm1(-z) / z : 1.0; }
 
@@ -647,6 +663,9 @@ SCREEN_API screen_def screen_default_def(void) {
     def.shares = NULL;
     def.average = SCREEN_AVERAGE_UNDERSIZE;
     def.average_diameter = 0.006;
+    def.ratio = SCREEN_RATIO_RETAINED;
+    def.density = 2534.1;
+    def.ratio_mass = 0.001;
     def.undersize_mass = 0.94;
     def.oversize_mass = 0.47;
     def.coarse_diameter = 0.010;
@@ -685,6 +704,9 @@ static inline const char *screen__bad_field(const screen_def *def) {
     if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN)
         return "average";
     if (!screen__positive(def->average_diameter)) return "average_diameter";
+    if (def->ratio != SCREEN_RATIO_RETAINED && def->ratio != SCREEN_RATIO_GRAIN) return "ratio";
+    if (!screen__positive(def->density)) return "density";
+    if (!screen__positive(def->ratio_mass)) return "ratio_mass";
     if (!screen__positive(def->undersize_mass)) return "undersize_mass";
     if (!(def->oversize_mass >= 0.0 && def->oversize_mass < HUGE_VAL)) return "oversize_mass";
     if (!screen__positive(def->coarse_diameter)) return "coarse_diameter";
@@ -1039,6 +1061,24 @@ static inline double screen__subasinghe_slopes(double k_s, double k_p, double t,
     return slow * t > 745.2 ? 0.0 : e * (1.0 + slow * t * mean);
 }
 
+/* Model 1 of a class: Y after n attempts; with slope (may be null) dY/d ln n. NaN where p times the grain's ratio exceeds 1. */
+static inline double screen__dong_class(const screen_def *def, double d, double p, double n, double *slope) {
+    if (def->ratio == SCREEN_RATIO_GRAIN) {
+        double pass = p * screen_grain_ratio(def->density, d, def->ratio_mass), y = screen_single_grain(pass, n);
+        if (slope) *slope = y > 0.0 ? y * n * riddle_log1p(-pass) : 0.0;
+        return y;
+    }
+    double y = screen_dong(p, n), u = p * y;
+    if (slope) *slope = u < 1.0 ? y * n * riddle_log1p(-u) / (1.0 + n * (u / (1.0 - u))) : 0.0;
+    return y;
+}
+
+/* Attempts after which a class has come to y in (0, 1]. */
+static inline double screen__dong_attempts(const screen_def *def, double d, double p, double y) {
+    double pass = p * (def->ratio == SCREEN_RATIO_GRAIN ? screen_grain_ratio(def->density, d, def->ratio_mass) : y);
+    return y < 1.0 ? riddle_log(y) / riddle_log1p(-pass) : 0.0;
+}
+
 /* Curves from coefficients. slopes (may be null; models 0-2) [classes][times][2]: dY/d ln rate, the second of model 1: dY/d beta by length.
    bed [classes]: model 3 only. */
 static inline screen_status screen__curves(const screen_def *def, screen_model model, const double *c, const screen_operation *operation,
@@ -1083,12 +1123,9 @@ static inline screen_status screen__curves(const screen_def *def, screen_model m
                 if (!def->continuous) n = screen_attempts_batch(rate[0], t, def->duration);
                 else if (t > 0.0) n = rate[0] * riddle_exp(-c[3] * log_length);
                 if (!(n < HUGE_VAL)) return SCREEN_NOT_FINITE;
-                y = screen_dong(p, n);
-                if (slopes) {
-                    double u = p * y, log_v = riddle_log1p(-u);
-                    slope[0] = u < 1.0 ? y * n * log_v / (1.0 + n * (u / (1.0 - u))) : 0.0;
-                    slope[1] = -log_length * slope[0];
-                }
+                y = screen__dong_class(def, d, p, n, slopes ? slope : NULL);
+                if (!(y >= 0.0)) return SCREEN_NOT_FINITE;
+                slope[1] = -log_length * slope[0];
             } else {
                 y = slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope) : screen_subasinghe(rate[0], rate[1], t);
                 top = stratified || bottom ? screen_subasinghe_top(rate[0], t) : 0.0;
@@ -1248,13 +1285,14 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
             } else if (model == SCREEN_DONG) {
                 double p =
                     screen_passage_probability(def->aperture, def->wire, def->diameters[i], def->continuous ? operation->inclination : 0.0);
-                double y = before / b->fed, n = y < 1.0 ? riddle_log(y) / riddle_log1p(-p * y) : 0.0;
+                double d = def->diameters[i], n = screen__dong_attempts(def, d, p, before / b->fed);
                 if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
                 else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
                     double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
                     n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
                 }
-                if (p > 0.0 && n < HUGE_VAL) after = b->fed * screen_dong(p, n);
+                double y = p > 0.0 && n < HUGE_VAL ? screen__dong_class(def, d, p, n, NULL) : (double)NAN;
+                if (y >= 0.0) after = b->fed * y;
             } else {
                 double stay = screen_subasinghe_top(rate, dt), kp = riddle_exp(log_rate[1]);
                 top = b->top * stay;
@@ -1510,11 +1548,12 @@ static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, doubl
 static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
     int n = p->parameters, with = p->model != SCREEN_SOLDINGER, quiet = 0;
     double c[SCREEN_MAX_PARAMETERS], damping = 1e-3;
+    double enough = p->loss == SCREEN_LOSS_SQUARES || rounding < 1e-5 ? 1e-7 : 1e-4; /* the rounded losses are but a way to the sharp one */
     screen__sums now, next;
     screen__to_coefficients(p->model, n, p->centre, q, c);
     screen__evaluate(p, c, rounding, 1, 1, &now);
     if (!(now.loss < HUGE_VAL)) return HUGE_VAL;
-    for (int it = 0; it<most && * left> 0 && quiet < 2; it++, --*left) {
+    for (int it = 0; it < most && 0 < *left && quiet < 2; it++, --*left) {
         screen__matrix a, t;
         double g[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS], biggest = 0.0;
         int held[SCREEN_MAX_PARAMETERS], any = 0, moved = 0;
@@ -1572,7 +1611,7 @@ static inline double screen__descend(screen__problem *p, double *q, double round
                 screen__to_coefficients(p->model, n, p->centre, trial, step);
                 screen__evaluate(p, step, rounding, with, 1, &next);
                 if (next.loss < now.loss) {
-                    quiet = now.loss - next.loss <= 1e-7 * now.loss && damping < 1.0 ? quiet + 1 : 0;
+                    quiet = now.loss - next.loss <= enough * now.loss && damping < 1.0 ? quiet + 1 : 0;
                     for (int i = 0; i < n; i++) {
                         q[i] = trial[i];
                         c[i] = step[i];
@@ -1894,7 +1933,7 @@ static inline screen_status screen__check_fit(const screen_def *def, screen_mode
 
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result) {
-    const double rounding[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6};
+    const double rounding[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6};
     screen_fit_options defaults = screen_default_fit_options(model);
     screen__problem p;
     if (!result) return SCREEN_BAD_POINTER;
