@@ -165,8 +165,8 @@ static pair_state approach(const impact *of, double lead) {
     return s;
 }
 
-/* The exact state after the impact: from the very touch in small steps, the last one cut to the end of contact. */
-static pair_state exact_outcome(const impact *of, int steps) {
+/* From the very touch in small steps, the last one cut to the end of contact. */
+static pair_state fine_outcome(const impact *of, int steps) {
     const pair_law law = law_of(of);
     const double dt = contact_time_of(of) / steps;
     pair_state s = approach(of, 0.0);
@@ -196,6 +196,14 @@ static pair_state exact_outcome(const impact *of, int steps) {
         s = next, a = after;
     }
     return s;
+}
+
+/* The exact velocities after the impact: the slip of a predicted velocity leaves an error of first order, taken out here. */
+static pair_state exact_outcome(const impact *of) {
+    const pair_state coarse = fine_outcome(of, 20000), fine = fine_outcome(of, 40000);
+    pair_state exact = fine;
+    exact.vx += fine.vx - coarse.vx, exact.vy += fine.vy - coarse.vy, exact.spin += fine.spin - coarse.spin;
+    return exact;
 }
 
 /* Error of a state after the impact: head-on in v'/v; oblique the length of the error of velocity and surface speed of spin, over v. */
@@ -338,7 +346,7 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
         for (int r = 0; r < 2; r++) {
             for (int mode = 0; mode < 2; mode++) {
                 impact of = {restitutions[r], angles[k], mode ? DEM_NAIVE : DEM_CLIPPED};
-                const pair_state exact = exact_outcome(&of, 40000);
+                const pair_state exact = exact_outcome(&of);
                 outcome o[METHODS][LEVELS];
                 const int methods = k == 0 ? METHODS : METHODS - 1;
                 for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
