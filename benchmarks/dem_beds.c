@@ -333,7 +333,8 @@ static void compare(const program *self, const char *path, reference (*reference
 int main(int argc, char **argv) {
     int size_choice = 0, scene_choice = 0, friction_choice = 0, steps = FULL_STEPS, repeats = 1;
     double skin = dem_default_def().skin;
-    const char *folder = "tests/reference/beds", *comparison = NULL, *label = "Riddle";
+    char place[600];
+    const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *comparison = NULL, *label = "Riddle";
     option options[] = {
         option_choice("spheres", &size_choice, "all|2000|20000|100000", "number of spheres"),
         option_choice("scene", &scene_choice, "both|vibrated|static", "floor that vibrates or rests"),

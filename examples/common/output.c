@@ -77,6 +77,14 @@ const char *output_path(char *buffer, size_t size, const char *folder, const cha
 
 static bool is_standard_output(const char *path) { return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0; }
 
+const char *output_find(char *buffer, size_t size, const char *name) {
+    output_path(buffer, size, NULL, name);
+#ifdef RIDDLE_ROOT /* meson.build sets it */
+    if (access(buffer, F_OK) != 0) output_path(buffer, size, RIDDLE_ROOT, name);
+#endif
+    return buffer;
+}
+
 /* A new file beside `path`, or `path` itself where it is a device or a pipe. */
 static FILE *open_beside(const char *path, char **temporary) {
     struct stat info;

@@ -24,5 +24,7 @@ int output_make_folder(const char *path, char *message, size_t size);
 int output_can_write(const char *path, char *message, size_t size);
 /* "folder/name" in buffer; returns buffer. folder may be NULL. */
 const char *output_path(char *buffer, size_t size, const char *folder, const char *name);
+/* A file or folder that comes with the repository: name if it exists from where the program is run, else name in the repository's root. */
+const char *output_find(char *buffer, size_t size, const char *name);
 
 #endif
