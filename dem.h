@@ -2035,10 +2035,26 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
 }
 
+/* Where the slots of a block begin. */
+typedef struct dem__slots {
+    double *state[DEM_STATE_MAX], *constant[DEM_CONSTANTS_MAX], *out[9], *gap, *force, *predict, *mass, *elastic, *power[3], *loss[4];
+} dem__slots;
+
+DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__slots *at) {
+    for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
+    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) at->constant[a] = w->live_constant__[a] + base;
+    for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + base;
+    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base, at->mass = w->live_mass__ + base;
+    if (!(features & DEM_ENERGY)) return;
+    for (int a = 0; a < 3; a++) at->power[a] = w->live_power__[a] + base;
+    for (int a = 0; a < 4; a++) at->loss[a] = w->live_loss__[a] + base;
+    at->elastic = w->live_elastic__ + base;
+}
+
 /* Force on i, torques on i and j. */
-DEM_INLINE void dem__put_force(dem_world *w, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j, int features) {
+DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j, int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
-    double     **out = w->live_out__;
+    double *const *out = at->out;
     if (!(features & DEM_FRICTION)) {
         out[0][c] = r->normal * nx, out[1][c] = r->normal * ny, out[2][c] = r->normal * nz;
         return;
@@ -2053,13 +2069,13 @@ DEM_INLINE void dem__put_force(dem_world *w, ptrdiff_t c, const dem_contact *q, 
 }
 
 /* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
-DEM_INLINE void dem__put_losses(dem_world *w, ptrdiff_t c, const dem_response *r, double h, int idle) {
-    w->live_loss__[0][c] = idle ? w->live_elastic__[c] - r->elastic : 0.5 * h * (w->live_power__[0][c] + r->normal_power);
-    w->live_loss__[1][c] = r->slide_loss;
-    w->live_loss__[2][c] = 0.5 * h * (w->live_power__[1][c] + r->rolling_power);
-    w->live_power__[0][c] = r->normal_power;
-    w->live_power__[1][c] = r->rolling_power;
-    w->live_elastic__[c] = r->elastic;
+DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_response *r, double h, int idle) {
+    at->loss[0][c] = idle ? at->elastic[c] - r->elastic : 0.5 * h * (at->power[0][c] + r->normal_power);
+    at->loss[1][c] = r->slide_loss;
+    at->loss[2][c] = 0.5 * h * (at->power[1][c] + r->rolling_power);
+    at->power[0][c] = r->normal_power;
+    at->power[1][c] = r->rolling_power;
+    at->elastic[c] = r->elastic;
 }
 
 /* Wall contact c: where, and how fast the wall is there. Fills row k; returns the wall's velocity at the point. */
@@ -2105,6 +2121,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     const double h = 1.0 / q->rate;
     double       s[DEM_STATE_MAX];
     dem__event   e;
+    dem__slots   at;
     dem_response r;
     double       extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
     for (int a = 0; a < law->states; a++) s[a] = force == 0.0 ? 0.0 : w->live_state__[a][c];
@@ -2116,7 +2133,8 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         q->dt = e.duration;
         law->force(q, s, &r);
         for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
-        dem__put_force(w, c, q, &r, arm_i, arm_j, features);
+        dem__locate(w, 0, law, features, &at);
+        dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
         w->live_force__[c] = r.contact;
         start = r.normal;
         extra = e.impulse - 0.5 * h * start;
@@ -2126,7 +2144,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
                 const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
                 r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
             }
-            dem__put_losses(w, c, &r, 0.0, 0);
+            dem__put_losses(&at, c, &r, 0.0, 0);
         }
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
@@ -2157,7 +2175,6 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
         int        wall[DEM_BLOCK], walls = 0;
         dem__touch touch[DEM_BLOCK];
         dem_vec    wall_speed[DEM_BLOCK];
-        double     old_gap[DEM_BLOCK], old_force[DEM_BLOCK];
 
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
@@ -2187,31 +2204,35 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             b.gap[k] = touch[q].gap;
         }
 
+        dem__slots at;
+        dem__row   before, was, ended;
+        dem__locate(w, base, law, features, &at);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k;
-            dem_contact     q;
-            dem_response    r;
-            double          s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = w->live_constant__[a][c];
-            for (int a = 0; a < law->states; a++) s[a] = w->live_state__[a][c];
+            dem_contact  q;
+            dem_response r;
+            double       s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+            for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = at.constant[a][k];
+            for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
-            q.closing *= w->live_predict__[c];
-            q.mass = w->live_mass__[c];
+            q.closing *= at.predict[k];
+            q.mass = at.mass[k];
             q.dt = h;
             q.rate = rate;
             q.constants = p;
             law->force(&q, s, &r);
-            for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
-            const double was_gap = w->live_gap__[c], was_force = w->live_force__[c];
-            old_gap[k] = was_gap, old_force[k] = was_force;
-            w->live_event__[c] = (uint8_t)(((was_force == 0.0) != (r.contact == 0.0)) & ((was_force != 0.0) | (was_gap > 0.0)));
-            w->live_force__[c] = r.contact;
-            w->live_gap__[c] = b.gap[k];
-            w->live_ended__[c] = (uint8_t)(r.ended != 0);
-            dem__put_force(w, c, &q, &r, arm_i, arm_j, features);
-            if (features & DEM_ENERGY) dem__put_losses(w, c, &r, h, was_force == 0.0 && r.contact == 0.0);
+            for (int a = 0; a < law->states; a++) at.state[a][k] = s[a];
+            before[k] = at.force[k], was[k] = at.gap[k], ended[k] = r.ended;
+            at.force[k] = r.contact;
+            at.gap[k] = b.gap[k];
+            dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
+            if (features & DEM_ENERGY) dem__put_losses(&at, k, &r, h, before[k] == 0.0 && r.contact == 0.0);
+        }
+        for (int k = 0; k < n; k++) {
+            const int began_or_ended = (before[k] == 0.0) != (at.force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);
+            w->live_event__[base + k] = (uint8_t)began_or_ended;
+            w->live_ended__[base + k] = ended[k] != 0.0;
         }
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
@@ -2235,7 +2256,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
-                    dem__mend(w, c, &view, arm_i, arm_j, old_gap[k], old_force[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
+                    dem__mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
                 }
                 q += is_wall;
             }
