@@ -1394,7 +1394,8 @@ BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, d
     double smallest, largest, volume = given_i + given_j;
     bridge_volume_range(pair, radius_i, radius_j, &smallest, &largest);
     if (!(given_i >= 0.0 && given_j >= 0.0 && smallest > 0.0)) return BRIDGE_INVALID;
-    if (!(volume >= smallest && volume <= largest)) return BRIDGE_VOLUME;
+    /* what bridge_allocate has capped may be off by a rounding */
+    if (!(volume >= smallest * (1.0 - 1e-12) && volume <= largest * (1.0 + 1e-12))) return BRIDGE_VOLUME;
     b->volume = volume;
     b->radius = bridge_harmonic_radius(radius_i, radius_j);
     bridge__contract(pair, b);

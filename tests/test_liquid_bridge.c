@@ -911,6 +911,21 @@ static void test_allocation(void **state) {
     bridge_contact cap = {2, 3, BRIDGE_SPHERE, 1e-3, 1e-3, 0.0, 1e-11, 0.0, 0.0};
     assert_int_equal(bridge_allocate(&films, &cap, 1), BRIDGE_OK);
     assert_true(cap.given_i + cap.given_j <= 1e-11 && cap.given_i + cap.given_j > 1e-11 - 3.0 * q);
+    bridge_pair_def full_def = pair_of(1e-3, 1e-3, 15.0, 15.0);
+    bridge_pair full_pair = prepared(&full_def);
+    for (int k = 0; k < 2000; k++) { /* what was capped can always be formed: no liquid is lost between the two calls */
+        double r = 1e-4 * (1.0 + 0.01 * k);
+        bridge full;
+        bridge_contact c = {4, 5, BRIDGE_SPHERE, r, r, 0.0, 0.0, 0.0, 0.0};
+        particle[4] = particle[5] = bridge_quantised(7.9 * r * r * r, q * 0x1p-20);
+        bridge_volume_range(&full_pair, r, r, &c.volume_min, &c.volume_max);
+        films.quantum = q * 0x1p-20;
+        assert_int_equal(bridge_allocate(&films, &c, 1), BRIDGE_OK);
+        assert_true(c.given_i + c.given_j > 0.99 * c.volume_max);
+        assert_int_equal(bridge_form(&full_pair, r, r, c.given_i, c.given_j, 0, &full), BRIDGE_OK);
+    }
+    films.quantum = q;
+    particle[4] = particle[5] = film;
     bridge_contact dry = {2, 3, BRIDGE_SPHERE, 1e-3, 1e-3, 1e-9, 1.0, 0.0, 0.0};
     memcpy(left, particle, sizeof left);
     assert_int_equal(bridge_allocate(&films, &dry, 1), BRIDGE_OK);
