@@ -314,6 +314,10 @@ typedef enum granulation_detection { GRANULATION_SWEPT, GRANULATION_END_OF_STEP 
    leave overlaps where granules lock. */
 typedef enum granulation_bounce { GRANULATION_CONSERVING, GRANULATION_REVERSAL } granulation_bounce;
 
+/* Signs of the mean velocity of a granule: as given; + or - by chance in each component; + or - for all three at once, two opposed streams
+   (which is what REVERSAL makes of one). */
+typedef enum granulation_signs { GRANULATION_SAME_SIGNS, GRANULATION_RANDOM_SIGNS, GRANULATION_TWO_STREAMS } granulation_signs;
+
 typedef struct granulation_event {
     double time;                   /* [s] of the simulation */
     int i, j;                      /* indices; after coalescence i is the new granule */
@@ -329,7 +333,7 @@ typedef struct granulation_def {
     double dilation;                 /* path = velocity step / dilation [-], > 0; 1e4 */
     double velocity_mean[3];         /* of new granules [m/s]; 3, 3, 3 */
     double velocity_deviation[3];    /* [m/s], >= 0; 1, 1, 1 */
-    bool random_signs;               /* each component of the mean takes a random sign; default false */
+    granulation_signs signs;         /* default SAME_SIGNS */
     granulation_detection detection; /* default SWEPT */
     granulation_contact contact;     /* default SUM */
     granulation_bounce bounce;       /* default CONSERVING */
@@ -1385,6 +1389,7 @@ GRANULATION_API granulation_status granulation_check_def(const granulation_def *
         GRANULATION__NEED(fabs(d->velocity_mean[k]) < 1e100, "velocity_mean");
         GRANULATION__NEED(d->velocity_deviation[k] >= 0.0 && d->velocity_deviation[k] < 1e100, "velocity_deviation");
     }
+    GRANULATION__NEED(d->signs >= GRANULATION_SAME_SIGNS && d->signs <= GRANULATION_TWO_STREAMS, "signs");
     GRANULATION__NEED(d->detection == GRANULATION_SWEPT || d->detection == GRANULATION_END_OF_STEP, "detection");
     GRANULATION__NEED(d->contact >= GRANULATION_CONTACT_SUM && d->contact <= GRANULATION_CONTACT_SMALLER, "contact");
     GRANULATION__NEED(d->bounce == GRANULATION_CONSERVING || d->bounce == GRANULATION_REVERSAL, "bounce");
@@ -1492,10 +1497,13 @@ static inline double granulation__reach(granulation_contact contact, double a, d
     if (contact == GRANULATION_CONTACT_SUM) return a + b;
     return contact == GRANULATION_CONTACT_LARGER ? (a > b ? a : b) : (a < b ? a : b);
 }
-static inline double granulation__own_velocity(granulation_sim *sim, int k) {
-    double mean = sim->def.velocity_mean[k];
-    if (sim->def.random_signs && granulation_random_bits(&sim->random) >> 63) mean = -mean;
-    return mean + sim->def.velocity_deviation[k] * granulation_random_normal(&sim->random);
+static inline void granulation__draw_velocity(granulation_sim *sim, double velocity[3]) {
+    const granulation_def *def = &sim->def;
+    bool back = def->signs == GRANULATION_TWO_STREAMS && granulation_random_bits(&sim->random) >> 63;
+    for (int k = 0; k < 3; k++) {
+        if (def->signs == GRANULATION_RANDOM_SIGNS) back = granulation_random_bits(&sim->random) >> 63;
+        velocity[k] = (back ? -1.0 : 1.0) * def->velocity_mean[k] + def->velocity_deviation[k] * granulation_random_normal(&sim->random);
+    }
 }
 static inline void granulation__note_momentum(granulation_sim *sim, int i, double mass, double sign) {
     sim->ledger.momentum[0] += sign * mass * sim->vx[i];
@@ -1693,7 +1701,7 @@ static inline granulation_status granulation__place(granulation_sim *sim, const 
             }
             if (attempt == sim->def.place_attempts) return GRANULATION_NO_ROOM;
             double velocity[3];
-            for (int k = 0; k < 3; k++) velocity[k] = granulation__own_velocity(sim, k);
+            granulation__draw_velocity(sim, velocity);
             status = granulation_sim_put(sim, g, centre, velocity);
             if (status != GRANULATION_OK) return status;
             done++;
@@ -2189,9 +2197,11 @@ static inline void granulation__stir(granulation_sim *sim) {
     for (int i = 0; i < sim->n; i++) {
         if (granulation_random_uniform(&sim->random) >= chance) continue;
         granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
-        sim->vx[i] = granulation__own_velocity(sim, 0);
-        sim->vy[i] = granulation__own_velocity(sim, 1);
-        sim->vz[i] = granulation__own_velocity(sim, 2);
+        double velocity[3];
+        granulation__draw_velocity(sim, velocity);
+        sim->vx[i] = velocity[0];
+        sim->vy[i] = velocity[1];
+        sim->vz[i] = velocity[2];
         granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
     }
 }
@@ -2251,12 +2261,14 @@ GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim
     memcpy(sim->def.velocity_deviation, deviation, sizeof old_deviation);
     double *velocity[3] = {sim->vx, sim->vy, sim->vz};
     for (int i = 0; i < sim->n; i++) {
+        double fresh[3] = {0.0, 0.0, 0.0};
         granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
+        if (redraw || !(old_deviation[0] > 0.0 && old_deviation[1] > 0.0 && old_deviation[2] > 0.0)) granulation__draw_velocity(sim, fresh);
         for (int k = 0; k < 3; k++) {
-            double v = velocity[k][i], centre = sim->def.random_signs && v < 0.0 ? -1.0 : 1.0;
+            double v = velocity[k][i], sign = sim->def.signs != GRANULATION_SAME_SIGNS && v * old_mean[k] < 0.0 ? -1.0 : 1.0;
             velocity[k][i] = redraw || !(old_deviation[k] > 0.0)
-                                 ? granulation__own_velocity(sim, k)
-                                 : centre * mean[k] + (v - centre * old_mean[k]) * (deviation[k] / old_deviation[k]);
+                                 ? fresh[k]
+                                 : sign * mean[k] + (v - sign * old_mean[k]) * (deviation[k] / old_deviation[k]);
         }
         granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
     }

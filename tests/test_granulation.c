@@ -928,6 +928,7 @@ static void test_definitions(void **state) {
     REFUSE(dilation, 0.0, "dilation");
     REFUSE(velocity_mean[1], (double)NAN, "velocity_mean");
     REFUSE(velocity_deviation[2], -1.0, "velocity_deviation");
+    REFUSE(signs, (granulation_signs)7, "signs");
     REFUSE(detection, (granulation_detection)7, "detection");
     REFUSE(contact, (granulation_contact)7, "contact");
     REFUSE(bounce, (granulation_bounce)7, "bounce");

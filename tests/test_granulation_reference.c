@@ -563,7 +563,7 @@ static void test_contact_readings(void **state) {
         if (!strcmp(change, "smaller")) def.contact = GRANULATION_CONTACT_SMALLER;
         if (!strcmp(change, "approaching")) def.approaching_only = true;
         if (!strcmp(change, "conserving")) def.bounce = GRANULATION_CONSERVING;
-        if (!strcmp(change, "random_signs")) def.random_signs = true;
+        if (!strcmp(change, "random_signs")) def.signs = GRANULATION_RANDOM_SIGNS;
         double interactions = 0.0;
         for (int k = 0; k < 6; k++) {
             double m[GRANULATION_REPLICATE_FIELDS];
