@@ -285,7 +285,7 @@ enum { CLASSIFIER_MAX_SHIFTS = 64 };
    replaced by us (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
 typedef struct classifier_def {
     unsigned cookie;         /* set by classifier_default_def */
-    classifier_wheel wheel;  /* 25 mm (paper), 18 mm, 26.91 mm, 24, 2 mm (stand-ins that meet the paper's two gas velocities) */
+    classifier_wheel wheel;  /* 25 mm (paper), 18, 26.90 mm, 24, 2 mm (stand-ins: they give the paper's two gas velocities) */
     double rpm;              /* rotor speed [1/min] > 0; 3000 */
     double air_flow;         /* [m3/s] > 0; 75 m3/h (paper) */
     double fluid_density;    /* [kg/m3] > 0; 1.2 */
@@ -1503,11 +1503,11 @@ CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material,
     d.cookie = CLASSIFIER__COOKIE;
     d.wheel.outer_radius = 0.025;
     d.wheel.inner_radius = 0.018;
-    d.wheel.height = 0.02691;
     d.wheel.paddles = 24;
     d.wheel.thickness = 0.002;
     d.rpm = rpm;
     d.air_flow = 75.0 / 3600.0;
+    d.wheel.height = d.air_flow / (7.1 * (2.0 * RIDDLE_PI * 0.025 - 0.048)); /* the paper's 7.1 m/s at the rim */
     d.fluid_density = 1.2;
     d.viscosity = 1.81e-5;
     d.particle_density = material == CLASSIFIER_LIMESTONE ? 2700.0 : 2500.0;

@@ -530,7 +530,10 @@ static void error_bars_cover(void **state) {
         assert_true(truth_error < 2.5e-5);
     }
     classifier_free(&model);
-    near(truth[1], 0.5, 1.5e-4);
+    def.wheel.height = 0.02691; /* the prototype's rounding */
+    model = model_of(def);
+    near(classifier_tromp(&model, 66.85e-6, &truth_error), 0.5000721, 1.5e-4);
+    classifier_free(&model);
     def = paper_def(CLASSIFIER_LIMESTONE, 3000.0);
     int covered[3] = {0, 0, 0};
     for (uint64_t seed = 1; seed <= 100; seed++) {
@@ -605,7 +608,7 @@ static void curve_is_monotone_and_repeatable(void **state) {
         memcpy(&bits, &t, sizeof bits);
         hash = (hash ^ bits) * 1099511628211u;
     }
-    if (hash != UINT64_C(0xc61beff9bc0c05f9)) fail_msg("the bits of T have changed: 0x%llx", (unsigned long long)hash);
+    if (hash != UINT64_C(0x894cdf8dff81a14)) fail_msg("the bits of T have changed: 0x%llx", (unsigned long long)hash);
     classifier_free(&a);
     classifier_free(&b);
 }

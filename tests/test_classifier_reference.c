@@ -324,7 +324,8 @@ static void model_by_plain_monte_carlo(void **state) {
             } else if (choose > w.clean) {
                 v = -other + 0.645 * cos((2.0 * uniform() - 1.0) * 65.0 * PI / 180.0) * (v + other);
             }
-            double psi = 1.075 * (0.83 + 0.04 * gauss()) - 0.067, gas = chi[k] * 75.0 / 3600.0 / (0.02691 * (2.0 * PI * place - 0.048));
+            double psi = 1.075 * (0.83 + 0.04 * gauss()) - 0.067,
+                   gas = chi[k] * 7.1 * (2.0 * PI * 0.025 - 0.048) / (2.0 * PI * place - 0.048);
             psi = fmin(fmax(psi, 0.5075), 0.9998);
             for (int j = 0; j < 2; j++) { /* outward if the centrifugal force wins */
                 double x = sizes[k][j], re = 1.2 * gas * x / 1.81e-5;

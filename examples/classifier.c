@@ -1,0 +1,648 @@
+/* Air classification in a deflector wheel by classifier.h, after Weers et al., Minerals 12 (2022) 480, "the paper".
+
+   Draws the counterparts of its figures, for one material and speed (the curves also for the other two speeds):
+   fig07_rebound_angle, fig08_rebound_on_wheel, fig09_restitution (with the bars of Thornton & Ning), fig10_impact_radius, fig11_contacts,
+   fig12_case_weights, fig13_separation, figA4_contacts_fixed, and circuit.svg: what a second stage with recycle makes of the curve.
+   tromp.csv holds the separation curve. Inputs that the paper only draws are stand-ins (docs/classifier.md).
+
+   Your own material:  classifier --sphericity psi.csv --restitution e.csv --imperfection angle.csv --tangential vt.csv --radial vr.csv
+                       columns low,high,share (shares add up to 1; angles in degrees, velocities in m/s); --contact-counts n.csv with
+                       columns contacts,share
+   Your own curve:     --sizes psd.csv      columns low_um,high_um,feed,coarse,fine (shares; feed_sd,coarse_sd,fine_sd if known, else 2 % of
+                                            the largest): reconciled to a separation curve with error bars
+                       --measured t.csv     columns size_um,t: drawn beside the model and fitted
+                       --calibrate          the gas velocity that gives the measured x50 is found and used (the paper's one-point
+                                            calibration); or --x50-um X for a cut known otherwise */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "classifier.h"
+#include "common.h"
+
+enum { SIZES = 161, MOST_ROWS = 200, GRID = 121 };
+
+static const char *const material_names[] = {"limestone", "ground glass", "beads"};
+static const double speeds[] = {3000.0, 9000.0, 15000.0};
+
+/* ---- input ---- */
+
+static void refuse_file(const program *self, const char *name, const char *path, const char *reason) {
+    char text[400];
+    snprintf(text, sizeof text, "cannot be used: %s", reason);
+    program_refuse(self, name, path, text);
+}
+
+static csv_data read_columns(const program *self, const char *name, const char *path, const char *const *columns, int n) {
+    csv_data data;
+    char message[300];
+    if (csv_read(path, &data, message, sizeof message)) refuse_file(self, name, path, message);
+    for (int i = 0; i < n; i++)
+        if (csv_column(&data, columns[i]) < 0) {
+            snprintf(message, sizeof message, "no column '%s'", columns[i]);
+            refuse_file(self, name, path, message);
+        }
+    if (data.rows > MOST_ROWS) refuse_file(self, name, path, "more than 200 rows");
+    return data;
+}
+
+/* low,high,share -> distribution; classes must follow each other without gaps */
+static void read_distribution(const program *self, const char *name, const char *path, double unit, classifier_distribution *d) {
+    if (!path) return;
+    csv_data data = read_columns(self, name, path, (const char *const[]){"low", "high", "share"}, 3);
+    double edge[MOST_ROWS + 1] = {0.0}, share[MOST_ROWS] = {0.0};
+    for (int i = 0; i < data.rows; i++) {
+        double low = unit * csv_value(&data, i, "low");
+        if (i > 0 && !(fabs(low - edge[i]) <= 1e-9 * fabs(low)))
+            refuse_file(self, name, path, "a class does not begin where the last one ends");
+        edge[i] = low;
+        edge[i + 1] = unit * csv_value(&data, i, "high");
+        share[i] = csv_value(&data, i, "share");
+    }
+    classifier_status status = classifier_histogram(edge, share, data.rows, d);
+    if (status != CLASSIFIER_OK) refuse_file(self, name, path, classifier_status_text(status));
+    csv_free(&data);
+}
+
+static void read_contacts(const program *self, const char *path, classifier_contacts *c) {
+    if (!path) return;
+    csv_data data = read_columns(self, "contact-counts", path, (const char *const[]){"contacts", "share"}, 2);
+    c->law = CLASSIFIER_COUNTED;
+    for (int i = 0; i < CLASSIFIER_BINS; i++) c->share[i] = 0.0;
+    c->counts = 0;
+    for (int i = 0; i < data.rows; i++) {
+        double n = csv_value(&data, i, "contacts");
+        if (!(n >= 0.0 && n < CLASSIFIER_BINS && n == floor(n)))
+            refuse_file(self, "contact-counts", path, "contacts are whole numbers from 0 to 63");
+        c->share[(int)n] += csv_value(&data, i, "share");
+        if ((int)n >= c->counts) c->counts = (int)n + 1;
+    }
+    classifier_weights unused;
+    classifier_status status = classifier_contact_weights(c, &unused);
+    if (status != CLASSIFIER_OK) refuse_file(self, "contact-counts", path, classifier_status_text(status));
+    csv_free(&data);
+}
+
+/* Points of a measured separation curve */
+typedef struct measured {
+    int n;
+    double x[MOST_ROWS], t[MOST_ROWS], sd[MOST_ROWS]; /* [m] [-] [-] */
+    bool has_sd;
+    double coarse_share, chi_squared; /* from size distributions */
+    int freedom;
+} measured;
+
+static void read_sizes(const program *self, const char *path, measured *m) {
+    csv_data data = read_columns(self, "sizes", path, (const char *const[]){"low_um", "high_um", "feed", "coarse", "fine"}, 5);
+    const char *const names[3] = {"feed", "coarse", "fine"}, *const sds[3] = {"feed_sd", "coarse_sd", "fine_sd"};
+    double share[3][MOST_ROWS], sd[3][MOST_ROWS], t[MOST_ROWS], t_sd[MOST_ROWS];
+    for (int k = 0; k < 3; k++) {
+        double largest = 0.0;
+        bool known = csv_column(&data, sds[k]) >= 0;
+        for (int i = 0; i < data.rows; i++) {
+            share[k][i] = csv_value(&data, i, names[k]);
+            if (share[k][i] > largest) largest = share[k][i];
+        }
+        for (int i = 0; i < data.rows; i++) sd[k][i] = known ? csv_value(&data, i, sds[k]) : 0.02 * largest;
+    }
+    classifier_balance_data balance = {data.rows, share[0], share[1], share[2], sd[0], sd[1], sd[2], (double)NAN, (double)NAN};
+    classifier_balance_result result;
+    classifier_status status = classifier_reconcile(&balance, t, t_sd, NULL, NULL, NULL, &result);
+    if (status != CLASSIFIER_OK) refuse_file(self, "sizes", path, classifier_status_text(status));
+    m->coarse_share = result.coarse_share;
+    m->chi_squared = result.chi_squared;
+    m->freedom = result.freedom;
+    m->has_sd = true;
+    for (int i = 0; i < data.rows; i++) {
+        double low = csv_value(&data, i, "low_um"), high = csv_value(&data, i, "high_um");
+        if (!(low >= 0.0 && high > low)) refuse_file(self, "sizes", path, "class limits do not increase");
+        if (!(t[i] == t[i] && t_sd[i] < 0.3)) continue; /* a class with next to no feed says nothing */
+        m->x[m->n] = 1e-6 * (low > 0.0 ? sqrt(low * high) : 0.5 * high);
+        m->t[m->n] = t[i];
+        m->sd[m->n++] = t_sd[i] > 0.003 ? t_sd[i] : 0.003;
+    }
+    csv_free(&data);
+}
+
+static void read_measured(const program *self, const char *path, measured *m) {
+    csv_data data = read_columns(self, "measured", path, (const char *const[]){"size_um", "t"}, 2);
+    for (int i = 0; i < data.rows; i++) {
+        m->x[i] = 1e-6 * csv_value(&data, i, "size_um");
+        m->t[i] = csv_value(&data, i, "t");
+        if (!(m->x[i] > 0.0 && m->t[i] >= -0.1 && m->t[i] <= 1.1))
+            refuse_file(self, "measured", path, "sizes are above 0, t is a share from 0 to 1");
+    }
+    m->n = data.rows;
+    csv_free(&data);
+}
+
+/* ---- figures ---- */
+
+static double density(const classifier_distribution *d, double x, double h) {
+    return (classifier_distribution_above(d, x - h) - classifier_distribution_above(d, x + h)) / (2.0 * h);
+}
+
+static void draw_rebound_angles(const program *self, const classifier_def *def) {
+    double x[GRID], y[GRID], degree = RIDDLE_PI / 180.0;
+    char label[80];
+    plot *figure = plot_new("Fig 7: angular imperfection on a plate at rest", 1, 1);
+    plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
+    for (int k = 0; k < 3; k++) {
+        classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).imperfection;
+        for (int i = 0; i < GRID; i++) {
+            x[i] = -120.0 + 2.0 * i;
+            y[i] = degree * density(&d, degree * x[i], degree);
+        }
+        snprintf(label, sizeof label, "%s, σ = %.0f° (paper)", material_names[k], d.sd / degree);
+        plot_line(figure, label, x, y, GRID);
+    }
+    if (def->imperfection.shape == CLASSIFIER_HISTOGRAM) {
+        for (int i = 0; i < GRID; i++) y[i] = degree * density(&def->imperfection, degree * x[i], degree);
+        plot_line(figure, "your measurement", x, y, GRID);
+        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+    }
+    plot_write(figure, self->out, "fig07_rebound_angle.svg");
+}
+
+/* What particles do between the rim and the first hit */
+typedef struct approach {
+    double radius[80], angle[GRID], rebound[GRID]; /* probability densities [1/mm] [1/deg] */
+    double mean_radius, mean_angle, mean_speed;    /* [m] [rad] [m/s] */
+} approach;
+
+static void sample_approach(const classifier_def *def, int per_axis, approach *a) {
+    double omega = def->rpm * RIDDLE_PI / 30.0, degree = RIDDLE_PI / 180.0,
+           edge = asin(0.5 * def->wheel.thickness / def->wheel.outer_radius);
+    double arc = 2.0 * RIDDLE_PI / def->wheel.paddles - 2.0 * edge, each = 1.0 / per_axis;
+    int hits = 0, n = per_axis;
+    *a = (approach){0};
+    for (int i = 0; i < n; i++) {
+        double v_t = classifier_distribution_at(&def->tangential_velocity, (i + 0.5) * each);
+        for (int j = 0; j < n; j++) {
+            double v_r = classifier_distribution_at(&def->radial_velocity, (j + 0.5) * each);
+            for (int k = 0; k < 4 * n; k++) {
+                classifier_impact hit = classifier_approach(&def->wheel, omega, edge + (k + 0.5) * 0.25 * each * arc, v_t, v_r);
+                if (!hit.hit) continue;
+                hits++;
+                a->mean_radius += hit.radius;
+                a->mean_angle += hit.angle;
+                a->mean_speed += hit.speed;
+                int bin = (int)((hit.radius * 1e3 - 23.0) / 0.025);
+                if (bin >= 80) bin = 79; /* the rim itself */
+                if (bin >= 0) a->radius[bin] += 1.0 / 0.025;
+                double at = hit.angle / degree;
+                bin = (int)floor(at + 0.5) + 60;
+                if (bin >= 0 && bin < GRID) a->angle[bin] += 1.0;
+            }
+        }
+    }
+    for (int i = 0; i < 80; i++) a->radius[i] /= hits > 0 ? hits : 1;
+    for (int i = 0; i < GRID; i++) a->angle[i] /= hits > 0 ? hits : 1;
+    if (hits) {
+        a->mean_radius /= hits;
+        a->mean_angle /= hits;
+        a->mean_speed /= hits;
+    }
+    /* the rebound's angle minus the impact's: the imperfection under the condition that the particle leaves the face */
+    for (int i = 0; i < GRID; i++) {
+        double delta = degree * (-120.0 + 2.0 * i), bare = degree * density(&def->imperfection, delta, degree);
+        for (int k = 0; k < GRID; k++) {
+            double impact = degree * (k - 60);
+            if (!(a->angle[k] > 0.0) || fabs(impact + delta) >= 0.5 * RIDDLE_PI) continue;
+            double kept = classifier_distribution_above(&def->imperfection, -0.5 * RIDDLE_PI - impact) -
+                          classifier_distribution_above(&def->imperfection, 0.5 * RIDDLE_PI - impact);
+            a->rebound[i] += a->angle[k] * bare / kept;
+        }
+    }
+}
+
+static void draw_approach(const program *self, const classifier_def defs[3], json *report, const classifier_def *def) {
+    double r[80], x[GRID];
+    approach a;
+    char label[100];
+    int n = self->quick ? 16 : 40;
+    for (int i = 0; i < 80; i++) r[i] = 23.0 + 0.025 * (i + 0.5);
+    for (int i = 0; i < GRID; i++) x[i] = -120.0 + 2.0 * i;
+    plot *radius = plot_new("Fig 10: where particles meet the paddle", 1, 1),
+         *angle = plot_new("Fig 8: rebound on the turning wheel", 1, 1);
+    plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
+    plot_range_y(radius, 0.0, 8.0);
+    plot_panel(angle, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
+    for (int k = 0; k < 3; k++) {
+        sample_approach(&defs[k], n, &a);
+        snprintf(label, sizeof label, "%.0f 1/min, mean %.2f mm", defs[k].rpm, 1e3 * a.mean_radius);
+        plot_line(radius, label, r, a.radius, 80);
+        plot_style(radius, PLOT_STEPS, PLOT_NEXT);
+        snprintf(label, sizeof label, "%.0f 1/min, mean impact angle %.1f°", defs[k].rpm, a.mean_angle * 180.0 / RIDDLE_PI);
+        plot_line(angle, label, x, a.rebound, GRID);
+        if (defs[k].rpm == def->rpm) {
+            json_number(report, "impact_radius_mean_m", a.mean_radius);
+            json_number(report, "impact_angle_mean_rad", a.mean_angle);
+            json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
+        }
+    }
+    plot_text_share(radius, 0.03, 0.06, "paddle's outer edge at 25 mm; the last bin also holds hits on that edge");
+    plot_write(radius, self->out, "fig10_impact_radius.svg");
+    plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
+}
+
+static void draw_restitution(const program *self, const classifier_def *def) {
+    /* moduli: paper; Poisson ratios and limiting contact pressures: stand-ins of the size of hardnesses */
+    const struct {
+        const char *name;
+        double modulus, poisson, density, pressure;
+    } spheres[] = {{"limestone", 27.1e9, 0.30, 2700.0, 1.2e9}, {"glass", 70e9, 0.22, 2500.0, 5.0e9}};
+    double x[GRID], y[GRID], bar_x[2], bar_y[2], top = 0.0;
+    char label[120];
+    plot *figure = plot_new("Fig 9: coefficient of restitution", 1, 1);
+    plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
+    for (int i = 0; i < GRID; i++) x[i] = i / (GRID - 1.0);
+    for (int k = 0; k < 3; k += 2) {
+        classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).restitution;
+        for (int i = 0; i < GRID; i++) {
+            y[i] = density(&d, x[i], 1e-3) * (i == 0 || i == GRID - 1 ? 2.0 : 1.0); /* one-sided at the ends */
+            if (y[i] > top) top = y[i];
+        }
+        plot_line(figure, k ? "beads (stand-in)" : "limestone, ground glass (stand-in)", x, y, GRID);
+    }
+    if (def->restitution.shape == CLASSIFIER_HISTOGRAM) {
+        for (int i = 0; i < GRID; i++) {
+            y[i] = density(&def->restitution, x[i], 1e-3);
+            if (y[i] > top) top = y[i];
+        }
+        plot_line(figure, "your measurement", x, y, GRID);
+        plot_style(figure, PLOT_STEPS, PLOT_BLACK);
+    }
+    for (int k = 0; k < 2; k++) {
+        double modulus = classifier_reduced_modulus(spheres[k].modulus, spheres[k].poisson, 210e9, 0.3);
+        double yield = classifier_yield_velocity(spheres[k].pressure, spheres[k].density, modulus);
+        bar_x[0] = classifier_thornton_ning(40.0, yield);
+        bar_x[1] = classifier_thornton_ning(1.0, yield);
+        bar_y[0] = bar_y[1] = top * (1.10 + 0.07 * k);
+        snprintf(label, sizeof label, "%s sphere on steel, 40 … 1 m/s (Thornton & Ning)", spheres[k].name);
+        plot_line(figure, label, bar_x, bar_y, 2);
+        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    }
+    plot_range_y(figure, 0.0, 1.75 * top);
+    plot_write(figure, self->out, "fig09_restitution.svg");
+}
+
+static void draw_contacts(const program *self, const classifier_def *def) {
+    double n[12], y[12], q;
+    plot *figure = plot_new("Fig 11: contacts with other particles", 1, 1);
+    plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
+    for (int k = 0; k < 2; k++) {
+        double mean = k ? 0.2 : 1.0, p = 1.0 - (q = mean / (1.0 + mean));
+        for (int i = 0; i < 12; i++, p *= q) n[i] = i, y[i] = p;
+        plot_line(figure, k ? "spheres, mean 0.2 (stand-in)" : "bricks, mean 1.0 (stand-in)", n, y, 12);
+        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    }
+    if (def->contacts.law == CLASSIFIER_COUNTED) {
+        plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
+        plot_style(figure, PLOT_MARKED, PLOT_BLACK);
+    }
+    plot_write(figure, self->out, "fig11_contacts.svg");
+
+    double a[13], b[13], c[13], x[13];
+    figure = plot_new("Fig 12: shares of the collision cases", 1, 1);
+    plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
+    for (int i = 0; i < 13; i++) {
+        classifier_weights w = classifier_weights_of(i);
+        x[i] = i;
+        a[i] = w.clean;
+        b[i] = w.thrown;
+        c[i] = w.again;
+    }
+    plot_line(figure, "A: one clean hit on a paddle", x, a, 13);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_line(figure, "B: thrown out by a particle", x, b, 13);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_line(figure, "C: turned round, hit again", x, c, 13);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_write(figure, self->out, "fig12_case_weights.svg");
+}
+
+/* ---- separation ---- */
+
+static double eq6(const classifier_def *def, classifier_basis basis, bool stokes) {
+    double r = def->wheel.outer_radius, psi = classifier_rorato_clamped(classifier_distribution_mean(&def->sphericity_2d), NULL);
+    classifier_balance at = {def->fluid_density,
+                             def->viscosity,
+                             def->particle_density,
+                             r,
+                             classifier_radial_velocity(&def->wheel, def->air_flow, r),
+                             def->rpm * RIDDLE_PI / 30.0 * r,
+                             def->buoyancy};
+    return stokes ? classifier_cut_size_stokes(&at) : classifier_cut_size(&at, classifier_hoelzer_sommerfeld(psi, basis), NULL);
+}
+
+static int prepare(const program *self, classifier_model *model, const classifier_def *def) {
+    classifier_status status = classifier_init(model, def, NULL);
+    if (status == CLASSIFIER_OK) return 0;
+    const char *field = NULL;
+    (void)classifier_check_def(def, &field);
+    (void)self;
+    return common_fail("%s: %s", field ? field : "model", classifier_status_text(status));
+}
+
+static void size_grid(double *x, double low, double high) {
+    for (int i = 0; i < SIZES; i++) x[i] = low * pow(high / low, i / (SIZES - 1.0));
+}
+
+/* Fig 13: three speeds, the model against the two force balances */
+static void draw_separation(const program *self, const classifier_def defs[3], const classifier_def *def, const measured *m,
+                            const classifier_fit_result *fit, const char *name) {
+    double x[SIZES], um[SIZES], t[SIZES];
+    char label[120], title[160];
+    snprintf(title, sizeof title, "Fig 13: separation of %s", name);
+    plot *figure = plot_new(title, 1, 1);
+    plot_panel_size(figure, 600, 380);
+    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    plot_log_x(figure);
+    size_grid(x, 1e-6, 3e-4);
+    for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
+    bool own = true;
+    for (int k = 0; k < 4; k++) {
+        if (k == 3 && !own) break;
+        const classifier_def *d = k < 3 ? &defs[k] : def;
+        if (k < 3 && d->rpm == def->rpm) own = false;
+        classifier_model model;
+        if (prepare(self, &model, d)) break;
+        for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(&model, x[i], NULL);
+        snprintf(label, sizeof label, "%.0f 1/min: x50 = %.1f µm", d->rpm, 1e6 * classifier_quantile(&model, 0.5));
+        plot_line(figure, label, um, t, SIZES);
+        plot_style(figure, 0, k);
+        double line_x[2], line_y[2] = {0.0, 1.0};
+        line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, true);
+        plot_line(figure, k == 0 ? "eq 3 (Stokes, undisturbed gas)" : NULL, line_x, line_y, 2);
+        plot_style(figure, PLOT_DOTTED, k);
+        line_x[0] = line_x[1] = 1e6 * eq6(d, CLASSIFIER_EQUIVALENT, false);
+        plot_line(figure, k == 0 ? "eq 6 (shape, undisturbed gas)" : NULL, line_x, line_y, 2);
+        plot_style(figure, PLOT_DASHED | PLOT_THIN, k);
+        classifier_free(&model);
+    }
+    if (m->n) {
+        double mx[MOST_ROWS];
+        for (int i = 0; i < m->n; i++) mx[i] = 1e6 * m->x[i];
+        if (m->has_sd) plot_error_bars(figure, "measured", mx, m->t, m->sd, m->n);
+        else plot_points(figure, "measured", mx, m->t, m->n);
+        plot_style(figure, 0, PLOT_BLACK);
+        if (fit) {
+            for (int i = 0; i < SIZES; i++) t[i] = classifier_curve_value(&fit->curve, x[i]);
+            plot_line(figure, "Plitt curve with bypass, fitted", um, t, SIZES);
+            plot_style(figure, PLOT_THIN, PLOT_GREY);
+        }
+    }
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "fig13_separation.svg");
+}
+
+/* Fig A4, and the three cases alone */
+static void draw_fixed_contacts(const program *self, classifier_model *model) {
+    double x[SIZES], um[SIZES], t[SIZES], centre = classifier_quantile(model, 0.5);
+    char label[80];
+    plot *figure = plot_new("Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
+    plot_panel_size(figure, 600, 380);
+    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    plot_log_x(figure);
+    if (!(centre > 0.0)) centre = 3e-5;
+    size_grid(x, 0.4 * centre, 8.0 * centre);
+    for (int i = 0; i < SIZES; i++) um[i] = 1e6 * x[i];
+    const classifier_weights mixed = model->weights, alone[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    const char *const cases[3] = {NULL, "case B alone: thrown by a particle", "case C alone: hit again"};
+    for (int k = 0; k < 6; k++) {
+        model->weights = k < 3 ? classifier_weights_of(k) : k == 3 ? mixed : alone[k - 3];
+        for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(model, x[i], NULL);
+        if (k < 3) snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
+        plot_line(figure, k < 3 ? label : k == 3 ? "mixed as in fig 11" : cases[k - 3], um, t, SIZES);
+        plot_style(figure, k > 3 ? PLOT_DASHED : 0, k == 3 ? PLOT_BLACK : PLOT_NEXT);
+    }
+    model->weights = mixed;
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "figA4_contacts_fixed.svg");
+}
+
+/* The fine product goes through a second wheel of the same setting, whose rejects return; or the coarse product does */
+static void draw_circuit(const program *self, const classifier_model *model, json *report) {
+    const classifier_circuit_def clean_fine = {2, {CLASSIFIER_TO_COARSE, 0}, {1, CLASSIFIER_TO_FINE}};
+    const classifier_circuit_def clean_coarse = {2, {1, CLASSIFIER_TO_COARSE}, {CLASSIFIER_TO_FINE, 0}};
+    double x[SIZES], um[SIZES], one[SIZES], fine[SIZES], coarse[SIZES], load[2], loads[SIZES], centre = classifier_quantile(model, 0.5),
+                                                                                               highest = 0.0;
+    if (!(centre > 0.0)) return;
+    size_grid(x, 0.4 * centre, 8.0 * centre);
+    for (int i = 0; i < SIZES; i++) {
+        double t[2];
+        um[i] = 1e6 * x[i];
+        one[i] = t[0] = t[1] = classifier_tromp(model, x[i], NULL);
+        if (classifier_circuit(&clean_fine, t, &fine[i], load) != CLASSIFIER_OK ||
+            classifier_circuit(&clean_coarse, t, &coarse[i], load) != CLASSIFIER_OK) {
+            common_fail("the circuit lets nothing out");
+            return;
+        }
+        loads[i] = load[0];
+        if (load[0] > highest) highest = load[0];
+    }
+    plot *figure = plot_new("Two stages with recycle", 1, 1);
+    plot_panel_size(figure, 600, 380);
+    plot_panel(figure, 0, 0, "particle size [µm]", "share in the coarse product; load of stage 1 / feed [-]");
+    plot_log_x(figure);
+    plot_line(figure, "one stage", um, one, SIZES);
+    plot_line(figure, "fines cleaned, rejects return", um, fine, SIZES);
+    plot_line(figure, "coarse cleaned, fines return", um, coarse, SIZES);
+    plot_line(figure, "load of stage 1", um, loads, SIZES);
+    plot_style(figure, PLOT_DASHED, PLOT_GREY);
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "circuit.svg");
+    json_number(report, "circuit_largest_load", highest);
+}
+
+int main(int argc, char **argv) {
+    int material = 0, basis = 0, law = 0;
+    double rpm = 3000.0, air = 75.0, contacts = 1.0, x50 = 0.0, factor = 2.7;
+    bool calibrate = false;
+    const char *sphericity = NULL, *restitution = NULL, *imperfection = NULL, *tangential = NULL, *radial = NULL, *counts = NULL,
+               *sizes = NULL, *points = NULL;
+    option options[] = {
+        option_choice("material", &material, "limestone|ground-glass|beads", "the paper's materials: density, shape, rebound, contacts"),
+        option_positive("rpm", "N", &rpm, 1e6, "rotor speed [1/min]; outside 3000 .. 15000 inputs are held at the ends"),
+        option_positive("air-m3-per-h", "Q", &air, 1e6, "air flow [m3/h]"),
+        option_choice("basis", &basis, "equivalent|projected", "area of the drag coefficient; projected reproduces the paper"),
+        option_choice("drag", &law, "hoelzer-sommerfeld|schiller-naumann|stokes", "drag law; the last two ignore the shape"),
+        option_double("contacts", "MEAN", &contacts, 0.0, 1e6, "mean number of contacts, geometric; default 1, beads 0.2"),
+        option_positive("radial-factor", "CHI", &factor, 1e3,
+                        "gas velocity before the paddle / undisturbed [-]; default 2.7 .. 4.3 by speed"),
+        option_string("sphericity", "FILE", &sphericity, "2D sphericity: CSV with low,high,share"),
+        option_string("restitution", "FILE", &restitution, "coefficient of restitution: CSV with low,high,share"),
+        option_string("imperfection", "FILE", &imperfection, "rebound - impact angle [degrees]: CSV with low,high,share"),
+        option_string("tangential", "FILE", &tangential, "velocity of entering particles against the wheel [m/s]: CSV with low,high,share"),
+        option_string("radial", "FILE", &radial, "velocity of entering particles inward [m/s]: CSV with low,high,share"),
+        option_string("contact-counts", "FILE", &counts, "contacts counted: CSV with contacts,share"),
+        option_string("sizes", "FILE", &sizes, "size distributions: CSV with low_um,high_um,feed,coarse,fine"),
+        option_string("measured", "FILE", &points, "measured separation curve: CSV with size_um,t"),
+        option_flag("calibrate", &calibrate, "find the gas velocity that gives the measured x50"),
+        option_positive("x50-um", "X", &x50, 1e4, "calibrate to this cut size [um]"),
+    };
+    program self = program_start("classifier", "Separation curve of a deflector-wheel classifier, from the rebound of single particles.",
+                                 options, (int)(sizeof options / sizeof *options), argc, argv);
+    if (counts && options[5].given) program_refuse(&self, "contacts", NULL, "either --contacts or --contact-counts");
+    if (sizes && points) program_refuse(&self, "measured", points, "either --measured or --sizes");
+    if (calibrate && !sizes && !points) program_refuse(&self, "calibrate", NULL, "only with --measured or --sizes; else --x50-um");
+
+    classifier_def defs[3], def;
+    unsigned flags;
+    for (int k = 3; k >= 0; k--) { /* the paper's three speeds, then the wanted one in defs[0]'s place is not needed: it is def */
+        classifier_def *d = k == 3 ? &def : &defs[k];
+        *d = classifier_paper_def((classifier_material)material, k == 3 ? rpm : speeds[k], k == 3 ? &flags : NULL);
+        d->air_flow = air / 3600.0;
+        d->basis = basis ? CLASSIFIER_PROJECTED : CLASSIFIER_EQUIVALENT;
+        d->law = (classifier_drag_law)law;
+        d->seed = self.seed;
+        if (options[5].given) d->contacts.mean = contacts;
+        if (options[6].given) d->radial_factor = factor;
+        if (self.quick) d->points = 256;
+        read_distribution(&self, "sphericity", sphericity, 1.0, &d->sphericity_2d);
+        read_distribution(&self, "restitution", restitution, 1.0, &d->restitution);
+        read_distribution(&self, "imperfection", imperfection, RIDDLE_PI / 180.0, &d->imperfection);
+        read_distribution(&self, "tangential", tangential, 1.0, &d->tangential_velocity);
+        read_distribution(&self, "radial", radial, 1.0, &d->radial_velocity);
+        read_contacts(&self, counts, &d->contacts);
+        if (restitution) d->particle_restitution = d->restitution.mean;
+    }
+    const char *field;
+    classifier_status status = classifier_check_def(&def, &field);
+    if (status != CLASSIFIER_OK) { /* a file that is a distribution, but not of that quantity; or --contacts for something odd */
+        const char *option_name = !strcmp(field, "sphericity_2d")         ? "sphericity"
+                                  : !strcmp(field, "tangential_velocity") ? "tangential"
+                                  : !strcmp(field, "radial_velocity")     ? "radial"
+                                                                          : field;
+        program_refuse(&self, option_name, NULL,
+                       "values in its range: restitution and sphericity 0 .. 1, inward velocity >= 0, angles with rebounds off the face");
+    }
+
+    static measured m;
+    classifier_fit_result fit;
+    bool fitted = false;
+    if (sizes) read_sizes(&self, sizes, &m);
+    if (points) read_measured(&self, points, &m);
+    if (m.n) {
+        status = classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m.x, m.t, m.has_sd ? m.sd : NULL, m.n, &fit);
+        if (status != CLASSIFIER_OK)
+            refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
+        fitted = true;
+        if (calibrate && x50 <= 0.0) x50 = 1e6 * classifier_curve_size(&fit.curve, 0.5);
+    }
+    if (x50 > 0.0) {
+        classifier_def calibrated;
+        status = classifier_calibrate(&def, 1e-6 * x50, NULL, &calibrated);
+        if (status != CLASSIFIER_OK) program_refuse(&self, "x50-um", NULL, "a cut size that some gas velocity gives");
+        double ratio = calibrated.radial_factor / def.radial_factor;
+        def = calibrated;
+        for (int k = 0; k < 3; k++) defs[k].radial_factor *= ratio; /* the paper's proposal: one point serves all speeds */
+        common_print("Calibrated to %.2f um: gas velocity factor %.3f (before: %.3f)\n", x50, def.radial_factor, def.radial_factor / ratio);
+    }
+
+    double began = machine_seconds();
+    classifier_model model;
+    if (prepare(&self, &model, &def)) return common_exit_status();
+    double x[SIZES], t[SIZES], error, centre = classifier_quantile(&model, 0.5);
+    if (!(centre > 0.0)) centre = eq6(&def, CLASSIFIER_EQUIVALENT, false);
+    size_grid(x, 0.1 * centre, 10.0 * centre);
+    classifier_result r;
+    status = classifier_separate(&model, x, t, SIZES, &r);
+    double model_s = machine_seconds() - began;
+    if (status != CLASSIFIER_OK) return common_fail("%s", classifier_status_text(status)), common_exit_status();
+    csv *file = csv_open(self.out, "tromp.csv",
+                         "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
+                         "alone\nsize_m,t,t_error,t_a,t_b,t_c");
+    for (int i = 0; i < SIZES; i++) {
+        double line[6] = {x[i], classifier_tromp(&model, x[i], &error), error};
+        classifier_tromp_cases(&model, x[i], line + 3);
+        csv_row(file, line, 6);
+    }
+    csv_close(file);
+
+    double eq3 = eq6(&def, CLASSIFIER_EQUIVALENT, true), eq6_equivalent = eq6(&def, CLASSIFIER_EQUIVALENT, false),
+           eq6_projected = eq6(&def, CLASSIFIER_PROJECTED, false);
+    char name[100];
+    snprintf(name, sizeof name, "%s at %g m³/h", material_names[material], air);
+    common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material_names[material], rpm, air,
+                 rpm * RIDDLE_PI / 30.0 * def.wheel.outer_radius,
+                 def.radial_factor * classifier_radial_velocity(&def.wheel, def.air_flow, def.wheel.outer_radius),
+                 classifier_radial_velocity(&def.wheel, def.air_flow, def.wheel.outer_radius));
+    table out = table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
+    table_cell(&out, "%.2f", 1e6 * r.x25);
+    table_cell(&out, "%.2f", 1e6 * r.x50);
+    table_cell(&out, "%.2f", 1e6 * r.x75);
+    table_cell(&out, "%.3f", r.sharpness);
+    table_cell(&out, "%.1e", r.t_error);
+    table_cell(&out, "%.0f", r.re50);
+    table_cell(&out, "%.2f", 1e6 * eq3);
+    table_cell(&out, "%.2f", 1e6 * eq6_equivalent);
+    table_cell(&out, "%.2f", 1e6 * eq6_projected);
+    table_end(&out);
+    common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r.weights.clean,
+                 r.weights.thrown, r.weights.again, 1e3 * model_s);
+    if (flags & CLASSIFIER_EXTRAPOLATED)
+        common_print("Note: the paper measured 3000 .. 15000 1/min; inputs that depend on the speed are held at the end.\n");
+    if (r.flags & CLASSIFIER_CUT_OUTSIDE) common_print("Note: a cut lies outside %g .. %g um.\n", 1e6 * def.size_low, 1e6 * def.size_high);
+    if (r.flags & CLASSIFIER_MISSED) common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r.missed);
+    if (r.clamped > 1e-3)
+        common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r.clamped);
+    if (fitted)
+        common_print("Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f +- %.3f, rms %.3f\n", 1e6 * fit.curve.size,
+                     1e6 * fit.size_sd, fit.curve.slope, fit.slope_sd, fit.curve.bypass, fit.bypass_sd, fit.rms);
+
+    json *report = json_open(self.json);
+    const double weights[3] = {r.weights.clean, r.weights.thrown, r.weights.again};
+    const char *const keys[3] = {"limestone", "ground-glass", "beads"};
+    json_string(report, "material", keys[material]);
+    json_number(report, "rpm", rpm);
+    json_number(report, "air_m3_per_s", def.air_flow);
+    json_string(report, "basis", basis ? "projected" : "equivalent");
+    json_number(report, "radial_factor", def.radial_factor);
+    json_number(report, "x25_m", r.x25);
+    json_number(report, "x50_m", r.x50);
+    json_number(report, "x75_m", r.x75);
+    json_number(report, "x50_error_m", r.x50_error);
+    json_number(report, "sharpness", r.sharpness);
+    json_number(report, "ecart_probable_m", r.ecart_probable);
+    json_number(report, "t_error", r.t_error);
+    json_number(report, "eq3_m", eq3);
+    json_number(report, "eq6_m", eq6_equivalent);
+    json_number(report, "eq6_projected_m", eq6_projected);
+    json_number(report, "re50", r.re50);
+    json_array(report, "case_weights", weights, 3);
+    json_array(report, "x_m", x, SIZES);
+    json_array(report, "tromp", t, SIZES);
+    json_bool(report, "cut_outside", (r.flags & CLASSIFIER_CUT_OUTSIDE) != 0);
+    json_bool(report, "extrapolated", (flags & CLASSIFIER_EXTRAPOLATED) != 0);
+    json_number(report, "missed", r.missed);
+    json_number(report, "clamped", r.clamped);
+    json_number(report, "model_s", model_s);
+    if (fitted) {
+        json_object_begin(report, "fit");
+        json_number(report, "x50_m", fit.curve.size);
+        json_number(report, "x50_sd_m", fit.size_sd);
+        json_number(report, "slope", fit.curve.slope);
+        json_number(report, "bypass", fit.curve.bypass);
+        json_number(report, "rms", fit.rms);
+        json_object_end(report);
+    }
+    if (sizes) {
+        json_number(report, "coarse_share", m.coarse_share);
+        json_number(report, "chi_squared", m.chi_squared);
+        json_integer(report, "freedom", m.freedom);
+    }
+    draw_rebound_angles(&self, &def);
+    draw_approach(&self, defs, report, &def);
+    draw_restitution(&self, &def);
+    draw_contacts(&self, &def);
+    draw_separation(&self, defs, &def, &m, fitted ? &fit : NULL, name);
+    draw_fixed_contacts(&self, &model);
+    draw_circuit(&self, &model, report);
+    classifier_free(&model);
+    json_program(report, &self);
+    json_close(report);
+    return common_exit_status();
+}
