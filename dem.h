@@ -1970,10 +1970,11 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
     double h = 1.0 / c->rate, u = (gap - c->gap) * c->rate + 0.5 * h * force / c->mass;
     double t = 0.0, g = gap, v = u, f = force, before, after;
     if (!(u < 0.0 && gap < 0.0)) return 0;
+    const int pulls = dem__force_alone(c, state, 0.0, u, &before, law) < 0.0;
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (force < 0.0) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
         else { /* a clipped one when the force is: follow its slope, found by a probe */
             double probe = 0.125 * (k == 0 ? h : t), gp = g, vp = v, fp = dem__flow(c, state, &gp, &vp, probe, law);
             rest = fp < f ? probe * f / (f - fp) : last;
@@ -2149,6 +2150,20 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
         extra = e.impulse - 0.5 * h * force;
+        if (e.gap < 0.0) {
+            q->gap = e.gap;
+            q->closing = e.closing;
+            law->force(q, s, &r);
+            if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
+                dem__locate(w, 0, law, features, &at);
+                dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
+                w->live_force__[c] = r.contact;
+                w->live_ended__[c] = 0;
+                start = r.normal;
+                extra -= 0.5 * h * start;
+                if (features & DEM_ENERGY) dem__put_losses(&at, c, &r, 0.0, 0);
+            }
+        }
     }
     w->live_gap__[c] = e.gap;
     w->live_event__[c] = 1;
