@@ -392,6 +392,27 @@ static void test_young_laplace_refuses(void **state) {
     near_relative(x.energy, y.energy, 1e-10, "energy");
 }
 
+/* Nearly equal spheres break a little before equal ones do, not at the fold of a solution that equal ones have left behind. */
+static void test_nearly_equal_spheres(void **state) {
+    (void)state;
+    for (double degrees = 35.0; degrees < 51.0; degrees += 5.0)
+        for (double v = 1e-5; v < 0.1; v *= 6.0) {
+            bridge_pair_def equal = pair_of(1.0, 1.0, degrees, degrees);
+            bridge_shape first, other;
+            double fold, last;
+            assert_int_equal(bridge_young_laplace_rupture(&equal, v, &first, &fold), BRIDGE_OK);
+            last = first.gap;
+            for (double ratio = 1.02; ratio < 1.3; ratio += 0.06) {
+                bridge_pair_def def = pair_of(1.0, ratio, degrees, degrees);
+                double R = bridge_harmonic_radius(1.0, ratio);
+                assert_int_equal(bridge_young_laplace_rupture(&def, v * R * R * R, &other, NULL), BRIDGE_OK);
+                if (!(other.gap / R < last && other.gap / R > 0.9 * first.gap))
+                    fail_msg("%g degrees, V* %g, ratio %g: %g, before it %g", degrees, v, ratio, other.gap / R, last);
+                last = other.gap / R;
+            }
+        }
+}
+
 typedef struct errors {
     double to_09, rupture, split;
 } errors;
@@ -1015,6 +1036,7 @@ int main(void) {
         cmocka_unit_test(test_printed_laws_are_as_printed),
         cmocka_unit_test(test_definitions),
         cmocka_unit_test(test_young_laplace_refuses),
+        cmocka_unit_test(test_nearly_equal_spheres),
         cmocka_unit_test(test_tables_against_young_laplace),
         cmocka_unit_test(test_random_pairs),
         cmocka_unit_test(test_scattered_radii),
