@@ -30,7 +30,7 @@ static const double speeds[] = {3000.0, 9000.0, 15000.0};
 
 static void refuse_file(const program *self, const char *name, const char *path, const char *reason) {
     char text[400];
-    snprintf(text, sizeof text, "cannot be used: %s", reason);
+    snprintf(text, sizeof text, "a usable CSV file (%s)", reason);
     program_refuse(self, name, path, text);
 }
 
@@ -162,6 +162,7 @@ static void draw_rebound_angles(const program *self, const classifier_def *def) 
         plot_line(figure, "your measurement", x, y, GRID);
         plot_style(figure, PLOT_STEPS, PLOT_BLACK);
     }
+    plot_range_y(figure, 0.0, 0.026);
     plot_write(figure, self->out, "fig07_rebound_angle.svg");
 }
 
@@ -225,24 +226,31 @@ static void draw_approach(const program *self, const classifier_def defs[3], jso
     for (int i = 0; i < 80; i++) r[i] = 23.0 + 0.025 * (i + 0.5);
     for (int i = 0; i < GRID; i++) x[i] = -120.0 + 2.0 * i;
     plot *radius = plot_new("Fig 10: where particles meet the paddle", 1, 1),
-         *angle = plot_new("Fig 8: rebound on the turning wheel", 1, 1);
+         *angle = plot_new("Fig 8: impact and rebound on the turning wheel", 1, 2);
     plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
-    plot_range_y(radius, 0.0, 8.0);
-    plot_panel(angle, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
+    plot_range_y(radius, 0.0, 5.0);
+    double impact[GRID];
+    for (int i = 0; i < GRID; i++) impact[i] = i - 60;
     for (int k = 0; k < 3; k++) {
         sample_approach(&defs[k], n, &a);
         snprintf(label, sizeof label, "%.0f 1/min, mean %.2f mm", defs[k].rpm, 1e3 * a.mean_radius);
         plot_line(radius, label, r, a.radius, 80);
         plot_style(radius, PLOT_STEPS, PLOT_NEXT);
-        snprintf(label, sizeof label, "%.0f 1/min, mean impact angle %.1f°", defs[k].rpm, a.mean_angle * 180.0 / RIDDLE_PI);
+        snprintf(label, sizeof label, "%.0f 1/min, mean %.1f°", defs[k].rpm, a.mean_angle * 180.0 / RIDDLE_PI);
+        plot_panel(angle, 0, 0, "impact angle, negative: sliding inward [°]", "probability density [1/°]");
+        plot_range_y(angle, 0.0, 0.2);
+        plot_line(angle, label, impact + 30, a.angle + 30, 61);
+        plot_style(angle, 0, k);
+        snprintf(label, sizeof label, "%.0f 1/min", defs[k].rpm);
+        plot_panel(angle, 0, 1, "rebound angle − impact angle [°]", "probability density [1/°]");
         plot_line(angle, label, x, a.rebound, GRID);
-        if (defs[k].rpm == def->rpm) {
-            json_number(report, "impact_radius_mean_m", a.mean_radius);
-            json_number(report, "impact_angle_mean_rad", a.mean_angle);
-            json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
-        }
+        plot_style(angle, k == 1 ? PLOT_DASHED : k == 2 ? PLOT_DOTTED : 0, k);
     }
-    plot_text_share(radius, 0.03, 0.06, "paddle's outer edge at 25 mm; the last bin also holds hits on that edge");
+    sample_approach(def, n, &a);
+    json_number(report, "impact_radius_mean_m", a.mean_radius);
+    json_number(report, "impact_angle_mean_rad", a.mean_angle);
+    json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
+    plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
     plot_write(radius, self->out, "fig10_impact_radius.svg");
     plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
 }
@@ -280,7 +288,7 @@ static void draw_restitution(const program *self, const classifier_def *def) {
         bar_x[0] = classifier_thornton_ning(40.0, yield);
         bar_x[1] = classifier_thornton_ning(1.0, yield);
         bar_y[0] = bar_y[1] = top * (1.10 + 0.07 * k);
-        snprintf(label, sizeof label, "%s sphere on steel, 40 … 1 m/s (Thornton & Ning)", spheres[k].name);
+        snprintf(label, sizeof label, "Thornton & Ning, %s sphere, 40 … 1 m/s", spheres[k].name);
         plot_line(figure, label, bar_x, bar_y, 2);
         plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     }
@@ -491,7 +499,7 @@ int main(int argc, char **argv) {
 
     classifier_def defs[3], def;
     unsigned flags;
-    for (int k = 3; k >= 0; k--) { /* the paper's three speeds, then the wanted one in defs[0]'s place is not needed: it is def */
+    for (int k = 3; k >= 0; k--) { /* the wanted speed, and the paper's three for comparison */
         classifier_def *d = k == 3 ? &def : &defs[k];
         *d = classifier_paper_def((classifier_material)material, k == 3 ? rpm : speeds[k], k == 3 ? &flags : NULL);
         d->air_flow = air / 3600.0;
