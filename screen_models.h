@@ -1417,7 +1417,8 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
         /* with no limit of the bottom layer a class feels only its own b: one run with all of them moved is enough */
         int runs = p->def.bottom_limit < HUGE_VAL ? n : 4;
         for (int j = 0; j < runs && derivatives && numeric && !status; j++) {
-            double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = j % 3 == 0 ? 1e-4 : 1e-3; /* speed terms are about 0.1, wet 0.03 */
+            double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = p->def.tolerance < 1e-7 ? 1e-4 : 1e-3;
+            if (j % 3) step *= 10.0; /* speed terms are about 0.1, wet 0.03 */
             double *column = p->slopes + (size_t)j * (size_t)p->points;
             for (int k = 0; k < n; k++) moved[k] = c[k];
             moved[j] += step;
@@ -1695,7 +1696,7 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
     int n = screen_parameter_count(model, def->continuous), terms = 0, first = 1;
     double low[2][2], high[2][2], average = screen__average(def);
     p->def = *def;
-    if (p->def.tolerance < 1e-7) p->def.tolerance = 1e-7; /* while searching; the last steps are made with the caller's */
+    if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6; /* while searching; the last steps are made with the caller's */
     p->model = model;
     p->parameters = n;
     p->cases = cases;
@@ -1958,7 +1959,8 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
         screen__random_start(&p, last_time, &state, q);
         if (start == 0 && options->start)
             for (int j = 0; j < n; j++) q[j] = screen__clip(screen__to_q(model, j, options->start[j]), p.low[j], p.high[j]);
-        for (int stage = 0; stage < stages && known < 0; stage++) {
+        for (int stage = 0; stage < stages && known < 0;
+             stage += model == SCREEN_SOLDINGER ? 2 : 1) { /* each costs 50 times as much there */
             loss = screen__descend(&p, q, rounding[stage], stage == 0 ? 150 : 40, &left);
             if (stage == 0 && model == SCREEN_SUBASINGHE) loss = screen__second_try(&p, q, loss, rounding[0], &left);
             if (!(loss < HUGE_VAL)) break;
@@ -1991,7 +1993,7 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
         }
         result->model = model;
         result->parameters = n;
-        int left = 40;
+        int left = model == SCREEN_SOLDINGER ? 12 : 40;
         p.def.tolerance = def->tolerance;
         screen__descend(&p, best_q, rounding[options->loss == SCREEN_LOSS_SQUARES ? 0 : stages - 1], left, &left);
         result->starts = options->starts;
