@@ -2612,7 +2612,17 @@ static inline void dem__settle_events(dem_world *w, int turns) {
                 w->wz[a] += turn * extra * out[5 + 3 * side][c];
             }
         }
-        if (j < 0) w->wall[-1 - j].impulse = dem__sub(w->wall[-1 - j].impulse, impulse);
+        if (j < 0) {
+            w->wall[-1 - j].impulse = dem__sub(w->wall[-1 - j].impulse, impulse);
+            continue;
+        }
+        /* a pair that is moved apart turns more slowly, as its angular momentum stays */
+        const dem_vec d = dem__apart(w, dem_vec3(w->x[i] - w->x[j], w->y[i] - w->y[j], w->z[i] - w->z[j]));
+        const dem_vec v = dem_vec3(w->vx[i] - w->vx[j], w->vy[i] - w->vy[j], w->vz[i] - w->vz[j]);
+        const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+        const double  mi = 1.0 / w->mass[i], mj = 1.0 / w->mass[j];
+        w->vx[i] += mi * slower.x, w->vy[i] += mi * slower.y, w->vz[i] += mi * slower.z;
+        w->vx[j] -= mj * slower.x, w->vy[j] -= mj * slower.y, w->vz[j] -= mj * slower.z;
     }
 }
 
