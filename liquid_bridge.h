@@ -97,7 +97,7 @@ typedef enum bridge_split {
 typedef struct bridge_pair_def {
     double radius_i;      /* [m], > 0; default 2.5e-3 */
     double radius_j;      /* [m], > 0, INFINITY for a plate or a wire; default 2.5e-3. radius_i/radius_j from 1e-6 to 1e6 or 0. Spheres
-                                 within 1 % of each other with equal angles over 30 degrees may not solve: prepare them as equal */
+                                 within 0.4 % of each other with equal angles over 30 degrees may not solve: prepare them as equal */
     double angle_i;       /* contact angle on i [rad], 0 .. 1.05 (60 degrees); default 0.2618 (glass, 15 degrees) */
     double angle_j;       /* contact angle on j [rad], 0 .. 1.05; default 0.2618. Equal spheres of equal angle are solved as symmetric */
     double volume_min;    /* smallest V/R_h^3 of the table [-], 1e-8 .. volume_max/2; default 1e-6. Drier: no bridge is formed */
