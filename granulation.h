@@ -1671,8 +1671,8 @@ static inline granulation_status granulation__place(granulation_sim *sim, const 
     for (int c = 0; c < total; c++) head[c] = -1;
     int done = 0;
     for (int i = 0; done < n; i++) {
-        double centre[3];
-        int at[3];
+        double centre[3] = {0.0, 0.0, 0.0};
+        int at[3] = {0, 0, 0};
         if (i < sim->n) { /* one that stands already */
             centre[0] = sim->x[i];
             centre[1] = sim->y[i];

@@ -1,0 +1,1059 @@
+/* High-shear granulation by granulation.h: the studies of Gantt & Gatzke, High-shear granulation modeling using a discrete element
+   simulation approach ("the paper"), each as an ensemble of replicates, beside a population balance.
+
+   pouw      Table 1: solid, liquid and air by size class in time (figure 5), beside a population balance with the same laws and with Pouw's
+             saturation kernel; a normal start (figures 6 and 7)
+   impeller  Table 2 and figure 8: 120, 360, 720 and 840 rpm
+   binder    Table 3 and figure 9: 15, 25, 33 and 40 % binder
+   map       figure 10: every collision of some runs in the plane of the Stokes numbers, and the coalescence boundaries of the population
+             as it then is
+   midbatch  binder is sprayed on, the impeller slows down and the binder cools while a batch runs
+   sound     Tables 2 and 3 again with physically sounder readings: swept contacts, momentum conserved
+   custom    one condition of your own: --rpm, --binder, --viscosity ...
+
+   The paper leaves about ten readings open; the set used ("G1", granulation_paper_def) is a documented fit: docs/granulation.md. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "granulation.h"
+
+enum { CLASSES = 10, MOST_STEPS = 2000, MOST_REPLICATES = 1000, GRID = 41, SPEEDS = 64 };
+
+/* ---- one condition, many replicates ---- */
+
+typedef struct condition {
+    double rpm, liquid; /* [1/min], volume fraction [-] */
+    bool normal_feed;   /* volumes N(3, 1) e-12 m3 instead of Table 1 */
+    int granules;
+    granulation_def def;
+} condition;
+
+/* A change in mid-batch; step < 0: none */
+typedef struct change {
+    int spray_step, impeller_step, cool_step;
+    double liquid, rpm, temperature; /* [m3 per m3 of granules], [1/min], [K] */
+} change;
+
+/* What a replicate leaves, by step 0 .. steps */
+typedef struct record {
+    granulation_replicate result;
+    granulation_status status;
+    double *q;              /* [4][steps+1][CLASSES]: count, solid, liquid, air */
+    double *size, *number;  /* [steps+1] d43 [m], granules */
+    double *film, *success; /* [steps+1] mean film [m], share of the step's interactions that coalesced */
+} record;
+
+typedef struct ensemble {
+    const condition *c;
+    const change *change;
+    const double *edges; /* [CLASSES+1] [m3] */
+    int steps, replicates;
+    uint64_t seed;
+    record *records;
+    double *memory;
+    progress *bar;
+} ensemble;
+
+static double speed_of(double rpm) {
+    return granulation_tip_speed(GRANULATION_PRINTED, rpm / 60.0, 1.0);
+} /* (33) as the paper uses it, 1 m */
+
+static condition condition_of(granulation_def def, double rpm, double liquid) {
+    condition c = {rpm, liquid, false, 192, def};
+    for (int k = 0; k < 3; k++) c.def.velocity_mean[k] = speed_of(rpm);
+    return c;
+}
+
+/* Table 1, over again for more than 192 granules */
+static double table1_volume(int i) {
+    int k = i % 192;
+    return k < 120 ? 2e-12 : k < 162 ? 4e-12 : k < 182 ? 6e-12 : k < 187 ? 8e-12 : 10e-12;
+}
+
+static granulation_granule granule_of(double volume, double liquid) {
+    granulation_granule g = {volume * (0.85 - liquid), volume * liquid, volume * 0.15};
+    return g;
+}
+
+static granulation_status start(granulation_sim *sim, const condition *c, uint64_t seed) {
+    granulation_def def = c->def;
+    def.seed = seed;
+    def.box = 2e-3 * cbrt(c->granules / 192.0);
+    granulation_status status = granulation_sim_init(sim, &def);
+    granulation_random random = granulation_random_seed(seed ^ 0x5eed);
+    for (int i = 0; i < c->granules && status == GRANULATION_OK; i++) {
+        double volume = table1_volume(i);
+        if (c->normal_feed) do
+                volume = 3e-12 + 1e-12 * granulation_random_normal(&random);
+            while (!(volume > 0.2e-12));
+        granulation_granule g = granule_of(volume, c->liquid);
+        int same = 1;
+        while (!c->normal_feed && i + same < c->granules && table1_volume(i + same) == volume) same++;
+        status = granulation_sim_add(sim, &g, same);
+        i += same - 1;
+    }
+    return status;
+}
+
+static granulation_status apply(granulation_sim *sim, const change *what, int step) {
+    granulation_status status = GRANULATION_OK;
+    if (step == what->spray_step) {
+        granulation_granule all;
+        granulation_sim_totals(sim, &all, NULL, NULL);
+        status = granulation_sim_spray(sim, what->liquid * granulation_volume(&all), 0.0);
+    }
+    if (status == GRANULATION_OK && step == what->impeller_step) {
+        double mean = speed_of(what->rpm), three[3] = {mean, mean, mean};
+        status = granulation_sim_impeller(sim, three, sim->def.velocity_deviation, true);
+    }
+    if (status == GRANULATION_OK && step == what->cool_step) {
+        granulation_def def = sim->def;
+        def.laws.viscosity = granulation_arrhenius(def.laws.viscosity, 5000.0, what->temperature, 298.15);
+        status = granulation_sim_set(sim, &def);
+    }
+    return status;
+}
+
+/* Classes by the volume that a granule would have with the air of the feed: consolidation then moves nobody to another class. */
+static double volume_at_start(double wet) { return wet / 0.85; }
+
+static void note(const granulation_sim *sim, const ensemble *e, record *r, int step, const granulation_tally *before) {
+    size_t row = (size_t)step * CLASSES, block = (size_t)(e->steps + 1) * CLASSES;
+    for (int i = 0; i < sim->n; i++) {
+        const granulation_granule *g = &sim->body[i].volumes;
+        double volume = volume_at_start(g->s + g->l);
+        size_t k = 0;
+        while (k < CLASSES - 1 && volume >= e->edges[k + 1]) k++;
+        r->q[row + k] += 1.0;
+        r->q[block + row + k] += g->s;
+        r->q[2 * block + row + k] += g->l;
+        r->q[3 * block + row + k] += g->a;
+    }
+    r->size[step] = granulation_sim_mean(sim, 4, 3);
+    r->number[step] = sim->n;
+    double film = 0.0, held = 0.0, met = (double)(sim->tally.interactions - before->interactions);
+    for (int i = 0; i < sim->n; i++) film += sim->body[i].film / sim->n;
+    for (int k = GRANULATION_TYPE_I; k <= GRANULATION_TYPE_II_DRY; k++) held += (double)(sim->tally.by_reason[k] - before->by_reason[k]);
+    r->film[step] = film;
+    r->success[step] = met > 0.0 ? held / met : 0.0;
+}
+
+static int one_replicate(int index, void *user) {
+    ensemble *e = (ensemble *)user;
+    record *r = e->records + index;
+    granulation_sim sim;
+    r->status = start(&sim, e->c, e->seed + (uint64_t)index);
+    granulation_tally before = sim.tally;
+    if (r->status == GRANULATION_OK) note(&sim, e, r, 0, &before);
+    for (int step = 0; step < e->steps && r->status == GRANULATION_OK; step++) {
+        if (e->change) r->status = apply(&sim, e->change, step);
+        before = sim.tally;
+        if (r->status == GRANULATION_OK) r->status = granulation_sim_run(&sim, 1);
+        if (r->status == GRANULATION_OK) note(&sim, e, r, step + 1, &before);
+    }
+    r->result = granulation_replicate_of(&sim);
+    granulation_sim_free(&sim);
+    if (e->bar) progress_add(e->bar, 1.0);
+    return r->status != GRANULATION_OK;
+}
+
+/* Runs all replicates; 0, or -1 after one line on stderr. Free with ensemble_free. */
+static int ensemble_run(ensemble *e, const program *self) {
+    size_t block = (size_t)(e->steps + 1) * CLASSES, series = (size_t)(e->steps + 1), each = 4 * block + 4 * series;
+    e->records = (record *)calloc((size_t)e->replicates, sizeof *e->records);
+    e->memory = (double *)calloc((size_t)e->replicates * each, sizeof *e->memory);
+    if (!e->records || !e->memory) return common_fail("out of memory");
+    for (int i = 0; i < e->replicates; i++) {
+        double *own = e->memory + (size_t)i * each;
+        record r = {.q = own,
+                    .size = own + 4 * block,
+                    .number = own + 4 * block + series,
+                    .film = own + 4 * block + 2 * series,
+                    .success = own + 4 * block + 3 * series};
+        e->records[i] = r;
+    }
+    int failed = jobs_run(e->replicates, self->threads, one_replicate, e);
+    if (common_interrupted()) return -1;
+    for (int i = 0; i < e->replicates && failed; i++)
+        if (e->records[i].status != GRANULATION_OK)
+            return common_fail("%g rpm, binder %g, replicate %d: %s", e->c->rpm, e->c->liquid, i,
+                               granulation_status_text(e->records[i].status));
+    return 0;
+}
+
+static void ensemble_free(ensemble *e) {
+    free(e->records);
+    free(e->memory);
+    e->records = NULL;
+    e->memory = NULL;
+}
+
+/* field k of granulation_replicate over the replicates */
+static granulation_estimate result_of(const ensemble *e, int k) {
+    double values[MOST_REPLICATES][GRANULATION_REPLICATE_FIELDS];
+    for (int i = 0; i < e->replicates; i++) memcpy(values[i], &e->records[i].result, sizeof values[i]);
+    return granulation_estimate_of(&values[0][k], e->replicates, GRANULATION_REPLICATE_FIELDS);
+}
+
+/* mean and confidence of one number of each record: base of the first, the others at the same offset */
+static granulation_estimate over(const ensemble *e, const double *first) {
+    size_t each = 4 * (size_t)(e->steps + 1) * CLASSES + 4 * (size_t)(e->steps + 1);
+    return granulation_estimate_of(first, e->replicates, (int)each);
+}
+
+/* ---- rows: Tables 2 and 3 ---- */
+
+typedef struct paper_row {
+    double rpm, liquid, type1, type2, rebound, size_um; /* NaN: not in our copy */
+} paper_row;
+
+static const paper_row paper_rows[7] = {
+    {120, .33, 6.1, 3.2, 90.7, 219.6},
+    {360, .33, 5.9, 7.5, 86.6, 233.5},
+    {720, .33, 5.0, 8.4, 86.6, 237.5},
+    {840, .33, 4.5, 11.0, 84.5, 229.3},
+    {360, .15, 1.6, 3.4, 95.0, 199.9},
+    {360, .25, 3.9, 5.4, 90.7, 222.9},
+    {360, .40, (double)NAN, (double)NAN, (double)NAN, (double)NAN},
+};
+
+static const paper_row *paper_for(double rpm, double liquid) {
+    for (int i = 0; i < 7; i++)
+        if (paper_rows[i].rpm == rpm && fabs(paper_rows[i].liquid - liquid) < 1e-9) return paper_rows + i;
+    return NULL;
+}
+
+static void write_row(json *report, const char *study, const ensemble *e) {
+    static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",   "type2_pct",    "rebound_pct", "both_pct",
+                                                                   "mean_size_m", "interactions", "breakages",   "granules"};
+    char key[40];
+    json_object_begin(report, NULL);
+    json_string(report, "study", study);
+    json_number(report, "rpm", e->c->rpm);
+    json_number(report, "binder", e->c->liquid);
+    json_integer(report, "replicates", e->replicates);
+    for (int k = 0; k < GRANULATION_REPLICATE_FIELDS; k++) {
+        granulation_estimate x = result_of(e, k);
+        json_number(report, keys[k], x.mean);
+        snprintf(key, sizeof key, "%s_sd", keys[k]);
+        json_number(report, key, x.deviation);
+        snprintf(key, sizeof key, "%s_ci95", keys[k]);
+        json_number(report, key, x.confidence);
+    }
+    json_object_end(report);
+}
+
+static table begin_rows(void) {
+    return table_begin("rpm|binder [%]|Type I [%]|paper|Type II [%]|paper|rebound [%]|paper|d43 [um]|paper|interactions|breakages");
+}
+
+static void table_number(table *t, const char *format, double value) {
+    if (value == value) table_cell(t, format, value);
+    else table_cell(t, "-");
+}
+
+static void table_row(table *t, const ensemble *e) {
+    const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
+    granulation_estimate one = result_of(e, 0), two = result_of(e, 1), out = result_of(e, 2), size = result_of(e, 4), met = result_of(e, 5),
+                         broke = result_of(e, 6);
+    table_cell(t, "%g", e->c->rpm);
+    table_cell(t, "%g", 100.0 * e->c->liquid);
+    table_cell(t, "%.1f +- %.1f", one.mean, one.confidence);
+    table_number(t, "%.1f", p ? p->type1 : (double)NAN);
+    table_cell(t, "%.1f +- %.1f", two.mean, two.confidence);
+    table_number(t, "%.1f", p ? p->type2 : (double)NAN);
+    table_cell(t, "%.1f", out.mean);
+    table_number(t, "%.1f", p ? p->rebound : (double)NAN);
+    table_cell(t, "%.1f +- %.1f", size.mean * 1e6, size.confidence * 1e6);
+    table_number(t, "%.1f", p ? p->size_um : (double)NAN);
+    table_cell(t, "%.0f", met.mean);
+    table_cell(t, "%.2f", broke.mean);
+}
+
+static void csv_line_of(csv *file, const ensemble *e) {
+    const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
+    granulation_estimate x[6] = {result_of(e, 0), result_of(e, 1), result_of(e, 2), result_of(e, 3), result_of(e, 4), result_of(e, 5)};
+    double line[18] = {e->c->rpm, e->c->liquid};
+    for (int k = 0; k < 6; k++) {
+        line[2 + 2 * k] = x[k].mean;
+        line[3 + 2 * k] = x[k].confidence;
+    }
+    line[14] = p ? p->type1 : (double)NAN;
+    line[15] = p ? p->type2 : (double)NAN;
+    line[16] = p ? p->rebound : (double)NAN;
+    line[17] = p ? p->size_um * 1e-6 : (double)NAN;
+    csv_row(file, line, 18);
+}
+static const char row_header[] =
+    "rpm,binder,type1_pct,type1_ci95,type2_pct,type2_ci95,rebound_pct,rebound_ci95,both_pct,both_ci95,d43_m,d43_ci95,"
+    "interactions,interactions_ci95,paper_type1_pct,paper_type2_pct,paper_rebound_pct,paper_d43_m";
+
+/* volumes of 1e-12 m3 a class, the last one open */
+static void ten_classes(double edges[CLASSES + 1]) {
+    for (int k = 0; k < CLASSES; k++) edges[k] = 1e-12 * k;
+    edges[CLASSES] = 1e-6;
+}
+/* Table 1: around 2, 4 .. 10e-12 m3, then three more and an open one */
+static void table1_classes(double edges[CLASSES + 1]) {
+    edges[0] = 0.0;
+    for (int k = 1; k < CLASSES; k++) edges[k] = 1e-12 * (2 * k + 1);
+    edges[CLASSES] = 1e-6;
+}
+
+/* ---- impeller and binder: four conditions ---- */
+
+static int study_rows(const program *self, json *report, const char *name, const condition *conditions, int n, int replicates, int steps) {
+    bool impeller = !strcmp(name, "impeller");
+    char file_name[60];
+    const char *labels[4];
+    char label_text[4][30];
+    double edges[CLASSES + 1], one[4], two[4], size[4], paper_one[4], paper_two[4], paper_size[4];
+    table1_classes(edges);
+    table t = begin_rows();
+    snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
+    csv *file = csv_open(self->out, file_name, row_header);
+    plot *figure = plot_new(
+        impeller ? "Figure 8: size distribution at four impeller speeds" : "Figure 9: size distribution at four binder contents", 2, 2);
+    progress bar;
+    progress_begin(&bar, impeller ? "impeller speeds" : "binder contents", (double)n * replicates);
+    int bad = 0;
+    for (int i = 0; i < n && !bad; i++) {
+        ensemble e = {.c = conditions + i, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+        bad = ensemble_run(&e, self);
+        if (!bad) {
+            const paper_row *p = paper_for(e.c->rpm, e.c->liquid);
+            table_row(&t, &e);
+            csv_line_of(file, &e);
+            write_row(report, name, &e);
+            snprintf(label_text[i], sizeof label_text[i], impeller ? "%g rpm" : "%g %%", impeller ? e.c->rpm : 100.0 * e.c->liquid);
+            labels[i] = label_text[i];
+            one[i] = result_of(&e, 0).mean;
+            two[i] = result_of(&e, 1).mean;
+            size[i] = 1e6 * result_of(&e, 4).mean;
+            paper_one[i] = p ? p->type1 : (double)NAN;
+            paper_two[i] = p ? p->type2 : (double)NAN;
+            paper_size[i] = p ? p->size_um : (double)NAN;
+            char title[60];
+            snprintf(title, sizeof title, impeller ? "%g rpm" : "%g %% binder", impeller ? e.c->rpm : 100.0 * e.c->liquid);
+            plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
+            plot_title(figure, title);
+            for (int k = 0; k < 4; k++) {
+                int step = k == 3 ? steps : k * steps / 4;
+                double x[CLASSES], y[CLASSES], all = 0.0;
+                size_t block = (size_t)(steps + 1) * CLASSES;
+                for (int c = 0; c < CLASSES; c++) all += y[c] = over(&e, e.records[0].q + block + (size_t)step * CLASSES + c).mean;
+                for (int c = 0; c < CLASSES; c++) {
+                    x[c] = 2.0 * (c + 1);
+                    y[c] /= all > 0.0 ? all : 1.0;
+                }
+                char label[30];
+                snprintf(label, sizeof label, "step %d", step);
+                plot_line(figure, label, x, y, CLASSES);
+                plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+            }
+        }
+        ensemble_free(&e);
+    }
+    progress_end(&bar);
+    if (bad) {
+        plot_free(figure);
+        table_end(&t);
+        csv_close(file);
+        return bad;
+    }
+    table_end(&t);
+    csv_close(file);
+    plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
+    figure = plot_new(impeller ? "Table 2: what becomes of collisions" : "Table 3: what becomes of collisions", 1, 3);
+    const char *x_label = impeller ? "impeller speed" : "binder";
+    plot_panel(figure, 0, 0, x_label, "Type I coalescence [% of collisions]");
+    plot_bars(figure, "granulation.h", labels, one, n);
+    plot_bars(figure, "paper", labels, paper_one, n);
+    plot_panel(figure, 0, 1, x_label, "Type II coalescence [% of collisions]");
+    plot_bars(figure, "granulation.h", labels, two, n);
+    plot_bars(figure, "paper", labels, paper_two, n);
+    plot_panel(figure, 0, 2, x_label, "mean size d43 [µm]");
+    plot_bars(figure, "granulation.h", labels, size, n);
+    plot_bars(figure, "paper", labels, paper_size, n);
+    return plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
+}
+
+/* ---- pouw: the discrete simulation beside population balances ---- */
+
+/* Coalescence in the paper's discrete simulation as a kernel: how often the rule for contacts finds a pair (one granule's centre within
+   the larger radius at the end of a step), times the share of relative speeds at which the laws say coalescence. */
+typedef struct found_pairs {
+    const granulation_laws *laws;
+    double per_step; /* (4 pi / 3) / (box volume) / step [1/(m3 s)] */
+    double speeds[2 * SPEEDS];
+} found_pairs;
+
+/* Half of the pairs belong to one stream, half to two opposed ones: what reversal makes of a common velocity. */
+static found_pairs found_pairs_of(const condition *c) {
+    found_pairs f;
+    granulation_random random = granulation_random_seed(7);
+    f.laws = &c->def.laws;
+    f.per_step = 4.0 / 3.0 * RIDDLE_PI / pow(2e-3 * cbrt(c->granules / 192.0), 3.0) / c->def.step;
+    for (int i = 0; i < 2 * SPEEDS; i++) {
+        double square = 0.0;
+        for (int k = 0; k < 3; k++) {
+            double v = (i < SPEEDS ? 0.0 : 2.0 * c->def.velocity_mean[k]) +
+                       sqrt(2.0) * c->def.velocity_deviation[k] * granulation_random_normal(&random);
+            square += v * v;
+        }
+        f.speeds[i] = sqrt(square);
+    }
+    return f;
+}
+
+static double found_kernel(const granulation_granule *i, const granulation_granule *j, const void *user) {
+    const found_pairs *f = (const found_pairs *)user;
+    granulation_body a = granulation_body_of(f->laws, i), b = granulation_body_of(f->laws, j);
+    double r = 0.5 * (a.diameter > b.diameter ? a.diameter : b.diameter), held = 0.0;
+    if (!(a.film + b.film > 0.0)) return 0.0;
+    for (int k = 0; k < 2 * SPEEDS; k++) held += granulation_collide(f->laws, &a, &b, f->speeds[k]).coalesces;
+    return f->per_step * (r * r * r) * held / (2 * SPEEDS);
+}
+
+typedef struct curve {
+    double q[3][CLASSES][MOST_STEPS + 1]; /* solid, liquid, air by class and step */
+    double number[MOST_STEPS + 1], size[MOST_STEPS + 1];
+} curve;
+
+/* Table 1 on keys that are multiples of the smallest: no error of the grid at all */
+static granulation_status balance_curve(curve *out, const condition *c, granulation_kernel kernel, const void *user, const double *edges,
+                                        int steps) {
+    double cells[GRID];
+    for (int i = 0; i < GRID; i++) cells[i] = 0.85e-12 * (2 * i + 1);
+    granulation_balance_def def = granulation_balance_default_def();
+    def.kernel = kernel;
+    def.kernel_user = user;
+    def.kernel_changes = true;
+    def.consolidation = c->def.consolidation;
+    def.longest_step = 0.5 * c->def.step;
+    def.tolerance = 1e-4;
+    def.most_lost = 0.05;
+    granulation_balance b;
+    granulation_status status = granulation_balance_init(&b, &def, GRID - 1, cells, NULL, 0, NULL, NULL);
+    for (int i = 0; i < c->granules && status == GRANULATION_OK; i++) {
+        granulation_granule g = granule_of(table1_volume(i), c->liquid);
+        status = granulation_balance_add(&b, &g, 1.0);
+    }
+    for (int step = 0; step <= steps && status == GRANULATION_OK; step++) {
+        if (step > 0) status = granulation_balance_run(&b, c->def.step);
+        for (int k = 0; k < CLASSES; k++) out->q[0][k][step] = out->q[1][k][step] = out->q[2][k][step] = 0.0;
+        for (int i = 0; i < b.n; i++) {
+            double volume = volume_at_start(b.pivot[0][i]);
+            for (int k = 0; k < CLASSES; k++) {
+                if (!(volume >= edges[k] && volume < edges[k + 1])) continue;
+                out->q[0][k][step] += b.number[i] * b.pivot[0][i] - b.liquid[i];
+                out->q[1][k][step] += b.liquid[i];
+                out->q[2][k][step] += b.air[i];
+            }
+        }
+        out->number[step] = granulation_balance_moment(&b, 0.0, 0.0);
+        out->size[step] = granulation_balance_mean(&b, 4, 3);
+    }
+    granulation_balance_free(&b);
+    return status;
+}
+
+/* Pouw's rate constant, such that as many granules are left as in the discrete simulation */
+static double fit_pouw(curve *out, const condition *c, granulation_kernel_data *data, const double *edges, int steps, double left) {
+    double low = 1e-7, high = 1.0;
+    for (int i = 0; i < 24; i++) {
+        data->rate = sqrt(low * high);
+        granulation_status status = balance_curve(out, c, granulation_saturation_kernel, data, edges, steps);
+        if (status == GRANULATION_OK && out->number[steps] > left) low = data->rate;
+        else high = data->rate;
+    }
+    return data->rate;
+}
+
+static void write_by_class(json *report, const char *key, const ensemble *e, int quantity, int classes) {
+    size_t block = (size_t)(e->steps + 1) * CLASSES;
+    json_array_begin(report, key);
+    for (int k = 0; k < classes; k++) {
+        double values[MOST_STEPS + 1];
+        for (int step = 0; step <= e->steps; step++)
+            values[step] = over(e, e->records[0].q + (size_t)quantity * block + (size_t)step * CLASSES + k).mean;
+        json_array(report, NULL, values, e->steps + 1);
+    }
+    json_array_end(report);
+}
+
+/* figure 5, or 7 with a normal start: q of solid, liquid and air by class; balance may be NULL */
+static int draw_classes(const program *self, const ensemble *e, const curve *balance, const char *title, const char *file,
+                        const char *csv_name, int first, int classes) {
+    static const char *const phases[3] = {"solid [10⁻¹⁰ m³]", "liquid [10⁻¹⁰ m³]", "air [10⁻¹⁰ m³]"};
+    static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
+    size_t block = (size_t)(e->steps + 1) * CLASSES;
+    plot *figure = plot_new(title, 1, 3);
+    csv *data = csv_open(self->out, csv_name, "step,class,solid_m3,liquid_m3,air_m3,balance_solid_m3,balance_liquid_m3,balance_air_m3");
+    for (int step = 0; step <= e->steps; step++) {
+        time[step] = step;
+        for (int k = first; k < classes; k++) {
+            double line[8] = {step, k + 1};
+            for (int p = 0; p < 3; p++) {
+                line[2 + p] = over(e, e->records[0].q + (size_t)(p + 1) * block + (size_t)step * CLASSES + k).mean;
+                line[5 + p] = balance ? balance->q[p][k][step] : (double)NAN;
+            }
+            csv_row(data, line, 8);
+        }
+    }
+    csv_close(data);
+    for (int p = 0; p < 3; p++) {
+        plot_panel(figure, 0, p, "step [s]", phases[p]);
+        for (int k = first; k < classes; k++) {
+            char label[40];
+            for (int step = 0; step <= e->steps; step++) {
+                granulation_estimate x = over(e, e->records[0].q + (size_t)(p + 1) * block + (size_t)step * CLASSES + k);
+                y[step] = 1e10 * x.mean;
+                low[step] = 1e10 * (x.mean - x.confidence);
+                high[step] = 1e10 * (x.mean + x.confidence);
+            }
+            snprintf(label, sizeof label, "class %d", k + 1);
+            plot_line(figure, p == 2 ? label : NULL, time, y, e->steps + 1);
+            plot_style(figure, k - first < 8 ? 0 : PLOT_DASHED, (k - first) % 8);
+            if (balance || classes < 7) {
+                plot_band(figure, NULL, time, low, high, e->steps + 1);
+                plot_style(figure, 0, PLOT_SAME);
+            }
+            if (!balance) continue;
+            for (int step = 0; step <= e->steps; step++) y[step] = 1e10 * balance->q[p][k][step];
+            plot_line(figure, p == 2 && k == classes - 1 ? "population balance" : NULL, time, y, e->steps + 1);
+            plot_style(figure, PLOT_DASHED, (k - first) % 8);
+        }
+        if (p == 2) plot_legend_outside(figure);
+    }
+    return plot_write(figure, self->out, file);
+}
+
+static int study_pouw(const program *self, json *report, granulation_def def, int replicates, int steps) {
+    static curve laws, pouw;
+    static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
+    double edges[CLASSES + 1];
+    condition c = condition_of(def, 360, 0.33);
+    table1_classes(edges);
+    progress bar;
+    progress_begin(&bar, "Table 1", replicates);
+    ensemble e = {.c = &c, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+    if (ensemble_run(&e, self)) {
+        ensemble_free(&e);
+        return -1;
+    }
+    progress_end(&bar);
+    found_pairs pairs = found_pairs_of(&c);
+    granulation_status status = balance_curve(&laws, &c, found_kernel, &pairs, edges, steps);
+    if (status != GRANULATION_OK) common_fail("population balance: %s", granulation_status_text(status));
+    granulation_kernel_data data;
+    memset(&data, 0, sizeof data);
+    data.limit = 2.75e-4; /* as large as granules get in the discrete simulation */
+    data.laws = &c.def.laws;
+    double left = over(&e, e.records[0].number + steps).mean;
+    double rate = fit_pouw(&pouw, &c, &data, edges, steps, left);
+    draw_classes(self, &e, &laws, "Figure 5: Table 1 by size class, discrete simulation (full) and population balance (dashed)",
+                 "figure5.svg", "figure5.csv", 0, 5);
+    plot *figure = plot_new("Discrete simulation beside population balances, Table 1 at 360 rpm", 1, 2);
+    for (int panel = 0; panel < 2; panel++) {
+        double unit = panel ? 1e6 : 1.0;
+        plot_panel(figure, 0, panel, "step [s]", panel ? "mean size d43 [µm]" : "granules [-]");
+        for (int step = 0; step <= steps; step++) {
+            granulation_estimate x = over(&e, (panel ? e.records[0].size : e.records[0].number) + step);
+            time[step] = step;
+            y[step] = unit * x.mean;
+            low[step] = unit * (x.mean - x.confidence);
+            high[step] = unit * (x.mean + x.confidence);
+        }
+        plot_line(figure, panel ? "discrete, mean and 95 %" : NULL, time, y, steps + 1);
+        plot_band(figure, NULL, time, low, high, steps + 1);
+        plot_style(figure, 0, PLOT_SAME);
+        for (int step = 0; step <= steps; step++) y[step] = unit * (panel ? laws.size : laws.number)[step];
+        plot_line(figure, panel ? "balance, the same laws" : NULL, time, y, steps + 1);
+        plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        for (int step = 0; step <= steps; step++) y[step] = unit * (panel ? pouw.size : pouw.number)[step];
+        plot_line(figure, panel ? "balance, Pouw's kernel, rate fitted" : NULL, time, y, steps + 1);
+        plot_style(figure, PLOT_DOTTED, PLOT_NEXT);
+    }
+    plot_write(figure, self->out, "balance.svg");
+    table t = table_begin("after the last step|granules|d43 [um]");
+    table_cell(&t, "discrete, %d replicates", replicates);
+    table_cell(&t, "%.1f", left);
+    table_cell(&t, "%.1f", 1e6 * over(&e, e.records[0].size + steps).mean);
+    table_cell(&t, "population balance, the same laws");
+    table_cell(&t, "%.1f", laws.number[steps]);
+    table_cell(&t, "%.1f", 1e6 * laws.size[steps]);
+    table_cell(&t, "Pouw's kernel, rate %.2e a step", rate);
+    table_cell(&t, "%.1f", pouw.number[steps]);
+    table_cell(&t, "%.1f", 1e6 * pouw.size[steps]);
+    table_end(&t);
+    write_row(report, "pouw", &e);
+    json_array_end(report); /* rows */
+    for (int step = 0; step <= steps; step++) y[step] = step;
+    json_array(report, "time_s", y, steps + 1);
+    write_by_class(report, "q_solid", &e, 1, 5);
+    write_by_class(report, "q_liquid", &e, 2, 5);
+    write_by_class(report, "q_air", &e, 3, 5);
+    json_object_begin(report, "balance");
+    json_number(report, "granules", laws.number[steps]);
+    json_number(report, "mean_size_m", laws.size[steps]);
+    json_number(report, "pouw_rate_per_s", rate);
+    json_number(report, "pouw_mean_size_m", pouw.size[steps]);
+    json_object_end(report);
+    json_array_begin(report, "rows_normal_start");
+    ensemble_free(&e);
+
+    condition normal = c;
+    normal.normal_feed = true;
+    ten_classes(edges);
+    ensemble f = {.c = &normal, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed};
+    if (ensemble_run(&f, self) == 0) {
+        write_row(report, "normal", &f);
+        draw_classes(self, &f, NULL, "Figure 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
+        figure = plot_new("Figure 6: a normal start, one run", 1, 1);
+        plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
+        for (int k = 0; k < 5; k++) {
+            int step = k * steps / 4;
+            double x[CLASSES], counts[CLASSES];
+            char label[30];
+            for (int i = 0; i < CLASSES; i++) {
+                x[i] = i + 0.5;
+                counts[i] = f.records[0].q[(size_t)step * CLASSES + (size_t)i];
+            }
+            snprintf(label, sizeof label, "step %d", step);
+            plot_line(figure, label, x, counts, CLASSES);
+            plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        }
+        plot_write(figure, self->out, "figure6.svg");
+    }
+    ensemble_free(&f);
+    return 0;
+}
+
+/* ---- map: figure 10 ---- */
+
+typedef struct events {
+    granulation_event *list;
+    int n, most;
+} events;
+
+static void keep(void *user, const granulation_event *e) {
+    events *all = (events *)user;
+    if (all->n < all->most) all->list[all->n++] = *e;
+}
+
+static int study_map(const program *self, json *report, granulation_def def, int runs, int steps) {
+    enum { MOST = 200000, SIDE = 140 };
+    events all = {(granulation_event *)malloc(MOST * sizeof(granulation_event)), 0, MOST};
+    static const char *const names[4] = {"rebound", "Type II", "Type I", "Type I, (21) also met"};
+    double(*xy)[2][MOST] = (double(*)[2][MOST])malloc(4 * sizeof *xy);
+    if (!all.list || !xy) {
+        free(all.list);
+        free(xy);
+        return common_fail("out of memory");
+    }
+    condition c = condition_of(def, 360, 0.33);
+    c.def.contact = GRANULATION_CONTACT_SMALLER; /* the reading that gives figure 10 its 320 events */
+    c.def.on_collision = keep;
+    c.def.collision_user = &all;
+    plot *map = plot_new("Coalescence boundaries of the population as it is: 0 rebound, 1 Type I, 2 Type II", 1, 3);
+    const int when[3] = {steps / 4, steps / 2, steps};
+    granulation_status status = GRANULATION_OK;
+    for (int run = 0; run < runs && status == GRANULATION_OK; run++) {
+        granulation_sim sim;
+        status = start(&sim, &c, self->seed + (uint64_t)run);
+        int done = 0;
+        for (int k = 0; k < 3 && status == GRANULATION_OK; k++) {
+            status = granulation_sim_run(&sim, when[k] - done);
+            done = when[k];
+            if (run > 0 || status != GRANULATION_OK) continue;
+            double film = 0.0, d = 0.0, cells[SIDE * SIDE],
+                   ha = granulation_asperity(c.def.laws.asperity_factor, c.def.laws.grain_diameter);
+            for (int i = 0; i < sim.n; i++) {
+                film += sim.body[i].film / sim.n;
+                d += sim.body[i].diameter / sim.n;
+            }
+            for (int row = 0; row < SIDE; row++)
+                for (int column = 0; column < SIDE; column++) {
+                    double st_def = pow(10.0, -7.0 + 7.0 * (column + 0.5) / SIDE), st_v = pow(10.0, -1.0 + 3.0 * (row + 0.5) / SIDE);
+                    granulation_reason reason =
+                        granulation_classify(&c.def.laws, st_v, st_def, c.def.laws.yield_ratio, film / ha, 0.5 * d / ha);
+                    cells[row * SIDE + column] = reason == GRANULATION_TYPE_I ? 1.0 : reason <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
+                }
+            char title[60];
+            snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", when[k], film / ha);
+            plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
+            plot_title(map, title);
+            plot_heat(map, k == 2 ? "outcome" : "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
+        }
+        granulation_sim_free(&sim);
+    }
+    if (status != GRANULATION_OK) {
+        plot_free(map);
+        free(all.list);
+        free(xy);
+        return common_fail("map: %s", granulation_status_text(status));
+    }
+    plot_write(map, self->out, "map.svg");
+    int n[4] = {0, 0, 0, 0};
+    csv *file = csv_open(self->out, "figure10.csv", "step,st_v,st_def,reason,both");
+    for (int i = 0; i < all.n; i++) {
+        const granulation_collision *x = &all.list[i].collision;
+        int kind = !x->coalesces ? 0 : x->reason != GRANULATION_TYPE_I ? 1 : x->both ? 3 : 2;
+        xy[kind][0][n[kind]] = x->st_def;
+        xy[kind][1][n[kind]++] = x->st_v;
+        csv_line(file, "%g,%.9g,%.9g,%d,%d", all.list[i].time, x->st_v, x->st_def, (int)x->reason, (int)x->both);
+    }
+    csv_close(file);
+    plot *figure = plot_new("Figure 10: every collision in the plane of the Stokes numbers", 1, 1);
+    plot_panel_size(figure, 620, 430);
+    plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
+    plot_log_x(figure);
+    plot_log_y(figure);
+    double share[4], median[4][2];
+    for (int k = 0; k < 4; k++) {
+        share[k] = all.n ? 100.0 * n[k] / all.n : 0.0;
+        if (n[k]) {
+            plot_points(figure, names[k], xy[k][0], xy[k][1], n[k] > 1500 ? 1500 : n[k]);
+            if (k == 0) plot_style(figure, PLOT_FAINT, PLOT_GREY);
+        }
+        for (int axis = 0; axis < 2; axis++) { /* median by selection */
+            double *v = xy[k][axis];
+            for (int i = 1; i < n[k]; i++) {
+                double x = v[i];
+                int j = i;
+                for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
+                v[j] = x;
+                if (k == 0 && i > 3000) break; /* rebounds: a sample is enough */
+            }
+            median[k][axis] = n[k] ? v[(k == 0 && n[k] > 3000 ? 3000 : n[k]) / 2] : (double)NAN;
+        }
+    }
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "figure10.svg");
+    int type1 = n[2] >= n[3] ? 2 : 3;
+    table t =
+        table_begin("figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, (21) also met [%]|events a run|St_v II / I|St_def II / I");
+    table_cell(&t, "%d runs", runs);
+    for (int k = 0; k < 4; k++) table_cell(&t, "%.1f", share[k]);
+    table_cell(&t, "%.0f", (double)all.n / runs);
+    table_cell(&t, "%.1f", median[1][1] / median[type1][1]);
+    table_cell(&t, "%.0f", median[1][0] / median[type1][0]);
+    table_cell(&t, "paper, one run");
+    table_cell(&t, "82");
+    table_cell(&t, "12");
+    table_cell(&t, "2");
+    table_cell(&t, "4");
+    table_cell(&t, "320");
+    table_cell(&t, "about 10");
+    table_cell(&t, "almost 100");
+    table_end(&t);
+    json_object_begin(report, NULL);
+    json_string(report, "study", "map");
+    json_number(report, "rpm", 360);
+    json_number(report, "binder", 0.33);
+    json_integer(report, "replicates", runs);
+    json_number(report, "rebound_pct", share[0]);
+    json_number(report, "type2_pct", share[1]);
+    json_number(report, "type1_pct", share[2] + share[3]);
+    json_number(report, "both_pct", share[3]);
+    json_number(report, "interactions", (double)all.n / runs);
+    json_number(report, "st_v_type2_over_type1", median[1][1] / median[type1][1]);
+    json_number(report, "st_def_type2_over_type1", median[1][0] / median[type1][0]);
+    json_object_end(report);
+    free(all.list);
+    free(xy);
+    return 0;
+}
+
+/* ---- midbatch: what the paper wants the method for ---- */
+
+static int study_midbatch(const program *self, json *report, granulation_def def, int replicates, int steps) {
+    static double time[MOST_STEPS + 1], y[4][4][MOST_STEPS + 1];
+    const change changes[4] = {{-1, -1, -1, 0, 0, 0},
+                               {steps * 3 / 10, -1, -1, 0.06, 0, 0},
+                               {-1, steps / 2, -1, 0, 120.0, 0},
+                               {steps * 3 / 10, steps / 2, steps * 7 / 10, 0.06, 120.0, 290.0}};
+    const char *const names[4] = {"unchanged, 360 rpm", "binder + 6 % of the volume at step 30", "impeller to 120 rpm at step 50",
+                                  "both, and 8 K colder at step 70"};
+    double edges[CLASSES + 1];
+    condition c = condition_of(def, 360, 0.33);
+    ten_classes(edges);
+    table t = table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
+    progress bar;
+    progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
+    int bad = 0;
+    for (int k = 0; k < 4 && !bad; k++) {
+        ensemble e = {
+            .c = &c, .change = changes + k, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+        bad = ensemble_run(&e, self);
+        if (!bad) {
+            write_row(report, names[k], &e);
+            table_cell(&t, "%s", names[k]);
+            table_cell(&t, "%.1f", result_of(&e, 0).mean);
+            table_cell(&t, "%.1f", result_of(&e, 1).mean);
+            table_cell(&t, "%.1f +- %.1f", 1e6 * result_of(&e, 4).mean, 1e6 * result_of(&e, 4).confidence);
+            table_cell(&t, "%.1f", result_of(&e, 7).mean);
+            for (int step = 0; step <= steps; step++) {
+                const record *r = e.records;
+                time[step] = step;
+                y[0][k][step] = 1e6 * over(&e, r->size + step).mean;
+                y[1][k][step] = over(&e, r->number + step).mean;
+                y[2][k][step] = 1e9 * over(&e, r->film + step).mean;
+                double sum = 0.0;
+                int from = step > 5 ? step - 5 : 1, to = step < steps - 5 ? step + 5 : steps;
+                for (int s = from; s <= to; s++) sum += over(&e, r->success + s).mean;
+                y[3][k][step] = 100.0 * sum / (to - from + 1);
+            }
+        }
+        ensemble_free(&e);
+    }
+    progress_end(&bar);
+    table_end(&t);
+    if (bad) return bad;
+    plot *figure = plot_new("Operating conditions that change in mid-batch", 2, 2);
+    const char *const labels[4] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]", "coalescing collisions [%]"};
+    for (int p = 0; p < 4; p++) {
+        plot_panel(figure, p / 2, p % 2, "step [s]", labels[p]);
+        for (int k = 0; k < 4; k++) {
+            plot_line(figure, p == 1 ? names[k] : NULL, time, y[p][k], steps + 1);
+            if (k == 3) plot_style(figure, PLOT_DASHED, PLOT_NEXT);
+        }
+        if (p == 1) plot_legend_outside(figure);
+    }
+    csv *file = csv_open(self->out, "midbatch.csv", "step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
+    for (int step = 0; step <= steps; step++) {
+        double line[5] = {step, y[0][0][step], y[0][1][step], y[0][2][step], y[0][3][step]};
+        csv_row(file, line, 5);
+    }
+    csv_close(file);
+    return plot_write(figure, self->out, "midbatch.svg");
+}
+
+/* ---- sound: physically sounder readings ---- */
+
+/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the time),
+   half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
+static granulation_def sound_def(void) {
+    granulation_def def = granulation_default_def();
+    def.stirring = 1.0;
+    def.signs = GRANULATION_TWO_STREAMS;
+    def.laws.viscosity = 0.035;
+    def.laws.yield_ratio = 0.04;
+    def.laws.limit_diameter = 2.3e-4;
+    def.dilation = 1e5;
+    return def;
+}
+
+enum { READINGS = 8 };
+
+static granulation_def reading(int k, const char **name) {
+    static const char *const names[READINGS] = {
+        "G1, as the tables were fitted", "G1, momentum conserved", "G1, swept, sum of radii", "swept, conserved",
+        "the same, stirred each step",   "the same, random signs", "the same, two streams",   "two streams, refitted"};
+    granulation_def def = k < 3 ? granulation_paper_def() : granulation_default_def();
+    *name = names[k];
+    if (k == 1) def.bounce = GRANULATION_CONSERVING;
+    if (k == 2) {
+        def.detection = GRANULATION_SWEPT;
+        def.contact = GRANULATION_CONTACT_SUM;
+    }
+    if (k >= 2) def.dilation = 1e5; /* as many collisions as the tables have, roughly */
+    if (k >= 4) def.stirring = 1.0;
+    if (k == 5) def.signs = GRANULATION_RANDOM_SIGNS;
+    if (k == 6) def.signs = GRANULATION_TWO_STREAMS;
+    return k == READINGS - 1 ? sound_def() : def;
+}
+
+static int study_sound(const program *self, json *report, int replicates, int steps) {
+    double edges[CLASSES + 1], points[READINGS], microns[READINGS], last[3][6], paper[3][6];
+    const char *short_names[READINGS] = {"G1", "+ conserved", "+ swept", "swept, cons.", "stirred", "signs", "streams", "refitted"};
+    const char *conditions[6] = {"120 rpm", "360", "720", "840", "15 %", "25 %"};
+    ten_classes(edges);
+    table t =
+        table_begin("reading|mean miss I, II [points]|mean miss d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
+    csv *file = csv_open(self->out, "sound.csv",
+                         "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
+    progress bar;
+    progress_begin(&bar, "sounder readings", 6.0 * READINGS * replicates);
+    int bad = 0;
+    for (int k = 0; k < READINGS && !bad; k++) {
+        const char *name;
+        granulation_def def = reading(k, &name);
+        double one[6], two[6], met = 0.0;
+        points[k] = microns[k] = 0.0;
+        for (int i = 0; i < 6 && !bad; i++) {
+            condition c = condition_of(def, paper_rows[i].rpm, paper_rows[i].liquid);
+            ensemble e = {.c = &c, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+            bad = ensemble_run(&e, self);
+            if (!bad) {
+                one[i] = last[0][i] = result_of(&e, 0).mean;
+                two[i] = last[1][i] = result_of(&e, 1).mean;
+                last[2][i] = 1e6 * result_of(&e, 4).mean;
+                paper[0][i] = paper_rows[i].type1;
+                paper[1][i] = paper_rows[i].type2;
+                paper[2][i] = paper_rows[i].size_um;
+                points[k] += (fabs(one[i] - paper[0][i]) + fabs(two[i] - paper[1][i])) / 12.0;
+                microns[k] += fabs(last[2][i] - paper[2][i]) / 6.0;
+                met += result_of(&e, 5).mean / 6.0;
+                write_row(report, name, &e);
+                csv_line(file, "%d,%g,%g,%.6g,%.6g,%.6g,%.6g,%g,%g,%g", k, c.rpm, c.liquid, one[i], two[i], 1e-6 * last[2][i],
+                         result_of(&e, 5).mean, paper[0][i], paper[1][i], 1e-6 * paper[2][i]);
+            }
+            ensemble_free(&e);
+        }
+        if (bad) break;
+        table_cell(&t, "%s", name);
+        table_cell(&t, "%.2f", points[k]);
+        table_cell(&t, "%.1f", microns[k]);
+        table_cell(&t, "%.0f", met);
+        for (int i = 0; i < 6; i++) table_cell(&t, "%.1f / %.1f", one[i], two[i]);
+    }
+    progress_end(&bar);
+    table_end(&t);
+    csv_close(file);
+    if (bad) return bad;
+    plot *figure = plot_new("Physically sounder readings of the paper", 2, 2);
+    plot_panel_size(figure, 560, 280);
+    plot_panel(figure, 0, 0, "reading", "mean miss of Type I and II [points]");
+    plot_bars(figure, NULL, short_names, points, READINGS);
+    plot_panel(figure, 0, 1, "reading", "mean miss of d43 [µm]");
+    plot_bars(figure, NULL, short_names, microns, READINGS);
+    plot_panel(figure, 1, 0, "condition (refitted reading)", "Type I [% of collisions]");
+    plot_bars(figure, "granulation.h", conditions, last[0], 6);
+    plot_bars(figure, "paper", conditions, paper[0], 6);
+    plot_panel(figure, 1, 1, "condition (refitted reading)", "Type II [% of collisions]");
+    plot_bars(figure, "granulation.h", conditions, last[1], 6);
+    plot_bars(figure, "paper", conditions, paper[1], 6);
+    return plot_write(figure, self->out, "sound.svg");
+}
+
+/* ---- custom ---- */
+
+static int study_custom(const program *self, json *report, granulation_def def, double rpm, double liquid, int granules, bool normal,
+                        int replicates, int steps) {
+    static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
+    double edges[CLASSES + 1];
+    condition c = condition_of(def, rpm, liquid);
+    c.granules = granules;
+    c.normal_feed = normal;
+    ten_classes(edges);
+    progress bar;
+    progress_begin(&bar, "replicates", replicates);
+    ensemble e = {.c = &c, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+    if (ensemble_run(&e, self)) {
+        ensemble_free(&e);
+        return -1;
+    }
+    progress_end(&bar);
+    write_row(report, "custom", &e);
+    table t = begin_rows();
+    table_row(&t, &e);
+    table_end(&t);
+    csv *file = csv_open(self->out, "custom.csv", "step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
+    plot *figure = plot_new("Mean over the replicates with its 95 % interval", 1, 3);
+    static const char *const labels[3] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]"};
+    static const double units[3] = {1e6, 1.0, 1e9};
+    for (int p = 0; p < 3; p++) {
+        const double *first = p == 0 ? e.records[0].size : p == 1 ? e.records[0].number : e.records[0].film;
+        for (int step = 0; step <= steps; step++) {
+            granulation_estimate x = over(&e, first + step);
+            time[step] = step;
+            y[step] = units[p] * x.mean;
+            low[step] = units[p] * (x.mean - x.confidence);
+            high[step] = units[p] * (x.mean + x.confidence);
+        }
+        plot_panel(figure, 0, p, "step [s]", labels[p]);
+        plot_line(figure, NULL, time, y, steps + 1);
+        plot_band(figure, NULL, time, low, high, steps + 1);
+        plot_style(figure, 0, PLOT_SAME);
+    }
+    for (int step = 0; step <= steps; step++) {
+        granulation_estimate size = over(&e, e.records[0].size + step), number = over(&e, e.records[0].number + step);
+        double line[7] = {step,
+                          size.mean,
+                          size.confidence,
+                          number.mean,
+                          number.confidence,
+                          over(&e, e.records[0].film + step).mean,
+                          over(&e, e.records[0].success + step).mean};
+        csv_row(file, line, 7);
+    }
+    csv_close(file);
+    ensemble_free(&e);
+    return plot_write(figure, self->out, "custom.svg");
+}
+
+int main(int argc, char **argv) {
+    enum { ALL, POUW, IMPELLER, BINDER, MAP, MIDBATCH, SOUND, CUSTOM };
+    int study = ALL, replicates = 50, steps = 100, granules = 192, feed = 0, readings = 0;
+    double rpm = 360, binder = 33, viscosity = 0.035, ratio = 0.04, tension = 0.048, rate = 0.0425, breakage = 0.2, saturation = 0.85,
+           stirring = 0;
+    option options[] = {
+        option_choice("study", &study, "all|pouw|impeller|binder|map|midbatch|sound|custom", "which study"),
+        option_int("replicates", "N", &replicates, 1, MOST_REPLICATES, "runs with different seeds; --quick: 10"),
+        option_int("steps", "N", &steps, 4, MOST_STEPS, "steps of 1 s"),
+        option_choice("readings", &readings, "paper|sound", "paper: set G1; sound: swept, momentum conserved, stirred"),
+        option_positive("viscosity", "PA_S", &viscosity, 1e6, "of the binder [Pa s]"),
+        option_positive("yield-ratio", "X", &ratio, 1.0, "yield stress over effective modulus [-]"),
+        option_positive("surface-tension", "N_PER_M", &tension, 10.0, "of the binder [N/m]"),
+        option_double("consolidation", "PER_S", &rate, 0.0, 100.0, "rate constant [1/s]"),
+        option_positive("breakage-stokes", "X", &breakage, 1e6, "critical Stokes deformation number of breakage [-]"),
+        option_double("critical-saturation", "X", &saturation, 0.01, 1.0, "pore saturation at which binder appears on the surface [-]"),
+        option_double("rpm", "N", &rpm, 0.0, 1e5, "impeller speed, custom [1/min]"),
+        option_double("binder", "PCT", &binder, 1.0, 80.0, "liquid in the feed, custom [% of the volume]; air 15, the rest solid"),
+        option_int("granules", "N", &granules, 2, 100000, "granules, custom; the box keeps the paper's density"),
+        option_choice("feed", &feed, "table1|normal", "sizes at the start, custom"),
+        option_double("stirring", "PER_S", &stirring, 0.0, 1e3, "custom: share of the granules that get a new velocity in a second [1/s]"),
+    };
+    enum { OPTIONS = sizeof options / sizeof *options };
+    program self =
+        program_start("granulator",
+                      "High-shear granulation, discrete simulation and population balance: Tables 1 to 3 and figures 5 to 10 of Gantt and "
+                      "Gatzke, changes in mid-batch, or a case of your own. Writes SVG figures and CSV tables.",
+                      options, OPTIONS, argc, argv);
+    if (self.quick && !options[1].given) replicates = 10;
+    for (int i = 10; i < OPTIONS; i++)
+        if (options[i].given && study != CUSTOM) program_refuse(&self, options[i].name, NULL, "only with --study custom");
+    granulation_def def = readings ? sound_def() : granulation_paper_def();
+    if (options[4].given) def.laws.viscosity = viscosity;
+    if (options[5].given) def.laws.yield_ratio = ratio;
+    if (options[6].given) def.laws.surface_tension = tension;
+    if (options[7].given) def.consolidation = rate;
+    if (options[8].given) def.laws.breakage_stokes = breakage;
+    if (options[9].given) def.laws.critical_saturation = saturation;
+    if (options[14].given) def.stirring = stirring;
+    const char *field = NULL;
+    if (granulation_check_def(&def, &field) != GRANULATION_OK) program_refuse(&self, "readings", field, "a definition that is allowed");
+
+    json *report = json_open(self.json);
+    json_program(report, &self);
+    json_string(report, "readings", readings ? "sound" : "paper");
+    json_integer(report, "replicates", replicates);
+    json_array_begin(report, "rows");
+    int bad = 0;
+    if (!bad && (study == ALL || study == IMPELLER)) {
+        condition c[4] = {condition_of(def, 120, 0.33), condition_of(def, 360, 0.33), condition_of(def, 720, 0.33),
+                          condition_of(def, 840, 0.33)};
+        bad = study_rows(&self, report, "impeller", c, 4, replicates, steps);
+    }
+    if (!bad && (study == ALL || study == BINDER)) {
+        condition c[4] = {condition_of(def, 360, 0.15), condition_of(def, 360, 0.25), condition_of(def, 360, 0.33),
+                          condition_of(def, 360, 0.40)};
+        bad = study_rows(&self, report, "binder", c, 4, replicates, steps);
+    }
+    if (!bad && (study == ALL || study == MAP)) bad = study_map(&self, report, def, replicates < 20 ? replicates : 20, steps);
+    if (!bad && (study == ALL || study == MIDBATCH)) bad = study_midbatch(&self, report, def, replicates, steps);
+    if (!bad && (study == ALL || study == SOUND)) bad = study_sound(&self, report, replicates < 20 ? replicates : 20, steps);
+    if (!bad && study == CUSTOM) bad = study_custom(&self, report, def, rpm, binder / 100.0, granules, feed == 1, replicates, steps);
+    if (!bad && (study == ALL || study == POUW))
+        bad = study_pouw(&self, report, def, replicates, steps); /* last: its arrays follow the rows */
+    json_array_end(report);
+    json_number(report, "wall_s", machine_seconds() - self.started);
+    if (bad || common_interrupted()) json_discard(report);
+    else json_close(report);
+    return common_exit_status();
+}
