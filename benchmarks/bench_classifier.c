@@ -1,0 +1,239 @@
+/* classifier.h: error against run time.
+
+   1. T at 66.85 um (limestone, 3000 1/min, projected area): plain Monte Carlo, Sobol and rank-1 lattice points, with the restitution drawn
+      and counted or integrated in closed form; root mean square error over many seeds, and how often the 95 % error bars hold the truth.
+   2. The cut-size solver against the iteration x <- K c_D(a x) that the paper only calls "iteratively", and against the same with the
+      geometric mean of old and new.
+   3. Time a call of the laws. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "classifier.h"
+#include "common.h"
+
+enum { METHODS = 6, LEVELS = 6, RE_POINTS = 45 };
+
+static const char *const method_names[METHODS] = {"Monte Carlo, counted",       "Sobol, counted",       "lattice, counted",
+                                                  "Monte Carlo, preintegrated", "Sobol, preintegrated", "lattice, preintegrated (default)"};
+static const char *const method_keys[METHODS] = {"mc_counted",       "sobol_counted",       "lattice_counted",
+                                                 "mc_preintegrated", "sobol_preintegrated", "lattice_preintegrated"};
+static const double size = 66.85e-6;
+
+static classifier_def case_def(int method, int points, uint64_t seed) {
+    classifier_def def = classifier_default_def();
+    def.basis = CLASSIFIER_PROJECTED;
+    def.sampler = (classifier_sampler)((2 - method % 3 + 3) % 3); /* the enum begins with the lattice */
+    def.preintegrate = method >= 3;
+    def.points = points / 8;
+    def.seed = seed;
+    return def;
+}
+
+/* T and its error bar from `points` in all; seconds of processor time with set-up */
+static int one(int method, int points, uint64_t seed, double *t, double *bar, double *seconds) {
+    classifier_def def = case_def(method, points, seed);
+    classifier_model model;
+    double began = machine_processor_seconds();
+    classifier_status status = classifier_init(&model, &def, NULL);
+    if (status != CLASSIFIER_OK) return common_fail("%s", classifier_status_text(status));
+    *t = classifier_tromp(&model, size, bar);
+    classifier_free(&model);
+    *seconds = machine_processor_seconds() - began;
+    return 0;
+}
+
+static void separation(const program *self, json *report) {
+    double truth, bar, seconds, error[METHODS][LEVELS], time[METHODS][LEVELS];
+    int levels = self->quick ? 4 : LEVELS, seeds = self->quick ? 12 : 40;
+    progress bar_on_screen;
+    if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return; /* Sobol: not the method it is to judge first */
+    common_print("T(66.85 um) = %.6f +- %.6f\n\n", truth, bar);
+    table out = table_begin("points|method|rms error|time [ms]|bars that hold [%]");
+    csv *file = csv_open(self->out, "separation.csv", "method,points,rms_error,seconds,covered");
+    progress_begin(&bar_on_screen, "separation curve", levels * METHODS);
+    json_number(report, "t_reference", truth);
+    json_array_begin(report, "separation");
+    for (int level = 0; level < levels; level++) {
+        int points = 256 << (2 * level);
+        for (int method = 0; method < METHODS && !common_interrupted(); method++) {
+            double squares = 0.0, spent = HUGE_VAL;
+            int covered = 0, n = level > 3 ? seeds / 4 : seeds;
+            for (int seed = 0; seed < n; seed++) {
+                double t;
+                if (one(method, points, self->seed + (uint64_t)seed, &t, &bar, &seconds)) return;
+                squares += (t - truth) * (t - truth) / n;
+                covered += fabs(t - truth) <= bar;
+                if (seconds < spent) spent = seconds; /* the least disturbed one */
+            }
+            error[method][level] = sqrt(squares);
+            time[method][level] = spent;
+            table_cell(&out, "%d", points);
+            table_cell(&out, "%s", method_names[method]);
+            table_cell(&out, "%.1e", sqrt(squares));
+            table_cell(&out, "%.2f", 1e3 * spent);
+            table_cell(&out, "%.0f", 100.0 * covered / n);
+            csv_line(file, "%s,%d,%.6g,%.6g,%.4g", method_keys[method], points, sqrt(squares), spent, (double)covered / n);
+            json_object_begin(report, NULL);
+            json_string(report, "method", method_keys[method]);
+            json_integer(report, "points", points);
+            json_number(report, "rms_error", sqrt(squares));
+            json_number(report, "seconds", spent);
+            json_number(report, "covered", (double)covered / n);
+            json_object_end(report);
+            progress_add(&bar_on_screen, 1.0);
+        }
+    }
+    json_array_end(report);
+    csv_close(file);
+    progress_end(&bar_on_screen);
+    if (common_interrupted()) {
+        table_end(&out);
+        return;
+    }
+    table_end(&out);
+    plot *figure = plot_new("Separation curve: error against run time", 1, 1);
+    plot_panel_size(figure, 560, 380);
+    plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]", "root mean square error of T [-]");
+    plot_log_x(figure);
+    plot_log_y(figure);
+    for (int method = 0; method < METHODS; method++) {
+        double ms[LEVELS];
+        for (int i = 0; i < levels; i++) ms[i] = 1e3 * time[method][i];
+        plot_line(figure, method_names[method], ms, error[method], levels);
+        plot_style(figure, PLOT_MARKED | (method < 3 ? PLOT_DASHED : 0), method % 3);
+    }
+    plot_horizontal(figure, "1e-4", 1e-4);
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "separation.svg");
+}
+
+/* x <- K c_D(a x) in units of Re: steps to 1e-12; weight 1/2: geometric mean */
+static int picard(classifier_drag drag, double g, double damping, int most) {
+    double re = sqrt(g * drag.c1);
+    for (int i = 1; i <= most; i++) {
+        double next = g * classifier_drag_coefficient(drag, re);
+        if (damping < 1.0) next = sqrt(re * next);
+        if (fabs(next - re) <= 1e-12 * next) return i;
+        re = next;
+    }
+    return most;
+}
+
+static volatile double sink;
+
+static void solver(const program *self, json *report) {
+    enum { MOST = 100000 };
+    double re[RE_POINTS], steps[3][RE_POINTS], ns[3] = {0.0, 0.0, 0.0};
+    classifier_drag drag = classifier_hoelzer_sommerfeld(0.85, CLASSIFIER_EQUIVALENT);
+    table out = table_begin("Re|solver, steps|Picard, steps|damped Picard, steps");
+    csv *file = csv_open(self->out, "solver.csv", "re,solver_steps,picard_steps,damped_picard_steps");
+    int worst = 0;
+    for (int i = 0; i < RE_POINTS; i++) {
+        re[i] = pow(10.0, -3.0 + 8.0 * i / (RE_POINTS - 1.0));
+        double g = re[i] / classifier_drag_coefficient(drag, re[i]);
+        int n;
+        sink = classifier__solve_cut(drag, g, &n);
+        if (n > worst) worst = n;
+        steps[0][i] = n;
+        steps[1][i] = picard(drag, g, 1.0, MOST);
+        steps[2][i] = picard(drag, g, 0.5, MOST);
+        csv_line(file, "%.6g,%g,%g,%g", re[i], steps[0][i], steps[1][i], steps[2][i]);
+        if (i % 4) continue;
+        table_cell(&out, "%.2e", re[i]);
+        for (int k = 0; k < 3; k++) {
+            if (steps[k][i] >= MOST) table_cell(&out, "%s", "> 100000");
+            else table_cell(&out, "%.0f", steps[k][i]);
+        }
+    }
+    csv_close(file);
+    common_print("\n");
+    table_end(&out);
+    /* the paper's range, Re 5 to 90: time for one cut size */
+    int repeat = self->quick ? 20000 : 200000;
+    for (int k = 0; k < 3; k++) {
+        double began = machine_processor_seconds(), sum = 0.0;
+        int n = k == 0 ? repeat : repeat / 10;
+        for (int i = 0; i < n; i++) {
+            double at = 5.0 + 85.0 * (i % 97) / 96.0, g = at * at / (drag.c1 + drag.c2 * sqrt(at) + drag.c3 * at);
+            sum += k == 0 ? classifier__solve_cut(drag, g, NULL) : picard(drag, g, k == 1 ? 1.0 : 0.5, MOST);
+        }
+        sink = sum;
+        ns[k] = 1e9 * (machine_processor_seconds() - began) / n;
+    }
+    common_print("\nCut size at Re 5 .. 90: %.0f ns; Picard %.0f ns, damped %.0f ns. At most %d steps over all Re.\n\n", ns[0], ns[1],
+                 ns[2], worst);
+    json_integer(report, "solver_most_steps", worst);
+    json_number(report, "solver_ns", ns[0]);
+    json_number(report, "picard_ns", ns[1]);
+    json_number(report, "damped_picard_ns", ns[2]);
+    json_number(report, "picard_steps_at_re_50", picard(drag, 50.0 / classifier_drag_coefficient(drag, 50.0), 1.0, MOST));
+    plot *figure = plot_new("Cut size: steps to 12 digits, sphericity 0.85", 1, 1);
+    plot_panel(figure, 0, 0, "Reynolds number at the cut [-]", "steps [-]");
+    plot_log_x(figure);
+    plot_log_y(figure);
+    plot_range_y(figure, 1.0, 2e5);
+    plot_line(figure, "quartic by Newton (classifier.h)", re, steps[0], RE_POINTS);
+    plot_line(figure, "Picard (gives up at 100000)", re, steps[1], RE_POINTS);
+    plot_line(figure, "Picard, geometric mean", re, steps[2], RE_POINTS);
+    plot_write(figure, self->out, "solver.svg");
+}
+
+/* One law over 4096 Reynolds numbers or shapes, nanoseconds a call: the best of several passes */
+static double time_law(int law, int passes) {
+    classifier_drag hs = classifier_hoelzer_sommerfeld(0.8, CLASSIFIER_EQUIVALENT), sn = classifier_schiller_naumann(),
+                    st = classifier_stokes();
+    static double re[4096];
+    double best = HUGE_VAL;
+    for (int i = 0; i < 4096; i++) re[i] = pow(10.0, -2.0 + 4.5 * i / 4095.0);
+    for (int pass = 0; pass < passes; pass++) {
+        double began = machine_processor_seconds(), sum = 0.0;
+        for (int repeat = 0; repeat < 50; repeat++)
+            for (int i = 0; i < 4096; i++) {
+                double r = re[i];
+                sum += law == 0   ? classifier_drag_coefficient(st, r)
+                       : law == 1 ? classifier_drag_coefficient(hs, r)
+                       : law == 2 ? classifier_drag_coefficient(sn, r)
+                       : law == 3 ? classifier_hoelzer_sommerfeld(0.5 + 1e-3 * r, CLASSIFIER_EQUIVALENT).c3
+                       : law == 4 ? classifier_di_felice_interstitial_total(0.9, r)
+                       : law == 5 ? classifier_terminal_velocity(hs, 1e-6 * r, 2700.0, 1.2, 1.81e-5, 9.81)
+                                  : classifier_stopping_distance(hs, 1e-5, 2700.0, 1.2, 1.81e-5, r);
+            }
+        sink = sum;
+        double ns = 1e9 * (machine_processor_seconds() - began) / (50.0 * 4096.0);
+        if (ns < best) best = ns;
+    }
+    return best;
+}
+
+static void laws(const program *self, json *report) {
+    const char *const names[] = {"Stokes c_D",           "Hoelzer-Sommerfeld c_D (shape prepared)",
+                                 "Schiller-Naumann c_D", "Hoelzer-Sommerfeld, preparing a shape",
+                                 "Di Felice factor",     "terminal velocity",
+                                 "stopping distance"};
+    const char *const keys[] = {"stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
+                                "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
+    table out = table_begin("law|ns a call");
+    csv *file = csv_open(self->out, "laws.csv", "law,ns");
+    for (int law = 0; law < 7; law++) {
+        double ns = time_law(law, self->quick ? 2 : 7);
+        table_cell(&out, "%s", names[law]);
+        table_cell(&out, "%.1f", ns);
+        csv_line(file, "%s,%.3f", names[law], ns);
+        json_number(report, keys[law], ns);
+    }
+    table_end(&out);
+    csv_close(file);
+}
+
+int main(int argc, char **argv) {
+    program self =
+        program_start("bench_classifier", "Separation curve, cut-size solver and drag laws: error against run time.", NULL, 0, argc, argv);
+    json *report = json_open(self.json);
+    separation(&self, report);
+    solver(&self, report);
+    laws(&self, report);
+    json_program(report, &self);
+    json_close(report);
+    return common_exit_status();
+}
