@@ -1186,6 +1186,7 @@ BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def
     bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
     bridge__meniscus m, rupture, fold;
     if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m)) return BRIDGE_NO_SOLUTION;
+    rupture = fold = m;
     if (!bridge__follow(&problem, &m, &rupture, &fold)) return BRIDGE_NO_SOLUTION;
     bridge__describe(def, &problem, &rupture, shape);
     if (fold_gap) *fold_gap = fold.gap * R;

@@ -398,8 +398,8 @@ static void test_nearly_equal_spheres(void **state) {
     for (double degrees = 35.0; degrees < 51.0; degrees += 5.0)
         for (double v = 1e-6; v < 0.1; v *= 2.3) {
             bridge_pair_def equal = pair_of(1.0, 1.0, degrees, degrees);
-            bridge_shape first, other;
-            double fold, last;
+            bridge_shape first = {0}, other = {0};
+            double fold = 0.0, last;
             assert_int_equal(bridge_young_laplace_rupture(&equal, v, &first, &fold), BRIDGE_OK);
             last = first.gap;
             for (int k = 0; k < 5; k++) {
