@@ -315,7 +315,7 @@ static void compare(const program *self, const char *path, reference (*reference
     json_array_end(report);
     table_end(&t);
     csv_close(file);
-    plot *figure = plot_new("Beds of spheres: particle-steps per second of processor time", 1, 1);
+    plot *figure = plot_new("Beds of spheres, one core", 1, 1);
     plot_panel_size(figure, 150.0 + 90.0 * (n_groups > 4 ? n_groups : 4), 400.0);
     plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
     for (int k = 0; k < n_codes; k++) {
