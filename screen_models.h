@@ -1270,7 +1270,7 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
         b->fed += fresh;
         if (screen__rates(model) == 2) b->top += fresh;
         else b->bottom += fresh;
-        double before = b->top + b->bottom, top = 0.0, after = before, log_rate[2];
+        double before = b->top + b->bottom, top = 0.0, after = before, log_rate[2] = {0.0, 0.0};
         if (passed) passed[i] = 0.0;
         if (!(before > 0.0)) continue;
         if (model == SCREEN_SOLDINGER) {

@@ -345,6 +345,98 @@ static void fit_everything(const program *self, const study *s, int starts, resu
     }
 }
 
+/* ---- global search ------------------------------------------------------------------------------------------------------------------ */
+
+/* Differential evolution (Storn & Price 1997), which knows nothing of slopes: what does a fit of all cases leave on the table?
+   Its coordinates are, for each rate: its logarithm in the initial case, exponent, exponent x moisture exponent. */
+typedef struct search {
+    const study *study;
+    int kind, evaluations;
+    uint64_t seed;
+    double deviation;
+    progress *bar;
+} search;
+
+static void parameters_of(int m, const double *x, double *p) {
+    double speed = log(0.001 * 50.6 / sqrt(0.006 * 9.81));
+    for (int r = 0; r < screen_parameter_count(kinds[m].model, 0); r += 3) {
+        p[r] = exp(x[r] - x[r + 1] * speed);
+        p[r + 1] = x[r + 1];
+        p[r + 2] = x[r + 1] != 0.0 ? x[r + 2] / x[r + 1] : 0.0;
+    }
+}
+
+static double mean_deviation(const study *s, int m, const double *x) {
+    double p[SCREEN_MAX_PARAMETERS], sum = 0.0;
+    parameters_of(m, x, p);
+    for (int k = 0; k < CASES; k++) sum += case_deviation(s, m, p, k, NULL) / CASES;
+    return isfinite(sum) ? sum : 1.0;
+}
+
+static int run_search(int index, void *user) {
+    enum { MEMBERS = 60 };
+    search *w = (search *)user + index;
+    double x[MEMBERS][SCREEN_MAX_PARAMETERS], f[MEMBERS], trial[SCREEN_MAX_PARAMETERS];
+    int n = screen_parameter_count(kinds[w->kind].model, 0), best = 0;
+    uint64_t random = w->seed;
+    for (int i = 0; i < MEMBERS; i++) {
+        for (int j = 0; j < n; j++) {
+            double u = screen__uniform(&random) - 0.5;
+            x[i][j] = j % 3 == 0 ? 8.0 * u + (kinds[w->kind].model == SCREEN_DONG ? 7.0 : 1.0) : j % 3 == 1 ? 16.0 * u : 40.0 * u;
+        }
+        f[i] = mean_deviation(w->study, w->kind, x[i]);
+    }
+    for (int k = MEMBERS; k < w->evaluations && !common_interrupted(); k++) {
+        int i = k % MEMBERS, a = (int)(MEMBERS * screen__uniform(&random)), b = (int)(MEMBERS * screen__uniform(&random));
+        int c = screen__uniform(&random) < 0.5 ? best : (int)(MEMBERS * screen__uniform(&random)),
+            sure = (int)(n * screen__uniform(&random));
+        double scale = 0.4 + 0.6 * screen__uniform(&random);
+        for (int j = 0; j < n; j++)
+            trial[j] = j == sure || screen__uniform(&random) < 0.9 ? x[c][j] + scale * (x[a][j] - x[b][j]) : x[i][j];
+        double value = mean_deviation(w->study, w->kind, trial);
+        if (value <= f[i]) {
+            f[i] = value;
+            memcpy(x[i], trial, sizeof trial);
+            if (value < f[best]) best = i;
+        }
+        if (k % 1000 == 0) progress_add(w->bar, 1000.0);
+    }
+    w->deviation = f[best];
+    return 0;
+}
+
+static void compare_with_search(const program *self, const study *s, const results *r, int evaluations, int model, json *report) {
+    search searches[KINDS];
+    progress bar;
+    int n = 0;
+    for (int m = 0; m < KINDS; m++)
+        if (model < 0 ? m != 3 : m == model) {
+            search one = {s, m, evaluations, self->seed, 0.0, &bar};
+            searches[n++] = one;
+        }
+    progress_begin(&bar, "global search", (double)n * evaluations);
+    jobs_run(n, self->threads, run_search, searches);
+    progress_end(&bar);
+    if (common_interrupted()) exit(common_exit_status());
+    table t = table_begin("model|fit|global search|evaluations|fit above search");
+    json_object_begin(report, "global_search");
+    for (int i = 0; i < n; i++) {
+        int m = searches[i].kind;
+        table_cell(&t, "%s", kinds[m].name);
+        table_cell(&t, "%.8f", r->all[m].deviation);
+        table_cell(&t, "%.8f", searches[i].deviation);
+        table_cell(&t, "%d", evaluations);
+        table_cell(&t, "%+.1e", r->all[m].deviation - searches[i].deviation);
+        json_object_begin(report, kinds[m].key);
+        json_number(report, "average_deviation", searches[i].deviation);
+        json_integer(report, "evaluations", evaluations);
+        json_number(report, "fit_above_search", r->all[m].deviation - searches[i].deviation);
+        json_object_end(report);
+    }
+    json_object_end(report);
+    table_end(&t);
+}
+
 /* ---- what is said ------------------------------------------------------------------------------------------------------------------- */
 
 static const char *const modes[MODES] = {"interpolation", "extrapolation_down", "extrapolation_up", "five_from_four"};
@@ -751,16 +843,20 @@ static void report_results(json *report, const study *s, const results *r, findi
 int main(int argc, char **argv) {
     const char *path = NULL;
     bool synthetic = false;
-    int starts = 20;
+    int starts = 20, evaluations = 0, model = -1;
     static study s;
     static results r;
     option options[] = {
         option_string("data", "FILE", &path, "curves to fit; default data/screening_27_cases.csv of this repository, if it is there"),
         option_flag("synthetic", &synthetic, "curves made from the published parameters of model 2 instead"),
-        option_int("starts", "N", &starts, 1, 1000, "random starts of a fit, a fifth of them for model 3"),
+        option_int("starts", "N", &starts, 1, 1000, "random starts of a fit; a tenth of them for model 3"),
+        option_int("search", "N", &evaluations, 100, 100000000,
+                   "compare with a global search of N evaluations: 1e6 take a minute for model 2, ten for model 1, an hour for 3"),
+        option_int("search-model", "M", &model, 0, GRAIN, "of this model only, 4: model 1 with the grain's mass; default all but 3"),
     };
     program self =
-        program_start("screen_fit", "Process models of batch screening: evaluated, fitted, and predicting.", options, 3, argc, argv);
+        program_start("screen_fit", "Process models of batch screening: evaluated, fitted, and predicting.", options, 5, argc, argv);
+    if (model >= 0 && !evaluations) program_refuse(&self, "search-model", NULL, "only with --search");
     if (path && synthetic) program_refuse(&self, "data", path, "not with --synthetic");
     begin_study(&s);
     if (!path && !synthetic) {
@@ -794,6 +890,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     json_program(report, &self);
     report_results(report, &s, &r, f);
+    if (evaluations) compare_with_search(&self, &s, &r, evaluations, model, report);
     draw_separation(&self, &s, &r, report);
     draw_curves(&self, &s, &r);
     draw_fits(&self, &s, &r);
