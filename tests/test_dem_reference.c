@@ -590,6 +590,227 @@ static void test_vibrating_plane(void **state) {
     }
 }
 
+/* ---- the beds ---- */
+
+typedef struct bed {
+    ptrdiff_t n;
+    double   *x, *v, *w; /* [n][3] */
+} bed;
+
+static bed read_bed(const char *name, ptrdiff_t n) {
+    bed   b = {n, malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double))};
+    char  line[512];
+    FILE *file = fopen(name, "r");
+    assert_non_null(file);
+    assert_true(fgets(line, sizeof line, file) && fgets(line, sizeof line, file)); /* a comment and the column names */
+    for (ptrdiff_t i = 0; i < n; i++) {
+        double *x = b.x + 3 * i, *v = b.v + 3 * i, *w = b.w + 3 * i;
+        assert_true(fgets(line, sizeof line, file) != NULL);
+        assert_int_equal(sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, v, v + 1, v + 2, w, w + 1, w + 2), 9);
+    }
+    fclose(file);
+    return b;
+}
+
+static void free_bed(bed *b) { free(b->x), free(b->v), free(b->w); }
+
+static const double bed_d = 5e-3, bed_k = 1e5, bed_density = 2534.0, bed_mu = 0.2, bed_dt = 4e-6;
+
+/* An integrator of its own: velocities at half steps, forces from them (as LAMMPS's granular styles do), a pair list from sorting
+   by height, dashpots by their rates. It shares no line with dem.h. */
+typedef struct slow_pair {
+    int    i, j;
+    double xi[3];
+} slow_pair;
+
+static const double *slow_heights;
+static int slow_compare(const void *a, const void *b) {
+    double d = slow_heights[3 * *(const int *)a + 2] - slow_heights[3 * *(const int *)b + 2];
+    return d < 0.0 ? -1 : d > 0.0;
+}
+
+static void slow_force(const double *n, double gap, const double *v, double gamma, double kt, double m, double *xi, double *f, double *torque_arm) {
+    double vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], normal = -bed_k * gap - gamma * m * vn, along = xi[0] * n[0] + xi[1] * n[1] + xi[2] * n[2], size = 0.0, t[3];
+    for (int a = 0; a < 3; a++) {
+        xi[a] += bed_dt * (v[a] - vn * n[a]) - along * n[a];
+        t[a] = -kt * xi[a];
+        size += t[a] * t[a];
+    }
+    size = sqrt(size);
+    double limit = bed_mu * fabs(normal);
+    for (int a = 0; a < 3; a++) {
+        if (size > limit) t[a] *= limit / size, xi[a] = -t[a] / kt;
+        f[a] = normal * n[a] + t[a];
+    }
+    torque_arm[0] = n[1] * t[2] - n[2] * t[1], torque_arm[1] = n[2] * t[0] - n[0] * t[2], torque_arm[2] = n[0] * t[1] - n[1] * t[0];
+}
+
+static void slow_run(bed *b, double side, double amplitude, int steps) {
+    const ptrdiff_t n = b->n;
+    const double    r = 0.5 * bed_d, m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density, inertia = 0.4 * m * r * r, kt = 2.0 / 7.0 * bed_k, reach = 1.2 * bed_d;
+    double         *f = calloc((size_t)n * 3, sizeof *f), *t = calloc((size_t)n * 3, sizeof *t), *at = malloc((size_t)n * 3 * sizeof *at), *wall = calloc((size_t)n * 3, sizeof *wall);
+    int            *order = malloc((size_t)n * sizeof *order), *start = calloc((size_t)n + 1, sizeof *start);
+    slow_pair      *pairs = NULL, *old;
+    ptrdiff_t       count = 0, room = 0;
+    for (int s = 0; s <= steps; s++) {
+        double moved = HUGE_VAL;
+        for (ptrdiff_t k = 0; s > 0 && k < 3 * n; k++) { /* half kick and drift; step 0 only finds the forces */
+            b->v[k] += 0.5 * bed_dt * (f[k] / m - (k % 3 == 2 ? 9.81 : 0.0));
+            b->w[k] += 0.5 * bed_dt * t[k] / inertia;
+            b->x[k] += bed_dt * b->v[k];
+        }
+        for (ptrdiff_t k = 0; s > 0 && k < 3 * n; k++) moved = k == 0 ? fabs(b->x[k] - at[k]) : fmax(moved, fabs(b->x[k] - at[k]));
+        if (moved > 0.05 * bed_d) {
+            ptrdiff_t olds = count;
+            int      *begin = start;
+            old = pairs, pairs = NULL, count = room = 0;
+            for (ptrdiff_t i = 0; i < n; i++) order[i] = (int)i;
+            memcpy(at, b->x, (size_t)n * 3 * sizeof *at);
+            slow_heights = at;
+            qsort(order, (size_t)n, sizeof *order, slow_compare);
+            for (ptrdiff_t p = 0; p < n; p++) {
+                for (ptrdiff_t q = p + 1; q < n && at[3 * order[q] + 2] - at[3 * order[p] + 2] < reach; q++) {
+                    double d[3], square = 0.0;
+                    for (int a = 0; a < 3; a++) {
+                        d[a] = at[3 * order[p] + a] - at[3 * order[q] + a];
+                        if (a < 2) d[a] -= side * floor(d[a] / side + 0.5);
+                        square += d[a] * d[a];
+                    }
+                    if (square > reach * reach) continue;
+                    if (count == room) pairs = realloc(pairs, (size_t)(room = 2 * room + 1000) * sizeof *pairs);
+                    slow_pair fresh = {order[p] < order[q] ? order[p] : order[q], order[p] < order[q] ? order[q] : order[p], {0, 0, 0}};
+                    for (int o = begin[fresh.i]; olds > 0 && o < begin[fresh.i + 1]; o++)
+                        if (old[o].j == fresh.j) fresh = old[o];
+                    pairs[count++] = fresh;
+                }
+            }
+            free(old);
+            /* by the first partner, so that histories are found again */
+            memset(start, 0, (size_t)(n + 1) * sizeof *start);
+            for (ptrdiff_t p = 0; p < count; p++) start[pairs[p].i + 1]++;
+            for (ptrdiff_t i = 0; i < n; i++) start[i + 1] += start[i];
+            slow_pair *sorted = malloc((size_t)count * sizeof *sorted);
+            int       *next = malloc((size_t)n * sizeof *next);
+            memcpy(next, start, (size_t)n * sizeof *next);
+            for (ptrdiff_t p = 0; p < count; p++) sorted[next[pairs[p].i]++] = pairs[p];
+            free(next), free(pairs);
+            pairs = sorted;
+            room = count;
+        }
+        memset(f, 0, (size_t)n * 3 * sizeof *f), memset(t, 0, (size_t)n * 3 * sizeof *t);
+        for (ptrdiff_t p = 0; p < count; p++) {
+            slow_pair    *q = &pairs[p];
+            const double *xi = b->x + 3 * q->i, *xj = b->x + 3 * q->j, *vi = b->v + 3 * q->i, *vj = b->v + 3 * q->j, *wi = b->w + 3 * q->i, *wj = b->w + 3 * q->j;
+            double        d[3], g[3], force[3], arm[3], square = 0.0;
+            for (int a = 0; a < 3; a++) {
+                d[a] = xi[a] - xj[a];
+                if (a < 2) d[a] -= side * floor(d[a] / side + 0.5);
+                square += d[a] * d[a];
+            }
+            if (square >= bed_d * bed_d) {
+                q->xi[0] = q->xi[1] = q->xi[2] = 0.0;
+                continue;
+            }
+            double distance = sqrt(square), s2[3];
+            for (int a = 0; a < 3; a++) d[a] /= distance, s2[a] = 0.5 * distance * (wi[a] + wj[a]);
+            for (int a = 0; a < 3; a++) g[a] = vi[a] - vj[a] + d[(a + 1) % 3] * s2[(a + 2) % 3] - d[(a + 2) % 3] * s2[(a + 1) % 3];
+            slow_force(d, distance - bed_d, g, 5475.7, kt, 0.5 * m, q->xi, force, arm);
+            for (int a = 0; a < 3; a++) {
+                f[3 * q->i + a] += force[a], f[3 * q->j + a] -= force[a];
+                t[3 * q->i + a] -= 0.5 * distance * arm[a], t[3 * q->j + a] -= 0.5 * distance * arm[a];
+            }
+        }
+        double rate = 2.0 * RIDDLE_PI * 50.6, floor_z = amplitude * (1.0 - cos(rate * s * bed_dt)), floor_v = amplitude * rate * sin(rate * s * bed_dt);
+        for (ptrdiff_t i = 0; i < n; i++) {
+            double up[3] = {0, 0, 1}, gap = b->x[3 * i + 2] - floor_z - r, *w = b->w + 3 * i, *v = b->v + 3 * i, arm_length = r + gap, force[3], arm[3];
+            double g[3] = {v[0] - arm_length * w[1], v[1] + arm_length * w[0], v[2] - floor_v};
+            if (gap >= 0.0) {
+                wall[3 * i] = wall[3 * i + 1] = wall[3 * i + 2] = 0.0;
+                continue;
+            }
+            slow_force(up, gap, g, 3871.9, kt, m, wall + 3 * i, force, arm);
+            for (int a = 0; a < 3; a++) f[3 * i + a] += force[a], t[3 * i + a] -= arm_length * arm[a];
+        }
+        for (ptrdiff_t k = 0; s > 0 && k < 3 * n; k++) {
+            b->v[k] += 0.5 * bed_dt * (f[k] / m - (k % 3 == 2 ? 9.81 : 0.0));
+            b->w[k] += 0.5 * bed_dt * t[k] / inertia;
+        }
+    }
+    free(f), free(t), free(at), free(wall), free(order), free(start), free(pairs);
+}
+
+static void fast_run(bed *b, double side, double amplitude, int steps) {
+    dem_world world;
+    dem_def   def = dem_default_def();
+    int       glass = dem_add_material(&def, bed_density, 1e9, 0.2), base = dem_add_material(&def, bed_density, 1e9, 0.2);
+    double   *d = malloc((size_t)b->n * sizeof *d), m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density;
+    for (ptrdiff_t i = 0; i < b->n; i++) d[i] = bed_d;
+    for (int k = 0; k < 2; k++) {
+        dem_pair_def *p = dem_pair(&def, glass, k ? base : glass);
+        double        meff = k ? m : 0.5 * m, gamma = (k ? 3871.9 : 5475.7) * meff;
+        p->mode = DEM_NAIVE, p->friction = bed_mu, p->stiffness = bed_k;
+        p->restitution = dem_restitution_of(0.5 * gamma / sqrt(bed_k * meff), DEM_NAIVE);
+        near_relative(p->restitution, 0.78, 2e-3, "the bed's restitution");
+        near_relative(dem_contact_time(bed_k, meff, 0.5 * gamma / sqrt(bed_k * meff), DEM_NAIVE), k ? 128.4e-6 : 90.8e-6, 1e-3, "the bed's contact time");
+    }
+    def.dt = bed_dt;
+    def.periodic[0] = def.periodic[1] = 1;
+    def.high = dem_vec3(side, side, 1.0);
+    assert_int_equal(dem_init(&world, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&world, b->n, b->x, d, glass, 0), DEM_OK);
+    for (ptrdiff_t i = 0; i < b->n; i++) {
+        const double *v = b->v + 3 * i, *w = b->w + 3 * i;
+        assert_int_equal(dem_set_motion(&world, i, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2])), DEM_OK);
+    }
+    int plane = dem_add_plane(&world, base, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_vibrate(&world, plane, dem_vec3(0, 0, amplitude), dem_vec3(0, 0, -0.5 * RIDDLE_PI), 50.6), DEM_OK);
+    assert_int_equal(dem_run(&world, steps * bed_dt, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    assert_int_equal(world.step, steps);
+    for (ptrdiff_t i = 0; i < b->n; i++) {
+        dem_vec x = dem_position(&world, i), v = dem_velocity(&world, i);
+        b->x[3 * i] = x.x, b->x[3 * i + 1] = x.y, b->x[3 * i + 2] = x.z;
+        b->v[3 * i] = v.x, b->v[3 * i + 1] = v.y, b->v[3 * i + 2] = v.z;
+    }
+    free(d);
+    dem_free(&world);
+}
+
+static double bed_height(const bed *b) {
+    double sum = 0.0;
+    for (ptrdiff_t i = 0; i < b->n; i++) sum += b->x[3 * i + 2];
+    return sum / (double)b->n;
+}
+static double bed_kinetic(const bed *b) {
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; k < 3 * b->n; k++) sum += b->v[k] * b->v[k];
+    return 0.5 * RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density * sum;
+}
+
+static void compare_beds(const char *file, ptrdiff_t n, double side, double amplitude, int steps) {
+    bed slow = read_bed(file, n), fast = read_bed(file, n);
+    slow_run(&slow, side, amplitude, steps);
+    fast_run(&fast, side, amplitude, steps);
+    double z = bed_height(&slow), e = bed_kinetic(&slow), dz = bed_height(&fast) - z, de = bed_kinetic(&fast) / e - 1.0;
+    print_message("bed of %ld, A = %g mm, %d steps: mean height %.7f m, off by %.1e; kinetic energy %.6g J, off by %.2f %%\n", (long)n, 1e3 * amplitude, steps, z, dz, e, 100.0 * de);
+    assert_true(fabs(dz) < 1e-7);
+    assert_true(fabs(de) < (amplitude > 0.0 ? 1e-3 : 1e-2));
+    free_bed(&slow), free_bed(&fast);
+}
+
+static void test_bed_vibrated(void **state) {
+    (void)state;
+    compare_beds("tests/reference/beds/settled_2000.csv", 2000, 0.045, 1e-3, 500);
+    compare_beds("tests/reference/beds/settled_2000.csv", 2000, 0.045, 1e-3, 2000);
+}
+static void test_bed_static(void **state) {
+    (void)state;
+    compare_beds("tests/reference/beds/settled_2000.csv", 2000, 0.045, 0.0, 500);
+}
+static void test_bed_large(void **state) {
+    (void)state;
+    compare_beds("tests/reference/beds/settled_20000.csv", 20000, 0.14, 1e-3, 200);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_chung_ooi_1_pair),
@@ -606,6 +827,9 @@ int main(void) {
         cmocka_unit_test(test_elastic_energy),
         cmocka_unit_test(test_damped_energy),
         cmocka_unit_test(test_vibrating_plane),
+        cmocka_unit_test(test_bed_vibrated),
+        cmocka_unit_test(test_bed_static),
+        cmocka_unit_test(test_bed_large),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
