@@ -118,7 +118,8 @@ static void bench_balances(const program *self, json *report) {
                 if (before > 0.0) table_cell(&t, "%.2f", log2(before / e[0]));
                 else table_cell(&t, "-");
                 before = e[0];
-                csv_line(file, "%d,%d,%d,%.6g,%.6g,%.6g,%s", k, scheme, cells, seconds, e[0], e[1], "");
+                double line[7] = {k, scheme, cells, seconds, e[0], e[1], e[2]};
+                csv_row(file, line, 7);
                 json_object_begin(report, NULL);
                 json_string(report, "kernel", cases[k].name);
                 json_string(report, "scheme", scheme ? "fixed pivot" : "cell average");
@@ -192,7 +193,7 @@ static void bench_ensembles(const program *self, json *report) {
     for (int n = 4; n <= most; n *= 2, points++) { /* the scatter of means of n, from all groups of n */
         double means[2][128];
         int groups = most / n > 128 ? 128 : most / n;
-        if (groups < 2) { /* one group: its own standard error */
+        if (groups < 8) { /* too few groups to scatter: the deviation over root n */
             y[0][points] = granulation_estimate_of(size, n, 1).deviation / sqrt(n) / granulation_estimate_of(size, n, 1).mean;
             y[1][points] = granulation_estimate_of(share, n, 1).deviation / sqrt(n);
         } else {
@@ -285,6 +286,7 @@ static void bench_contacts(const program *self, json *report) {
     plot_line(figure, "end of step, steps 1 to 1/256", x, y, points);
     plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     plot_vertical(figure, "swept: none missed", exact_seconds);
+    plot_horizontal(figure, "scatter of a run", 1.0 / sqrt(exact > 1.0 ? exact : 1.0));
     plot_write(figure, self->out, "contacts.svg");
 }
 

@@ -841,10 +841,10 @@ static granulation_def sound_def(void) {
     granulation_def def = granulation_default_def();
     def.stirring = 1.0;
     def.signs = GRANULATION_TWO_STREAMS;
-    def.laws.viscosity = 0.035;
-    def.laws.yield_ratio = 0.04;
-    def.laws.limit_diameter = 2.3e-4;
-    def.dilation = 1e5;
+    def.laws.viscosity = 0.0496;
+    def.laws.yield_ratio = 0.0366;
+    def.laws.limit_diameter = 2.26e-4;
+    def.dilation = 1.03e5;
     return def;
 }
 
