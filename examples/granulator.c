@@ -777,8 +777,11 @@ static int study_midbatch(const program *self, json *report, granulation_def def
                                {steps * 3 / 10, -1, -1, 0.06, 0, 0},
                                {-1, steps / 2, -1, 0, 120.0, 0},
                                {steps * 3 / 10, steps / 2, steps * 7 / 10, 0.06, 120.0, 290.0}};
-    const char *const names[4] = {"unchanged, 360 rpm", "binder + 6 % of the volume at step 30", "impeller to 120 rpm at step 50",
-                                  "both, and 8 K colder at step 70"};
+    char texts[4][40] = {"unchanged, 360 rpm"};
+    const char *names[4] = {texts[0], texts[1], texts[2], texts[3]};
+    snprintf(texts[1], sizeof texts[1], "+ 6 %% binder at %d s", changes[1].spray_step);
+    snprintf(texts[2], sizeof texts[2], "120 rpm from %d s", changes[2].impeller_step);
+    snprintf(texts[3], sizeof texts[3], "both, 8 K colder at %d s", changes[3].cool_step);
     double edges[CLASSES + 1];
     condition c = condition_of(def, 360, 0.33);
     ten_classes(edges);
@@ -835,8 +838,8 @@ static int study_midbatch(const program *self, json *report, granulation_def def
 
 /* ---- sound: physically sounder readings ---- */
 
-/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the time),
-   half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
+/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the
+   time), half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
 static granulation_def sound_def(void) {
     granulation_def def = granulation_default_def();
     def.stirring = 1.0;

@@ -88,7 +88,8 @@ static void test_conventions(void **state) {
     double y = 3e5, ratio = 0.02, st_def = granulation_deformation_stokes(mr, u0, dr, y);
     near_to("(24)", dr * granulation_relative_deformation(st_def, 1.0, ratio),
             granulation_deformation(granulation_contact_area(u0, mr, dr, y), dr, ratio), 1e-13);
-    /* (21) is (18) < loss of (20): the same verdict where the deformation is positive, as long as u2 is not capped. Harmonic numbers in both. */
+    /* (21) is (18) < loss of (20): the same verdict where the deformation is positive, as long as u2 is not
+       capped. Harmonic numbers in both. */
     int seen[2] = {0, 0};
     for (int i = 0; i < 2000; i++) {
         granulation_random r = granulation_random_seed((uint64_t)i);

@@ -176,7 +176,8 @@ static void test_laws(void **state) {
     csv_free(&data);
 }
 
-/* The printed 840 rpm -> 7 m/s uses turns, the tip speed is 2 pi larger; Johnson's constant; the three thresholds by the laws themselves. */
+/* The printed 840 rpm -> 7 m/s uses turns, the tip speed is 2 pi larger; Johnson's constant; the three thresholds by the laws
+   themselves. */
 static void test_thresholds(void **state) {
     (void)state;
     near_to("printed tip speed", granulation_tip_speed(GRANULATION_PRINTED, 14.0, 1.0), 7.0, 1e-15);
@@ -245,7 +246,8 @@ typedef struct {
     double edges[512], pivots[512];
 } prepared;
 
-/* geometric edges from first to top; pivots in the middle as the reference has them, or at the mean of the start with a first cell from 0 */
+/* geometric edges from first to top; pivots in the middle as the reference has them, or at the mean of the start
+   with a first cell from 0 */
 static void prepare(prepared *p, granulation_balance_def def, int cells, double first, double top, int at_mean) {
     assert_true(cells < 512);
     double numbers[512];
