@@ -83,7 +83,7 @@ extern "C" {
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8 /* a pair table of 64 entries stays in the definition */
 #define DEM_WALLS_MAX 32    /* walls are looked at by every particle near them; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 8 /* constants of a law, folded per contact at its birth */
+#define DEM_CONSTANTS_MAX 16 /* constants of a law, folded per contact at its birth */
 #define DEM_STATE_MAX 16    /* doubles that a law may keep per contact */
 #define DEM_BLOCK 64        /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024      /* steps that a look can be put off: beyond, a list is rebuilt anyway */
@@ -229,6 +229,7 @@ typedef struct dem_contact {
     double gap;              /* S = distance - r_i - r_j [m]; negative: overlap */
     double closing;          /* -dS/dt [m/s]; positive: approaching */
     double slip[3];          /* surface velocity of i against j, tangential [m/s] */
+    double translation[3];   /* the part of it that the centres' velocities make [m/s] */
     double spin[3];          /* w_i - w_j [rad/s] */
     double normal[3];        /* n */
     double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
@@ -261,7 +262,11 @@ typedef struct dem_birth {
     double              curvature;          /* of the wall at the point [1/m], 0 for a plane */
     double              mass;               /* m_eff [kg] */
     double              inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
+    double              damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
+    void               *user;               /* world->user */
 } dem_birth;
+
+struct dem_world;
 
 /* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
 typedef struct dem_law {
@@ -269,9 +274,14 @@ typedef struct dem_law {
     int         version;  /* of the meaning of its state */
     int         states;   /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
     int         vectors;  /* the first 3 * vectors of them are tangential vectors, which the kernel turns with the contact */
+    int         constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the stiffness that predicts velocities [N/m]: k_n of a linear law, 0 to leave it out */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
+    /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
+       ended for one that is over. dem_get_slot() and dem_set_slot_state() read and write them. */
+    void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
+    void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
 
 /* ---- the world ---- */
@@ -287,13 +297,13 @@ typedef struct dem_energy_ledger {
     double error;                                                               /* what does not add up: the integration error */
 } dem_energy_ledger;
 
-struct dem_world;
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 typedef struct dem_world {
     dem_def    def;
+    void      *user;         /* yours: handed to the law's hooks; not saved */
     int64_t    step;         /* steps done */
     double     time;         /* [s] */
     ptrdiff_t  count;        /* particles present; a dropped one stays, with alive = 0, until the list is rebuilt */
@@ -319,7 +329,8 @@ typedef struct dem_world {
     /* the rest is private */
     double    dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__;
     int64_t   start_step__, next_check__;
-    int       fresh__, stale__, leaving__, loads_on__, states__, has_periodic__, features__, ledger_on__, ledger_started__;
+    double    damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
+    int       fresh__, stale__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__, ledger_started__;
     uint64_t  next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
@@ -442,6 +453,9 @@ typedef struct dem_contact_info {
     int       element;   /* of a wall: the bar */
     double    state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
+/* For hooks of laws: the contact in a slot, and its state. */
+DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot);
+DEM_API void             dem_set_slot_state(dem_world *world, int32_t slot, const double *state);
 DEM_API ptrdiff_t        dem_contact_count(const dem_world *world);
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k); /* k = 0 .. dem_contact_count-1, sorted by partners */
 
@@ -690,10 +704,10 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__ROLL], p[DEM__ROLL_CAP], r);
 }
 
-static inline double dem__prepare_linear(const dem_birth *b, double *constants) {
+static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     const dem_pair_def *pair = b->pair;
     double              k = pair->stiffness;
-    double gamma = 2.0 * dem_damping_ratio(pair->restitution, pair->mode) * sqrt(k * b->mass);
+    double gamma = 2.0 * b->damping_ratio * sqrt(k * b->mass);
     constants[DEM__K] = k;
     constants[DEM__GAMMA] = gamma;
     constants[DEM__FLOOR] = pair->mode == DEM_CLIPPED ? 0.0 : -HUGE_VAL;
@@ -752,7 +766,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
 }
 
 /* shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 + nu)) */
-static inline double dem__prepare_hertz(const dem_birth *b, double *constants) {
+static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
     double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus + (1.0 - j->poisson_ratio * j->poisson_ratio) / j->young_modulus);
     double shear = 0.5 / ((2.0 - i->poisson_ratio) * (1.0 + i->poisson_ratio) / i->young_modulus + (2.0 - j->poisson_ratio) * (1.0 + j->poisson_ratio) / j->young_modulus);
@@ -771,12 +785,12 @@ static inline double dem__prepare_hertz(const dem_birth *b, double *constants) {
 
 #define DEM__FORCE(name, body, features) \
     DEM_INLINE void name(const dem_contact *c, double *state, dem_response *r) { body(c, state, r, features); }
-DEM__FORCE(dem__force_linear, dem__linear, DEM_LINEAR)
-DEM__FORCE(dem__force_linear_friction, dem__linear, DEM_FRICTION)
-DEM__FORCE(dem__force_linear_rolling, dem__linear, DEM_FRICTION | DEM_ROLLING)
-DEM__FORCE(dem__force_hertz, dem__hertz, DEM_HERTZ)
-DEM__FORCE(dem__force_hertz_friction, dem__hertz, DEM_FRICTION)
-DEM__FORCE(dem__force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
+DEM__FORCE(dem_force_linear, dem__linear, DEM_LINEAR)
+DEM__FORCE(dem_force_linear_friction, dem__linear, DEM_FRICTION)
+DEM__FORCE(dem_force_linear_rolling, dem__linear, DEM_FRICTION | DEM_ROLLING)
+DEM__FORCE(dem_force_hertz, dem__hertz, DEM_HERTZ)
+DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
+DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ---------------------------------------------------------------------------------------------- >>geometry */
 
@@ -955,7 +969,7 @@ typedef struct dem__array {
     void  *address; /* of the pointer */
     size_t size;    /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 64 };
+enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int      n = 0;
@@ -983,7 +997,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < DEM_CONSTANTS_MAX; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
     for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
     for (int k = 0; k < 6; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
     if (w->ledger_on__) {
@@ -1011,7 +1025,7 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     for (int k = 0; k < n; k++) {
         void *old = NULL, *now = at;
         memcpy(&old, list[k].address, sizeof old);
-        if (old) memcpy(now, old, (size_t)*capacity * list[k].size);
+        if (old && *capacity > 0) memcpy(now, old, (size_t)*capacity * list[k].size);
         memcpy(list[k].address, &now, sizeof now);
         at += ((size_t)larger * list[k].size + 63) & ~(size_t)63;
     }
@@ -1798,6 +1812,7 @@ static inline int dem__find_pairs(dem_world *w) {
 
 /* The near pairs of each particle, both ways. */
 static inline int dem__find_adjacent(dem_world *w) {
+    if (w->count == 0) return 1;
     if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 2 * w->near_count__)) return 0;
     int32_t *start = w->adjacent_start__;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
@@ -1914,7 +1929,7 @@ static DEM__COLD int dem__check_list(dem_world *w) {
 
 /* ------------------------------------------------------------------------------------------------ >>kernel */
 
-/* What the law answers within contact, at given gap and closing speed, its history untouched. */
+/* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic, const dem_law *law) {
     dem_contact  c = *contact;
     dem_response r;
@@ -1925,7 +1940,7 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     c.dt = 0.0;
     law->force(&c, s, &r);
     *elastic = r.elastic;
-    return r.normal;
+    return r.contact;
 }
 
 /* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
@@ -2018,9 +2033,10 @@ DEM_INLINE void dem__view(const dem__rows *b, int k, double half, int turns, dem
     const double stretch = (b->sum[k] + b->gap[k]) / b->sum[k], ai = b->part_i[k] * stretch, aj = b->part_j[k] * stretch;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k], sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    q->slip[0] = b->vx[k] - along * nx + (ny * sz - nz * sy);
-    q->slip[1] = b->vy[k] - along * ny + (nz * sx - nx * sz);
-    q->slip[2] = b->vz[k] - along * nz + (nx * sy - ny * sx);
+    q->translation[0] = b->vx[k] - along * nx, q->translation[1] = b->vy[k] - along * ny, q->translation[2] = b->vz[k] - along * nz;
+    q->slip[0] = q->translation[0] + (ny * sz - nz * sy);
+    q->slip[1] = q->translation[1] + (nz * sx - nx * sz);
+    q->slip[2] = q->translation[2] + (nx * sy - ny * sx);
     q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
@@ -2043,7 +2059,7 @@ typedef struct dem__slots {
 
 DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__slots *at) {
     for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
-    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) at->constant[a] = w->live_constant__[a] + base;
+    for (int a = 0; a < law->constants; a++) at->constant[a] = w->live_constant__[a] + base;
     for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + base;
     at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base, at->mass = w->live_mass__ + base;
     if (!(features & DEM_ENERGY)) return;
@@ -2137,7 +2153,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         dem__locate(w, 0, law, features, &at);
         dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
         w->live_force__[c] = r.contact;
-        start = r.normal;
+        start = r.contact;
         extra = e.impulse - 0.5 * h * start;
         sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
         if (features & DEM_ENERGY) {
@@ -2159,7 +2175,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
                 dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
                 w->live_force__[c] = r.contact;
                 w->live_ended__[c] = 0;
-                start = r.normal;
+                start = r.contact;
                 extra -= 0.5 * h * start;
                 if (features & DEM_ENERGY) dem__put_losses(&at, c, &r, 0.0, 0);
             }
@@ -2227,11 +2243,11 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             dem_contact  q;
             dem_response r;
             double       s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = at.constant[a][k];
+            for (int a = 0; a < law->constants; a++) p[a] = at.constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
-            q.closing *= at.predict[k];
+            q.closing *= b.gap[k] < 0.0 ? at.predict[k] : 1.0;
             q.mass = at.mass[k];
             q.dt = h;
             q.rate = rate;
@@ -2265,7 +2281,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 if (w->live_event__[c]) {
                     dem_contact view;
                     double      p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-                    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) p[a] = w->live_constant__[a][c];
+                    for (int a = 0; a < law->constants; a++) p[a] = w->live_constant__[a][c];
                     dem__view(&b, k, half, turns, &view, &arm_i, &arm_j);
                     view.mass = w->live_mass__[c];
                     view.dt = 0.0;
@@ -2347,6 +2363,9 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     }
     w->stale__ = w->fresh__ = 1;
     dem__bury(w, w->step);
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) { /* whoever touched nothing else is in flight */
+        if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
+    }
     return DEM_OK;
 }
 
@@ -2411,8 +2430,10 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
         b.inertia = inertia;
     }
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
+    b.user = w->user;
+    b.damping_ratio = w->damping_ratio__[b.material_i][b.material_j];
     k = law->prepare(&b, constants);
-    for (int a = 0; a < DEM_CONSTANTS_MAX; a++) w->live_constant__[a][c] = constants[a];
+    for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = constants[a];
     w->live_mass__[c] = b.mass;
     /* the next term of the Taylor series of the velocity that the dashpot sees, for the two bodies alone */
     w->live_predict__[c] = 1.0 - 0.5 * k * w->dt__ * w->dt__ / b.mass;
@@ -2467,6 +2488,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
         }
         ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
         int32_t   near_pair = w->live_near__[c];
+        if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
         w->touching[i]--;
         if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
         if (j >= 0) {
@@ -2714,6 +2736,7 @@ static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+    ptrdiff_t born_from = w->live_count__;
     if (w->stale__) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) { /* contacts with walls that were taken away */
             if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
@@ -2722,6 +2745,12 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         if (!dem__rebuild(w)) return 0;
     }
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    for (int a = 0; a < w->def.materials; a++) {
+        for (int b = 0; b < w->def.materials; b++) {
+            const dem_pair_def *pair = dem_pair(&w->def, a, b);
+            w->damping_ratio__[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+        }
+    }
     if (w->fresh__) {
         int skip = w->def.skip;
         w->def.skip = 0; /* everything, once; the timers stay */
@@ -2737,6 +2766,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         }
         w->def.skip = skip;
         if (w->status != DEM_OK) return dem__undo_look(w);
+        born_from = old;
         dem__admit_born(w, 0.0);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
             if (w->live_near__[c] >= 0) dem__stop_timer(w, w->live_near__[c]);
@@ -2745,7 +2775,10 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
     if (w->fresh__ || w->features__ != features || w->law__ != law) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
     }
+    w->features__ = features;
+    w->law__ = law;
     if (w->fresh__) {
+        if (law->born && w->live_count__ > born_from) law->born(w, w->order_spare__, w->live_count__ - born_from, w->user);
         dem__advance(w, 0.0);
         dem__call_kernel(w, kernel, 0.0);
         int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
@@ -2755,8 +2788,6 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         if (w->status != DEM_OK) return 0;
     }
     w->fresh__ = 0;
-    w->features__ = features;
-    w->law__ = law;
     if ((features & DEM_ENERGY) && !w->ledger_started__) {
         w->ledger_started__ = 1;
         dem_energy_ledger now = dem_energy(w);
@@ -2779,6 +2810,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         dem__admit_born(w, 1.0);
         dem__advance(w, w->dt__);
         for (ptrdiff_t c = old; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
+        if (law->born) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
     } else dem__advance(w, w->dt__);
     dem__call_kernel(w, kernel, w->dt__);
     int ended = dem__gather(w, w->dt__, turns);
@@ -2808,7 +2840,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX)) return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || 3 * law->vectors > law->states) return DEM_BAD_ARGUMENT;
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->states) return DEM_BAD_ARGUMENT;
+    if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
     double remaining = (w->target__ + duration - w->time) / w->dt__;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
@@ -2817,21 +2850,16 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
         for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->radius[i] > longest ? w->radius[i] : longest;
         if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest)) return DEM_BAD_DEFINITION;
     }
-    if (law->states != w->states__) {
-        if (w->live_count__ > 0) return DEM_LAW_MISMATCH;
-        if (w->live_block__) w->def.allocator.fn(w->def.allocator.user, w->live_block__, w->live_bytes__, 0);
-        dem__array list[DEM__ARRAYS_MAX];
-        w->live_block__ = NULL;
-        w->live_bytes__ = 0;
-        w->live_capacity__ = 0;
-        for (int k = 0, n = dem__live_arrays(w, list); k < n; k++) memset(list[k].address, 0, sizeof(void *));
-        w->states__ = law->states;
-    }
-    if ((features & DEM_ENERGY) && !w->ledger_on__) {
-        dem__array list[DEM__ARRAYS_MAX];
-        w->ledger_on__ = 1;
-        if (w->live_capacity__ > 0 && !dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
-            w->ledger_on__ = 0;
+    if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;
+    const int ledger = w->ledger_on__ || (features & DEM_ENERGY), constants = law->constants > w->constants__ ? law->constants : w->constants__;
+    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__) { /* other arrays: a new block */
+        dem__array      list[DEM__ARRAYS_MAX];
+        const int       old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
+        const ptrdiff_t old_capacity = w->live_capacity__;
+        w->states__ = law->states, w->constants__ = constants, w->ledger_on__ = ledger;
+        if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
+            w->states__ = old_states, w->constants__ = old_constants, w->ledger_on__ = old_ledger;
+            w->live_capacity__ = old_capacity;
             return DEM_OUT_OF_MEMORY;
         }
     }
@@ -2843,12 +2871,12 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     return DEM_OK;
 }
 
-static const dem_law dem_law_linear = {"linear", 1, 0, 0, dem__prepare_linear, dem__force_linear};
-static const dem_law dem_law_linear_friction = {"linear with friction", 1, 3, 1, dem__prepare_linear, dem__force_linear_friction};
-static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1, 3, 1, dem__prepare_linear, dem__force_linear_rolling};
-static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, dem__prepare_hertz, dem__force_hertz};
-static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 1, dem__prepare_hertz, dem__force_hertz_friction};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1, 4, 1, dem__prepare_hertz, dem__force_hertz_rolling};
+static const dem_law dem_law_linear = {"linear", 1, 0, 0, 8, dem_prepare_linear, dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {"linear with friction", 1, 3, 1, 8, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1, 3, 1, 8, dem_prepare_linear, dem_force_linear_rolling, NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 8, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
 DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
@@ -2927,19 +2955,27 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
 
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->live_count__) return info;
-    const int32_t c = world->order__[k];
-    info.i = world->live_i__[c];
-    info.j = world->live_j__[c];
-    info.gap = world->live_gap__[c];
-    info.force = dem_vec3(world->live_out__[0][c], world->live_out__[1][c], world->live_out__[2][c]);
-    info.element = world->live_element__[c];
-    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][c];
+    if (!world || slot < 0 || slot >= world->live_count__) return info;
+    info.i = world->live_i__[slot];
+    info.j = world->live_j__[slot];
+    info.gap = world->live_gap__[slot];
+    info.force = dem_vec3(world->live_out__[0][slot], world->live_out__[1][slot], world->live_out__[2][slot]);
+    info.element = world->live_element__[slot];
+    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][slot];
     return info;
+}
+
+DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
+    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
+    for (int a = 0; a < world->states__; a++) world->live_state__[a][slot] = state[a];
+}
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    return dem_get_slot(world, world && k >= 0 && k < world->live_count__ ? world->order__[k] : -1);
 }
 
 /* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
@@ -2964,7 +3000,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         int     n = 0, holding = 0;
         for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
             dem__touch touch;
-            if (world->live_j__[c] != -1 - wall) continue;
+            if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
             dem__touch_element(s, dem__add(d, s->position), world->radius[i], world->live_element__[c], &touch);
             normal[n++] = touch.normal;
         }
@@ -3348,7 +3384,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
                 double contact, damping;
                 if (features & DEM_HERTZ) {
-                    dem__prepare_hertz(&b, constants);
+                    dem_prepare_hertz(&b, constants);
                     contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
                     double overlap = speed * contact / 2.943275175395;
                     damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
