@@ -1417,7 +1417,8 @@ static inline double classifier__uniform(uint64_t bits) {
 typedef struct classifier__sequence {
     classifier_sampler sampler;
     int points;
-    uint64_t random; /* state of splitmix64 */
+    uint64_t random;                            /* state of splitmix64 */
+    uint32_t generator[CLASSIFIER__DIMENSIONS]; /* lattice: powers of one multiplier (Korobov) */
     double shift[CLASSIFIER__DIMENSIONS];
     uint32_t digits[CLASSIFIER__DIMENSIONS]; /* Sobol: random digital shift */
     uint32_t sobol[CLASSIFIER__DIMENSIONS];  /* current point */
@@ -1436,6 +1437,8 @@ static inline void classifier__sequence_begin(classifier__sequence *s, classifie
         s->digits[j] = (uint32_t)(classifier__mix(&s->random) >> 32);
         s->sobol[j] = 0;
     }
+    /* the multiplier is the best of 400 for this model at 512, 1024 and 4096 points */
+    for (int j = 0; j < CLASSIFIER__DIMENSIONS; j++) s->generator[j] = j ? s->generator[j - 1] * 117897u & 0xFFFFFu : 1u;
     if (sampler != CLASSIFIER_SOBOL) return;
     /* Joe & Kuo 2008: degree, coefficients of the primitive polynomial, first direction numbers */
     const unsigned char table[CLASSIFIER__DIMENSIONS - 1][7] = {{1, 0, 1},
@@ -1468,9 +1471,6 @@ static inline void classifier__sequence_begin(classifier__sequence *s, classifie
 
 /* Point i (in order) into u[DIMENSIONS], inside (0, 1). */
 static inline void classifier__sequence_point(classifier__sequence *s, int i, double *u) {
-    /* rank-1 lattice for any power of two up to 2^20: Cools, Kuo & Nuyens 2006 */
-    const uint32_t generator[CLASSIFIER__DIMENSIONS] = {1,      182667, 469891, 498753, 110745, 446247, 250185,
-                                                        118627, 245333, 283199, 408519, 391023, 246327};
     const double per_point = 1.0 / s->points;
     int bit = 0;
     while (s->sampler == CLASSIFIER_SOBOL && i > 0 && !(i >> bit & 1)) bit++;
@@ -1481,7 +1481,7 @@ static inline void classifier__sequence_point(classifier__sequence *s, int i, do
             if (i > 0) s->sobol[j] ^= s->direction[j][bit];
             u[j] = ((double)(s->sobol[j] ^ s->digits[j]) + 0.5) * (1.0 / 4294967296.0);
         } else {
-            double at = (double)((uint32_t)i * generator[j] & (uint32_t)(s->points - 1)) * per_point + s->shift[j];
+            double at = (double)((uint32_t)i * s->generator[j] & (uint32_t)(s->points - 1)) * per_point + s->shift[j];
             if (at >= 1.0) at -= 1.0;
             /* the tent map makes the integrand periodic; in an angle it is so already, being even */
             if (j != CLASSIFIER__U_REBOUND && j != CLASSIFIER__U_REBOUND_2 && j != CLASSIFIER__U_CONE) at = fabs(2.0 * at - 1.0);
@@ -1603,8 +1603,9 @@ static inline void classifier__sincos(double angle, double *s, double *c) {
     *c = small ? riddle__sin_quarter(angle, 1) : riddle_cos(angle);
 }
 
-CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
-                                                     double tangential_against, double radial_inward) {
+/* radius_only: speed and angle are not asked for */
+static inline classifier_impact classifier__approach(const classifier_wheel *wheel, double angular_speed, double ahead,
+                                                     double tangential_against, double radial_inward, bool radius_only) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
     double ra = wheel->outer_radius, face = 0.5 * wheel->thickness, turn = 2.0 * RIDDLE_PI / angular_speed, s, c;
     classifier__sincos(ahead, &s, &c);
@@ -1620,6 +1621,7 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
             hit.hit = true;
             hit.radius = r < ra ? r : ra; /* with almost no inward velocity it meets the edge a few hundredths of a millimetre outside */
             hit.time = t;
+            if (radius_only) return hit;
             hit.speed = sqrt(wx * wx + wy * wy);
             hit.angle = riddle_atan2(c * wx + s * wy, s * wx - c * wy);
             return hit;
@@ -1631,6 +1633,17 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
         if (!(t > -turn && t < turn)) return hit;
     }
     return hit;
+}
+
+CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
+                                                     double tangential_against, double radial_inward) {
+    return classifier__approach(wheel, angular_speed, ahead, tangential_against, radial_inward, false);
+}
+
+/* cosine of an angle within +-90 degrees */
+static inline double classifier__cos_forward(double angle) {
+    double s = riddle__sin_quarter(0.5 * angle, 0);
+    return 1.0 - 2.0 * s * s;
 }
 
 /* The threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] / x */
@@ -1685,9 +1698,10 @@ typedef struct classifier__particle {
     double cos_first[CLASSIFIER__REBOUNDS], cos_second, share, v_t2, e_first, e_last;
 } classifier__particle;
 
-static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, double entry, double tangential, double radial) {
-    return classifier_approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
-                               classifier__draw(&q->radial, radial));
+static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, double entry, double tangential, double radial,
+                                                          bool radius_only) {
+    return classifier__approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
+                                classifier__draw(&q->radial, radial), radius_only);
 }
 
 static inline void classifier__draw_particle(const classifier__recipe *q, const double *u, classifier__particle *p) {
@@ -1697,17 +1711,17 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     if (def->law == CLASSIFIER_HOELZER_SOMMERFELD)
         psi = classifier_rorato_clamped(classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
     p->drag = classifier__model_drag(def, psi);
-    p->first = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL]);
-    p->second = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2]);
+    p->first = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL], false);
+    p->second = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2], true);
     double low = classifier__below(&def->imperfection, -quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
     double high = classifier__below(&def->imperfection, quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
     for (int k = 0; k < q->rebounds; k++) {
         double u_k = u[CLASSIFIER__U_REBOUND] + (double)k / (double)CLASSIFIER__REBOUNDS;
         if (u_k >= 1.0) u_k -= 1.0;
-        p->cos_first[k] = riddle_cos(p->first.angle + classifier__draw(&q->imperfection, low + u_k * (high - low)));
+        p->cos_first[k] = classifier__cos_forward(p->first.angle + classifier__draw(&q->imperfection, low + u_k * (high - low)));
     }
-    p->cos_second = riddle_cos(classifier__draw(&q->imperfection, q->straight_low + u[CLASSIFIER__U_REBOUND_2] * q->straight));
-    p->share = riddle_cos(def->cone_half_angle * (2.0 * u[CLASSIFIER__U_CONE] - 1.0));
+    p->cos_second = classifier__cos_forward(classifier__draw(&q->imperfection, q->straight_low + u[CLASSIFIER__U_REBOUND_2] * q->straight));
+    p->share = classifier__cos_forward(def->cone_half_angle * (2.0 * u[CLASSIFIER__U_CONE] - 1.0));
     if (def->impulse_along_centres) p->share *= p->share;
     p->v_t2 = classifier__draw(&q->tangential, u[CLASSIFIER__U_PARTNER]);
     p->e_first = classifier__draw(&q->restitution, u[CLASSIFIER__U_RESTITUTION]);
@@ -2398,8 +2412,9 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
 
 /* >>reconciliation ============================================================================================================ */
 
-/* For a split c: the balance of class i misses r_i = f - c g - (1 - c) h with variance s_i; the least adjustment has multipliers lambda_i
-   = (r_i + c G_i mu + (1 - c) H_i nu) / s_i with mu, nu such that coarse and fine (and so feed) still add up to 1. */
+/* For a split c the balance of a class misses r = f - c g - (1 - c) h, with variance s. With the variances ff, gg, hh of the three shares
+   the least adjustment has the multiplier lambda = (r + c gg mu + (1 - c) hh nu) / s in each class, mu and nu such that coarse and fine
+   (and so feed) still add up to 1. */
 typedef struct classifier__balance {
     const classifier_balance_data *data;
     double c, mu, nu;
@@ -2407,10 +2422,10 @@ typedef struct classifier__balance {
 
 static inline double classifier__multiplier(const classifier__balance *b, int i) {
     const classifier_balance_data *d = b->data;
-    double c = b->c, e = 1.0 - c, F = d->feed_sd[i] * d->feed_sd[i], G = d->coarse_sd[i] * d->coarse_sd[i],
-           H = d->fine_sd[i] * d->fine_sd[i];
+    double c = b->c, e = 1.0 - c, ff = d->feed_sd[i] * d->feed_sd[i], gg = d->coarse_sd[i] * d->coarse_sd[i],
+           hh = d->fine_sd[i] * d->fine_sd[i];
     double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
-    return (r + c * G * b->mu + e * H * b->nu) / (F + c * c * G + e * e * H);
+    return (r + c * gg * b->mu + e * hh * b->nu) / (ff + c * c * gg + e * e * hh);
 }
 
 /* Solves mu, nu for the split c; returns chi squared */
@@ -2418,14 +2433,14 @@ static inline double classifier__balance_at(classifier__balance *b, double c) {
     const classifier_balance_data *d = b->data;
     double e = 1.0 - c, a11 = 0.0, a12 = 0.0, a22 = 0.0, b1 = 0.0, b2 = 0.0;
     for (int i = 0; i < d->classes; i++) {
-        double F = d->feed_sd[i] * d->feed_sd[i], G = d->coarse_sd[i] * d->coarse_sd[i], H = d->fine_sd[i] * d->fine_sd[i],
-               s = F + c * c * G + e * e * H;
+        double ff = d->feed_sd[i] * d->feed_sd[i], gg = d->coarse_sd[i] * d->coarse_sd[i], hh = d->fine_sd[i] * d->fine_sd[i],
+               s = ff + c * c * gg + e * e * hh;
         double r = d->feed[i] - c * d->coarse[i] - e * d->fine[i];
-        a11 += G * (F + e * e * H) / s; /* sum of G - c^2 G^2 / s */
-        a22 += H * (F + c * c * G) / s;
-        a12 -= c * e * G * H / s;
-        b1 += c * G * r / s; /* sum of the adjustments without mu, nu */
-        b2 += e * H * r / s;
+        a11 += gg * (ff + e * e * hh) / s; /* sum of gg - c^2 gg^2 / s */
+        a22 += hh * (ff + c * c * gg) / s;
+        a12 -= c * e * gg * hh / s;
+        b1 += c * gg * r / s; /* sum of the adjustments without mu, nu */
+        b2 += e * hh * r / s;
     }
     double det = a11 * a22 - a12 * a12;
     b->c = c;
@@ -2448,8 +2463,8 @@ static inline double classifier__balance_slope(double c, const void *user) {
     double slope = d->coarse_share_sd > 0.0 ? (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd) : 0.0;
     (void)classifier__balance_at(&b, c);
     for (int i = 0; i < d->classes; i++) {
-        double lambda = classifier__multiplier(&b, i), G = d->coarse_sd[i] * d->coarse_sd[i], H = d->fine_sd[i] * d->fine_sd[i];
-        slope -= lambda * (d->coarse[i] + G * (c * lambda - b.mu) - d->fine[i] - H * ((1.0 - c) * lambda - b.nu));
+        double lambda = classifier__multiplier(&b, i), gg = d->coarse_sd[i] * d->coarse_sd[i], hh = d->fine_sd[i] * d->fine_sd[i];
+        slope -= lambda * (d->coarse[i] + gg * (c * lambda - b.mu) - d->fine[i] - hh * ((1.0 - c) * lambda - b.nu));
     }
     return slope;
 }
@@ -2499,10 +2514,10 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
     if (!(curvature > 0.0)) return CLASSIFIER_OUTSIDE;
     double c_variance = 1.0 / curvature;
     for (int i = 0; i < d.classes; i++) {
-        double F = d.feed_sd[i] * d.feed_sd[i], G = d.coarse_sd[i] * d.coarse_sd[i], H = d.fine_sd[i] * d.fine_sd[i],
-               s = F + c * c * G + e * e * H;
+        double ff = d.feed_sd[i] * d.feed_sd[i], gg = d.coarse_sd[i] * d.coarse_sd[i], hh = d.fine_sd[i] * d.fine_sd[i],
+               s = ff + c * c * gg + e * e * hh;
         double lambda = classifier__multiplier(&b, i);
-        double f = d.feed[i] - F * lambda, g = d.coarse[i] + G * (c * lambda - b.mu), k = d.fine[i] + H * (e * lambda - b.nu);
+        double f = d.feed[i] - ff * lambda, g = d.coarse[i] + gg * (c * lambda - b.mu), k = d.fine[i] + hh * (e * lambda - b.nu);
         if (feed) feed[i] = f;
         if (coarse) coarse[i] = g;
         if (fine) fine[i] = k;
@@ -2510,9 +2525,9 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
         if (t) t[i] = value;
         if (!t_sd) continue;
         /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c */
-        double vff = F - F * F / s, vgg = G - c * c * G * G / s, vfg = c * F * G / s, jf = -value / f, jg = c / f,
+        double vff = ff - ff * ff / s, vgg = gg - c * c * gg * gg / s, vfg = c * ff * gg / s, jf = -value / f, jg = c / f,
                turn = d.coarse[i] - d.fine[i];
-        double dc = g / f + jf * F * turn / s - jg * c * G * turn / s;
+        double dc = g / f + jf * ff * turn / s - jg * c * gg * turn / s;
         t_sd[i] = sqrt(jf * jf * vff + jg * jg * vgg + 2.0 * jf * jg * vfg + dc * dc * c_variance);
     }
     result->coarse_share = c;

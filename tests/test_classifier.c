@@ -608,7 +608,7 @@ static void curve_is_monotone_and_repeatable(void **state) {
         memcpy(&bits, &t, sizeof bits);
         hash = (hash ^ bits) * 1099511628211u;
     }
-    if (hash != UINT64_C(0x894cdf8dff81a14)) fail_msg("the bits of T have changed: 0x%llx", (unsigned long long)hash);
+    if (hash != UINT64_C(0x98d777f5b896e7bc)) fail_msg("the bits of T have changed: 0x%llx", (unsigned long long)hash);
     classifier_free(&a);
     classifier_free(&b);
 }
@@ -741,7 +741,7 @@ static void fits_find_the_curve(void **state) {
             truth.bypass = kind ? 0.15 : 0.0;
             if (kind == 2) truth.hook_size = 1.1e-5;
             for (int i = 0; i < 25; i++) t[i] = classifier_curve_value(&truth, x[i]);
-            classifier_fit_result fit;
+            classifier_fit_result fit = {0};
             unsigned free = kind == 0 ? 0 : kind == 1 ? CLASSIFIER_FREE_BYPASS : CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK;
             assert_int_equal(classifier_fit((classifier_curve_law)law, free, x, t, NULL, 25, &fit), CLASSIFIER_OK);
             close_to(fit.curve.size, truth.size, 1e-6);
