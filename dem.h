@@ -3310,7 +3310,7 @@ DEM_INLINE double dem__half_duration(double zeta) {
     double d = zeta - 1.0;
     if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
     if (zeta < 1.0) return riddle_acos(zeta) / sqrt((1.0 - zeta) * (1.0 + zeta));
-    double root = sqrt((zeta - 1.0) * (zeta + 1.0));
+    double root = sqrt(zeta - 1.0) * sqrt(zeta + 1.0);
     return riddle_log(zeta + root) / root;
 }
 
