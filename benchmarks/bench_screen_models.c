@@ -313,12 +313,12 @@ static void bench_calls(const program *self, json *report) {
 int main(int argc, char **argv) {
     program self = program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
-    json_program(report, &self);
     plot *figure = plot_new("screen_models.h: error against run time", 2, 3);
     bench_implicit(&self, figure, report);
     bench_soldinger(&self, figure, report);
     bench_fit(&self, figure, report);
     bench_calls(&self, report);
+    json_program(report, &self);
     plot_write(figure, self.out, "screen_models_accuracy.svg");
     json_close(report);
     return common_exit_status();

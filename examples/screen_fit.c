@@ -309,7 +309,7 @@ static void fit_everything(const program *self, const study *s, int starts, resu
         double start = machine_seconds();
         screen_def def = deck(s, m);
         screen_fit_options options = w.options[m];
-        if (m != 3) options.starts = starts;
+        options.starts = m != 3 ? starts : self->quick ? 1 : (starts + 3) / 4;
         screen_status status = screen_fit(&def, kinds[m].model, CASES, s->cases, &options, &r->all[m]);
         r->wall[m] = machine_seconds() - start;
         if (status) {
