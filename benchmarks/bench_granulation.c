@@ -381,13 +381,12 @@ int main(int argc, char **argv) {
     program self = program_start("bench_granulation", "Run time against error for granulation.h. Writes SVG figures and CSV tables.", NULL,
                                  0, argc, argv);
     json *report = json_open(self.json);
-    json_program(report, &self);
     bench_studies(&self, report);
     if (!common_interrupted()) bench_balances(&self, report);
     if (!common_interrupted()) bench_ensembles(&self, report);
     if (!common_interrupted()) bench_contacts(&self, report);
     if (!common_interrupted()) bench_cost(&self, report);
-    json_number(report, "wall_s", machine_seconds() - self.started);
+    json_program(report, &self);
     if (common_interrupted()) json_discard(report);
     else json_close(report);
     return common_exit_status();

@@ -464,7 +464,7 @@ static granulation_status balance_curve(curve *out, const condition *c, granulat
 /* Pouw's rate constant, such that as many granules are left as in the discrete simulation */
 static double fit_pouw(curve *out, const condition *c, granulation_kernel_data *data, const double *edges, int steps, double left) {
     double low = 1e-7, high = 1.0;
-    for (int i = 0; i < 24; i++) {
+    for (int i = 0; i < 16; i++) {
         data->rate = sqrt(low * high);
         granulation_status status = balance_curve(out, c, granulation_saturation_kernel, data, edges, steps);
         if (status == GRANULATION_OK && out->number[steps] > left) low = data->rate;
@@ -483,6 +483,18 @@ static void write_by_class(json *report, const char *key, const ensemble *e, int
         json_array(report, NULL, values, e->steps + 1);
     }
     json_array_end(report);
+}
+
+/* Ends the array "rows" and writes solid, liquid and air by class and time after it: the last thing that a study does with an ensemble. */
+static void end_rows_with_classes(json *report, const ensemble *e, int classes) {
+    double time[MOST_STEPS + 1];
+    for (int step = 0; step <= e->steps; step++) time[step] = step * e->c->def.step;
+    json_array_end(report);
+    json_array(report, "time_s", time, e->steps + 1);
+    json_array(report, "class_edges_m3", e->edges, classes + 1);
+    write_by_class(report, "q_solid", e, 1, classes);
+    write_by_class(report, "q_liquid", e, 2, classes);
+    write_by_class(report, "q_air", e, 3, classes);
 }
 
 /* figure 5, or 7 with a normal start: q of solid, liquid and air by class; balance may be NULL */
@@ -591,29 +603,29 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     table_cell(&t, "%.1f", 1e6 * pouw.size[steps]);
     table_end(&t);
     write_row(report, "pouw", &e);
-    json_array_end(report); /* rows */
-    for (int step = 0; step <= steps; step++) y[step] = step;
-    json_array(report, "time_s", y, steps + 1);
-    write_by_class(report, "q_solid", &e, 1, 5);
-    write_by_class(report, "q_liquid", &e, 2, 5);
-    write_by_class(report, "q_air", &e, 3, 5);
+    end_rows_with_classes(report, &e, 5);
     json_object_begin(report, "balance");
     json_number(report, "granules", laws.number[steps]);
     json_number(report, "mean_size_m", laws.size[steps]);
     json_number(report, "pouw_rate_per_s", rate);
     json_number(report, "pouw_mean_size_m", pouw.size[steps]);
     json_object_end(report);
-    json_array_begin(report, "rows_normal_start");
     ensemble_free(&e);
+    return 0;
+}
 
-    condition normal = c;
+/* figures 6 and 7 */
+static int study_normal(const program *self, json *report, granulation_def def, int replicates, int steps) {
+    double edges[CLASSES + 1];
+    condition normal = condition_of(def, 360, 0.33);
     normal.normal_feed = true;
     ten_classes(edges);
     ensemble f = {.c = &normal, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed};
-    if (ensemble_run(&f, self) == 0) {
+    int bad = ensemble_run(&f, self);
+    if (!bad) {
         write_row(report, "normal", &f);
         draw_classes(self, &f, NULL, "Figure 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
-        figure = plot_new("Figure 6: a normal start, one run", 1, 1);
+        plot *figure = plot_new("Figure 6: a normal start, one run", 1, 1);
         plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
         for (int k = 0; k < 5; k++) {
             int step = k * steps / 4;
@@ -630,7 +642,7 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
         plot_write(figure, self->out, "figure6.svg");
     }
     ensemble_free(&f);
-    return 0;
+    return bad;
 }
 
 /* ---- map: figure 10 ---- */
@@ -986,6 +998,7 @@ static int study_custom(const program *self, json *report, granulation_def def, 
         csv_row(file, line, 7);
     }
     csv_close(file);
+    end_rows_with_classes(report, &e, CLASSES);
     ensemble_free(&e);
     return plot_write(figure, self->out, "custom.svg");
 }
@@ -1033,7 +1046,6 @@ int main(int argc, char **argv) {
     if (granulation_check_def(&def, &field) != GRANULATION_OK) program_refuse(&self, "readings", field, "a definition that is allowed");
 
     json *report = json_open(self.json);
-    json_program(report, &self);
     json_string(report, "readings", readings ? "sound" : "paper");
     json_integer(report, "replicates", replicates);
     json_array_begin(report, "rows");
@@ -1050,12 +1062,14 @@ int main(int argc, char **argv) {
     }
     if (!bad && (study == ALL || study == MAP)) bad = study_map(&self, report, def, replicates < 20 ? replicates : 20, steps);
     if (!bad && (study == ALL || study == MIDBATCH)) bad = study_midbatch(&self, report, def, replicates, steps);
-    if (!bad && (study == ALL || study == SOUND)) bad = study_sound(&self, report, replicates < 20 ? replicates : 20, steps);
+    if (!bad && (study == ALL || study == SOUND))
+        bad = study_sound(&self, report, self.quick ? 3 : replicates < 20 ? replicates : 20, steps);
+    if (!bad && (study == ALL || study == POUW)) bad = study_normal(&self, report, def, replicates, steps);
+    /* the last one ends the rows, because its classes stand after them */
     if (!bad && study == CUSTOM) bad = study_custom(&self, report, def, rpm, binder / 100.0, granules, feed == 1, replicates, steps);
-    if (!bad && (study == ALL || study == POUW))
-        bad = study_pouw(&self, report, def, replicates, steps); /* last: its arrays follow the rows */
-    json_array_end(report);
-    json_number(report, "wall_s", machine_seconds() - self.started);
+    else if (!bad && (study == ALL || study == POUW)) bad = study_pouw(&self, report, def, replicates, steps);
+    else json_array_end(report);
+    json_program(report, &self);
     if (bad || common_interrupted()) json_discard(report);
     else json_close(report);
     return common_exit_status();
