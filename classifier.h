@@ -297,6 +297,7 @@ typedef struct classifier_def {
     classifier_distribution restitution;   /* particle on paddle, within [0, 1]; N(0.29, 0.15), beads N(0.75, 0.12) (stand-in, Fig 9) */
     classifier_distribution imperfection;  /* rebound angle - impact angle [rad]; sd 37, glass 42, beads 22 degrees (paper, Fig 7) */
     classifier_distribution sphericity_2d; /* N(0.83, 0.04), glass N(0.80, 0.04), beads N(0.98, 0.005) (stand-in, Fig 2) */
+    bool sphericity_is_3d;                 /* true: sphericity_2d holds 3D sphericities in (0, 1] and eq 5 is left out; false */
     classifier_contacts contacts;          /* geometric, mean 1.0, beads 0.2 (stand-in, Fig 11) */
     double particle_restitution;           /* particle on particle, in [0, 1]; mean of restitution (paper) */
     double cone_half_angle;                /* of the directions after a particle hit [rad], in [0, pi/2]; 65 degrees (paper) */
@@ -1517,6 +1518,7 @@ CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material,
     d.restitution = classifier_normal(beads ? 0.75 : 0.29, beads ? 0.12 : 0.15, 0.0, 1.0);
     d.imperfection = classifier_normal(0.0, degree * (beads ? 22.0 : ground ? 42.0 : 37.0), -RIDDLE_PI, RIDDLE_PI);
     d.sphericity_2d = classifier_normal(beads ? 0.98 : ground ? 0.80 : 0.83, beads ? 0.005 : 0.04, 0.0, 1.0);
+    d.sphericity_is_3d = false;
     d.contacts.law = CLASSIFIER_GEOMETRIC;
     d.contacts.mean = beads ? 0.2 : 1.0;
     d.contacts.counts = 0;
@@ -1656,6 +1658,11 @@ static inline void classifier__threshold_terms(const classifier_def *def, classi
     k[2] = scale * drag.c3;
 }
 
+static inline double classifier__sphericity_3d(const classifier_def *def, double drawn, bool *clamped) {
+    if (!def->sphericity_is_3d) return classifier_rorato_clamped(drawn, clamped);
+    return drawn > 1e-300 ? drawn : 1e-300;
+}
+
 static inline classifier_drag classifier__model_drag(const classifier_def *def, double psi) {
     if (def->law == CLASSIFIER_SCHILLER_NAUMANN) return classifier_schiller_naumann();
     if (def->law == CLASSIFIER_STOKES) return classifier_stokes();
@@ -1709,7 +1716,7 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     double quarter = 0.5 * RIDDLE_PI, psi = 1.0;
     p->clamped = false;
     if (def->law == CLASSIFIER_HOELZER_SOMMERFELD)
-        psi = classifier_rorato_clamped(classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
+        psi = classifier__sphericity_3d(def, classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
     p->drag = classifier__model_drag(def, psi);
     p->first = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL], false);
     p->second = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2], true);
@@ -1959,7 +1966,7 @@ static inline double classifier__typical_cut(const classifier_model *m) {
     at.tangential_velocity = d->rpm * RIDDLE_PI / 30.0 * m->mean_radius * (1.0 + 0.8 * classifier_distribution_mean(&d->restitution));
     at.buoyancy = d->buoyancy;
     return classifier_cut_size(
-        &at, classifier__model_drag(d, classifier_rorato_clamped(classifier_distribution_mean(&d->sphericity_2d), NULL)), NULL);
+        &at, classifier__model_drag(d, classifier__sphericity_3d(d, classifier_distribution_mean(&d->sphericity_2d), NULL)), NULL);
 }
 
 CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t) {

@@ -2,8 +2,8 @@
 
    Draws the counterparts of its figures, for one material and speed (the curves also for the other two speeds):
    fig07_rebound_angle, fig08_rebound_on_wheel, fig09_restitution (with the bars of Thornton & Ning), fig10_impact_radius, fig11_contacts,
-   fig12_case_weights, fig13_separation, figA4_contacts_fixed, and circuit.svg: what a second stage with recycle makes of the curve.
-   tromp.csv holds the separation curve. Inputs that the paper only draws are stand-ins (docs/classifier.md).
+   fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg: the balance at the hit against the whole path; circuit.svg:
+   what a second stage with recycle does. tromp.csv holds the separation curve. Inputs that the paper only draws are stand-ins (docs/classifier.md).
 
    Your own material:  classifier --sphericity psi.csv --restitution e.csv --imperfection angle.csv --tangential vt.csv --radial vr.csv
                        columns low,high,share (shares add up to 1; angles in degrees, velocities in m/s); --contact-counts n.csv with
@@ -465,6 +465,39 @@ static void draw_circuit(const program *self, const classifier_model *model, jso
     json_number(report, "circuit_largest_load", highest);
 }
 
+/* The balance at the instant of the hit against the whole path after it */
+static void draw_paths(const program *self, const classifier_def *def, const classifier_model *model) {
+    enum { PATH_SIZES = 13 };
+    double x[SIZES], um[SIZES], t[SIZES], path_um[PATH_SIZES], path_t[PATH_SIZES], error[PATH_SIZES],
+        centre = classifier_quantile(model, 0.5);
+    const char *const names[2] = {"path, drag on the radial slip", "path, drag on the whole slip"};
+    classifier_def fewer = *def;
+    if (!(centre > 0.0)) return;
+    fewer.points = self->quick ? 16 : 64;
+    size_grid(x, 0.6 * centre, 2.0 * centre);
+    for (int i = 0; i < SIZES; i++) {
+        um[i] = 1e6 * x[i];
+        t[i] = classifier_tromp(model, x[i], NULL);
+    }
+    plot *figure = plot_new("Balance at the hit against the path after it", 1, 1);
+    plot_panel_size(figure, 600, 380);
+    plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
+    plot_line(figure, "balance (the model)", um, t, SIZES);
+    plot_style(figure, 0, PLOT_BLACK);
+    for (int slip = 0; slip < 2; slip++) {
+        int n = 0;
+        for (int i = 0; i < PATH_SIZES && !common_interrupted(); i++) {
+            double size = 0.6 * centre * pow(2.0 / 0.6, i / (PATH_SIZES - 1.0));
+            if (classifier_trajectory_tromp(&fewer, size, (classifier_slip)slip, &path_t[i], &error[i]) != CLASSIFIER_OK) break;
+            path_um[n++] = 1e6 * size;
+        }
+        plot_error_bars(figure, names[slip], path_um, path_t, error, n);
+        plot_style(figure, 0, slip);
+    }
+    plot_legend_outside(figure);
+    plot_write(figure, self->out, "paths.svg");
+}
+
 int main(int argc, char **argv) {
     int material = 0, basis = 0, law = 0;
     double rpm = 3000.0, air = 75.0, contacts = 1.0, x50 = 0.0, factor = 2.7;
@@ -648,6 +681,7 @@ int main(int argc, char **argv) {
     draw_contacts(&self, &def);
     draw_separation(&self, defs, &def, &m, fitted ? &fit : NULL, name);
     draw_fixed_contacts(&self, &model);
+    draw_paths(&self, &def, &model);
     draw_circuit(&self, &model, report);
     classifier_free(&model);
     json_program(report, &self);
