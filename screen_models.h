@@ -579,13 +579,23 @@ static inline double screen_grain_ratio(double density, double d, double referen
 /* (1 - e^-z)/z for z >= 0, 1 at 0 */
 static inline double screen__expm1c(double z) { return z > 0.0 ? -riddle_expm1(-z) / z : 1.0; }
 
+/* What rounding took from product = a b (Dekker 1971); a, b of 0 .. 1e150 */
+static inline double screen__product_error(double a, double b, double product) {
+    double a_up = 134217729.0 * a, b_up = 134217729.0 * b, a_high = a_up - (a_up - a), b_high = b_up - (b_up - b);
+    double a_low = a - a_high, b_low = b - b_high;
+    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+}
+
 /* Model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p, (1 + k t) e^(-k t) where they meet.
    k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
 static inline double screen_subasinghe(double k_s, double k_p, double t) {
     double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s;
     if (!(slow >= 0.0 && fast < HUGE_VAL && k_s == k_s && k_p == k_p && t >= 0.0 && t < HUGE_VAL)) return (double)NAN;
     double a = slow * t;
-    return a > 745.2 ? 0.0 : riddle_exp(-a) * (1.0 + a * screen__expm1c((fast - slow) * t));
+    if (!(a <= 745.2)) return 0.0;
+    /* an argument rounded by half an ulp of 700 would cost e^-a its last 7 bits */
+    double lost = slow < 1e150 && t < 1e150 ? screen__product_error(slow, t, a) : 0.0;
+    return riddle_exp(-a) * (1.0 - lost) * (1.0 + a * screen__expm1c((fast - slow) * t));
 }
 
 /* Model 2: what is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this. */
