@@ -98,8 +98,8 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
     if (scene == SCENE_BED) {
         def.gravity = dem_vec3(0, 0, -150);
         def.periodic[0] = def.periodic[1] = 1;
-        def.low = dem_vec3(-0.0181, -0.0182, 0);
-        def.high = dem_vec3(0.0181, 0.0182, 1);
+        def.low = dem_vec3(-0.0232, -0.0233, 0);
+        def.high = dem_vec3(0.0232, 0.0233, 1);
     }
     if (scene == SCENE_PERIODIC) {
         def.periodic[0] = def.periodic[1] = def.periodic[2] = 1;
@@ -116,7 +116,7 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
         int floor_plane = dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0.02, 0.01, 1));
         if (floor_plane < 0) return (dem_status)-floor_plane;
         dem_vibrate(w, floor_plane, dem_vec3(2e-4, 0, 1e-3), dem_vec3(0, 0, -0.5), 50.6);
-        return scene_fill(w, &r, 7, 7, 6, dem_vec3(-0.01785, -0.01785, 0), 5.1e-3, &one, 1, 0.2);
+        return scene_fill(w, &r, 9, 9, 8, dem_vec3(-0.02295, -0.02295, 0), 5.1e-3, &one, 1, 0.2);
     }
     case SCENE_SCREEN: {
         dem_screen screen = dem_default_screen();
