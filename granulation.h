@@ -434,6 +434,11 @@ GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const do
                                             double *q_l, double *q_a);
 GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3],
                                             double *kinetic); /* any NULL */
+/* Coalescence boundary map of the population as it is: the outcome of a collision of two mean granules (film, diameter, yield stress) at
+   each pair of Stokes numbers; st_v [rows], st_def [columns], all > 0; reasons [rows][columns]. The size limit is left out. BAD_ARGUMENT:
+   no granules. */
+GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows, const double *st_def,
+                                                       int columns, granulation_reason *reasons);
 /* Deepest overlap of a pair over the sum of its radii [-]; 0: none. */
 GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest);
 
@@ -2365,6 +2370,24 @@ GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulat
         momentum[2] = pz;
     }
     if (kinetic) *kinetic = energy;
+}
+
+GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows, const double *st_def,
+                                                       int columns, granulation_reason *reasons) {
+    if (!sim || sim->n < 1 || !st_v || !st_def || !reasons || rows < 1 || columns < 1) return GRANULATION_BAD_ARGUMENT;
+    const granulation_laws *laws = &sim->def.laws;
+    double film = 0.0, diameter = 0.0, yield = 0.0, asperity = granulation_asperity(laws->asperity_factor, laws->grain_diameter);
+    for (int i = 0; i < sim->n; i++) {
+        film += sim->body[i].film / sim->n;
+        diameter += sim->body[i].diameter / sim->n;
+        yield += sim->body[i].yield / sim->n;
+    }
+    double ratio = laws->stiffness == GRANULATION_FIXED_RATIO ? laws->yield_ratio : yield / laws->modulus;
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++)
+            reasons[(size_t)i * (size_t)columns + (size_t)j] =
+                granulation_classify(laws, st_v[i], st_def[j], ratio, film / asperity, 0.5 * diameter / asperity);
+    return GRANULATION_OK;
 }
 
 GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest) {

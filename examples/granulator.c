@@ -682,19 +682,17 @@ static int study_map(const program *self, json *report, granulation_def def, int
             status = granulation_sim_run(&sim, when[k] - done);
             done = when[k];
             if (run > 0 || status != GRANULATION_OK) continue;
-            double film = 0.0, d = 0.0, cells[SIDE * SIDE],
-                   ha = granulation_asperity(c.def.laws.asperity_factor, c.def.laws.grain_diameter);
-            for (int i = 0; i < sim.n; i++) {
-                film += sim.body[i].film / sim.n;
-                d += sim.body[i].diameter / sim.n;
+            double film = 0.0, cells[SIDE * SIDE], st_v[SIDE], st_def[SIDE];
+            granulation_reason reasons[SIDE * SIDE];
+            double ha = granulation_asperity(c.def.laws.asperity_factor, c.def.laws.grain_diameter);
+            for (int i = 0; i < sim.n; i++) film += sim.body[i].film / sim.n;
+            for (int i = 0; i < SIDE; i++) {
+                st_v[i] = pow(10.0, -1.0 + 3.0 * (i + 0.5) / SIDE);
+                st_def[i] = pow(10.0, -7.0 + 7.0 * (i + 0.5) / SIDE);
             }
-            for (int row = 0; row < SIDE; row++)
-                for (int column = 0; column < SIDE; column++) {
-                    double st_def = pow(10.0, -7.0 + 7.0 * (column + 0.5) / SIDE), st_v = pow(10.0, -1.0 + 3.0 * (row + 0.5) / SIDE);
-                    granulation_reason reason =
-                        granulation_classify(&c.def.laws, st_v, st_def, c.def.laws.yield_ratio, film / ha, 0.5 * d / ha);
-                    cells[row * SIDE + column] = reason == GRANULATION_TYPE_I ? 1.0 : reason <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
-                }
+            status = granulation_sim_map(&sim, st_v, SIDE, st_def, SIDE, reasons);
+            for (int i = 0; i < SIDE * SIDE; i++)
+                cells[i] = reasons[i] == GRANULATION_TYPE_I ? 1.0 : reasons[i] <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
             char title[60];
             snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", when[k], film / ha);
             plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
@@ -948,8 +946,36 @@ static int study_sound(const program *self, json *report, int replicates, int st
 
 /* ---- custom ---- */
 
+/* the granules of one run every tenth of the way, for ParaView */
+static void write_granules(const program *self, const condition *c, int steps) {
+    granulation_sim sim;
+    granulation_status status = start(&sim, c, self->seed);
+    pvd *series = pvd_open(self->out, "granules.pvd");
+    for (int frame = 0, done = 0; frame <= 10 && status == GRANULATION_OK && !common_interrupted(); frame++) {
+        int to = steps * frame / 10;
+        if (to > done) status = granulation_sim_run(&sim, to - done);
+        done = to;
+        double *radius = (double *)malloc((size_t)sim.n * 2 * sizeof *radius);
+        if (!radius || status != GRANULATION_OK) {
+            free(radius);
+            break;
+        }
+        for (int i = 0; i < sim.n; i++) {
+            radius[i] = 0.5 * sim.body[i].diameter;
+            radius[sim.n + i] = sim.body[i].film;
+        }
+        vtk_array arrays[] = {vtk_scalar("radius", radius), vtk_scalar("film_m", radius + sim.n),
+                              vtk_vector3("velocity", sim.vx, sim.vy, sim.vz)};
+        vtp_points(self->out, pvd_name(series, sim.time), sim.n, vtk_vector3("position", sim.x, sim.y, sim.z), arrays, 3);
+        free(radius);
+    }
+    pvd_close(series);
+    granulation_sim_free(&sim);
+    if (status != GRANULATION_OK) common_fail("granules: %s", granulation_status_text(status));
+}
+
 static int study_custom(const program *self, json *report, granulation_def def, double rpm, double liquid, int granules, bool normal,
-                        int replicates, int steps) {
+                        bool frames, int replicates, int steps) {
     static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
     double edges[CLASSES + 1];
     condition c = condition_of(def, rpm, liquid);
@@ -964,6 +990,7 @@ static int study_custom(const program *self, json *report, granulation_def def, 
         return -1;
     }
     progress_end(&bar);
+    if (frames) write_granules(self, &c, steps);
     write_row(report, "custom", &e);
     table t = begin_rows();
     table_row(&t, &e);
@@ -1006,6 +1033,7 @@ static int study_custom(const program *self, json *report, granulation_def def, 
 int main(int argc, char **argv) {
     enum { ALL, POUW, IMPELLER, BINDER, MAP, MIDBATCH, SOUND, CUSTOM };
     int study = ALL, replicates = 50, steps = 100, granules = 192, feed = 0, readings = 0;
+    bool frames = false;
     double rpm = 360, binder = 33, viscosity = 0.035, ratio = 0.04, tension = 0.048, rate = 0.0425, breakage = 0.2, saturation = 0.85,
            stirring = 0;
     option options[] = {
@@ -1023,6 +1051,7 @@ int main(int argc, char **argv) {
         option_double("binder", "PCT", &binder, 1.0, 80.0, "liquid in the feed, custom [% of the volume]; air 15, the rest solid"),
         option_int("granules", "N", &granules, 2, 100000, "granules, custom; the box keeps the paper's density"),
         option_choice("feed", &feed, "table1|normal", "sizes at the start, custom"),
+        option_flag("vtp", &frames, "custom: granules of one run as a series for ParaView"),
         option_double("stirring", "PER_S", &stirring, 0.0, 1e3, "custom: share of the granules that get a new velocity in a second [1/s]"),
     };
     enum { OPTIONS = sizeof options / sizeof *options };
@@ -1041,7 +1070,7 @@ int main(int argc, char **argv) {
     if (options[7].given) def.consolidation = rate;
     if (options[8].given) def.laws.breakage_stokes = breakage;
     if (options[9].given) def.laws.critical_saturation = saturation;
-    if (options[14].given) def.stirring = stirring;
+    if (options[15].given) def.stirring = stirring;
     const char *field = NULL;
     if (granulation_check_def(&def, &field) != GRANULATION_OK) program_refuse(&self, "readings", field, "a definition that is allowed");
 
@@ -1066,7 +1095,8 @@ int main(int argc, char **argv) {
         bad = study_sound(&self, report, self.quick ? 3 : replicates < 20 ? replicates : 20, steps);
     if (!bad && (study == ALL || study == POUW)) bad = study_normal(&self, report, def, replicates, steps);
     /* the last one ends the rows, because its classes stand after them */
-    if (!bad && study == CUSTOM) bad = study_custom(&self, report, def, rpm, binder / 100.0, granules, feed == 1, replicates, steps);
+    if (!bad && study == CUSTOM)
+        bad = study_custom(&self, report, def, rpm, binder / 100.0, granules, feed == 1, frames, replicates, steps);
     else if (!bad && (study == ALL || study == POUW)) bad = study_pouw(&self, report, def, replicates, steps);
     else json_array_end(report);
     json_program(report, &self);

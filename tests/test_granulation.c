@@ -263,6 +263,36 @@ static void test_map_is_the_collision(void **state) {
     for (int k = GRANULATION_TYPE_I; k < GRANULATION_REBOUND_SIZE; k++) assert_true(seen[k] > 10);
 }
 
+/* one granule in the box: its map is the collision with its like; dry at first, with a Type I floor at ln(h0 / ha) later */
+static void test_map_of_a_population(void **state) {
+    (void)state;
+    granulation_sim sim;
+    granulation_def def = granulation_default_def();
+    def.laws.stiffness = GRANULATION_FIXED_MODULUS;
+    const double st_v[3] = {0.5, 2.0, 50.0}, st_def[2] = {1e-6, 0.1};
+    granulation_reason map[6];
+    assert_int_equal(granulation_sim_init(&sim, &def), GRANULATION_OK);
+    assert_int_equal(granulation_sim_map(&sim, st_v, 3, st_def, 2, map), GRANULATION_BAD_ARGUMENT);
+    assert_int_equal(granulation_sim_add(&sim, &nucleus, 1), GRANULATION_OK);
+    assert_int_equal(granulation_sim_map(&sim, st_v, 3, st_def, 2, map), GRANULATION_OK);
+    for (int k = 0; k < 6; k++) assert_int_equal(map[k], GRANULATION_REBOUND_DRY);
+    assert_int_equal(granulation_sim_run(&sim, 60), GRANULATION_OK);
+    assert_int_equal(granulation_sim_map(&sim, st_v, 3, st_def, 2, map), GRANULATION_OK);
+    double log_film = log(sim.body[0].film / 1e-7);
+    assert_true(log_film > 2.0 && log_film < 50.0);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 2; j++) {
+            granulation_reason expected = granulation_classify(&def.laws, st_v[i], st_def[j], sim.body[0].yield / def.laws.modulus,
+                                                               sim.body[0].film / 1e-7, 0.5 * sim.body[0].diameter / 1e-7);
+            assert_int_equal(map[2 * i + j], expected);
+            assert_int_equal(map[2 * i + j] == GRANULATION_TYPE_I, st_v[i] <= log_film);
+        }
+    assert_int_equal(map[4], GRANULATION_REBOUND_ELASTIC);
+    assert_int_equal(granulation_sim_map(&sim, NULL, 3, st_def, 2, map), GRANULATION_BAD_ARGUMENT);
+    assert_int_equal(granulation_sim_map(&sim, st_v, 0, st_def, 2, map), GRANULATION_BAD_ARGUMENT);
+    granulation_sim_free(&sim);
+}
+
 static void test_breakage_laws(void **state) {
     (void)state;
     granulation_laws laws = granulation_default_laws();
@@ -1392,6 +1422,7 @@ int main(void) {
         cmocka_unit_test(test_traps_of_the_laws),
         cmocka_unit_test(test_consolidation),
         cmocka_unit_test(test_map_is_the_collision),
+        cmocka_unit_test(test_map_of_a_population),
         cmocka_unit_test(test_breakage_laws),
         cmocka_unit_test(test_domains),
         cmocka_unit_test(test_no_tunnelling),
