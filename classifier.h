@@ -286,7 +286,7 @@ enum { CLASSIFIER_MAX_SHIFTS = 64 };
 typedef struct classifier_def {
     unsigned cookie;         /* set by classifier_default_def */
     classifier_wheel wheel;  /* 25 mm (paper), 18, 26.90 mm, 24, 2 mm (stand-ins: they give the paper's two gas velocities) */
-    double rpm;              /* rotor speed [1/min] > 0; 3000 */
+    double rpm;              /* rotor speed [1/min], above 0 to 1e9; 3000 */
     double air_flow;         /* [m3/s] > 0; 75 m3/h (paper) */
     double fluid_density;    /* [kg/m3] > 0; 1.2 */
     double viscosity;        /* [Pa s] > 0; 1.81e-5 */
@@ -1559,7 +1559,7 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
     CLASSIFIER__NEED("wheel.paddles", def->wheel.paddles >= 1)
     CLASSIFIER__NEED("wheel.thickness",
                      def->wheel.thickness >= 0.0 && def->wheel.paddles * def->wheel.thickness < 2.0 * RIDDLE_PI * def->wheel.inner_radius)
-    CLASSIFIER__NEED("rpm", classifier__positive(def->rpm))
+    CLASSIFIER__NEED("rpm", def->rpm > 0.0 && def->rpm <= 1e9)
     CLASSIFIER__NEED("air_flow", classifier__positive(def->air_flow))
     CLASSIFIER__NEED("fluid_density", classifier__positive(def->fluid_density))
     CLASSIFIER__NEED("viscosity", classifier__positive(def->viscosity))
@@ -1584,6 +1584,7 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
         *field = names[i];
         status = classifier_check_distribution(all[i]);
         if (status != CLASSIFIER_OK) return status;
+        if (fabs(all[i]->mean) > 1e9 || all[i]->sd > 1e9) return CLASSIFIER_BAD_DEFINITION; /* a speed beyond light would overflow */
         if (all[i]->low < low[i] || all[i]->high > high[i]) return CLASSIFIER_BAD_DEFINITION;
     }
     *field = "imperfection"; /* rebounds into the paddle do not count: some must be left */
@@ -1885,6 +1886,7 @@ static inline double classifier__survival(const classifier_model *m, double e) {
 static inline void classifier__evaluate(const classifier_model *m, double x, double factor, double *mean) {
     int rebounds = m->def.preintegrate ? CLASSIFIER__REBOUNDS : 1;
     double p = m->def.law == CLASSIFIER_SCHILLER_NAUMANN ? 0.313 : 0.5;
+    if (x < 1e-90) x = 1e-90; /* nothing is so fine; its powers would overflow */
     double f0 = factor / (x * x),
            f1 = p == 0.5 ? factor * sqrt(factor) / (x * sqrt(x)) : riddle_pow(factor, 2.0 - p) * riddle_pow(x, -1.0 - p),
            f2 = factor * factor / x;

@@ -633,6 +633,7 @@ static void laws_of_the_model(void **state) {
         classifier_result r = {0};
         assert_int_equal(classifier_separate(&model, NULL, NULL, 0, &r), CLASSIFIER_OK);
         assert_true(!!(r.flags & CLASSIFIER_REYNOLDS_OUTSIDE) == (law == 2));
+        assert_true(classifier_tromp(&model, 1e-300, NULL) == 0.0 && classifier_tromp(&model, 1e300, NULL) == 1.0);
         classifier_free(&model);
     }
 }
@@ -1068,6 +1069,8 @@ static void bad_definitions(void **state) {
         }
     }
     BAD("cookie", CLASSIFIER_BAD_DEFINITION, memset(&d, 0, sizeof d));
+    BAD("rpm", CLASSIFIER_BAD_DEFINITION, d.rpm = 1e300);
+    BAD("tangential_velocity", CLASSIFIER_BAD_DEFINITION, d.tangential_velocity.sd = 1e300);
     BAD("wheel.paddles", CLASSIFIER_BAD_DEFINITION, d.wheel.paddles = 0);
     BAD("points", CLASSIFIER_BAD_DEFINITION, d.points = 1000);
     BAD("points", CLASSIFIER_BAD_DEFINITION, d.points = -16);
