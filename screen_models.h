@@ -260,6 +260,8 @@ typedef struct screen_fit_options {
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
     double data_error;     /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
+    double shrink; /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
+                      cases do not drive exponents far for a small gain; 0 (default): the plain minimum; 3e-4 is a mild choice */
     double data_tolerance; /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01 */
     uint32_t cookie;
 } screen_fit_options;
@@ -1332,6 +1334,7 @@ typedef struct screen__problem {
     int parameters, cases, points; /* points: classes x times of the longest case */
     const screen_case *data;
     screen_loss loss;
+    double shrink;
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS]; /* in q */
     double centre[4];                                               /* mean of speed[r] and wet, for each rate */
     double *retained, *slopes;                                      /* [points], [points][parameters or 2] */
@@ -1493,8 +1496,13 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
             }
         }
     }
-    for (int a = 0; a < n; a++)
+    for (int a = 0; a < n; a++) {
+        double pull = screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
+        out->loss += 0.5 * pull * c[a] * c[a];
+        out->gradient[a] += pull * c[a];
+        out->curvature[a][a] += pull;
         for (int b = a + 1; b < n; b++) out->curvature[a][b] = out->curvature[b][a];
+    }
 }
 
 /* Lower Cholesky factor of a symmetric matrix, in place; 0 if it is not positive. */
@@ -1654,6 +1662,7 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
         options.high[j] = screen__is_rate(model, j) ? 1e12 : width;
     }
     options.data_error = 1e-3;
+    options.shrink = 0.0;
     options.data_tolerance = 0.01;
     options.cookie = SCREEN__FIT_COOKIE;
     return options;
@@ -1713,6 +1722,7 @@ static inline screen_status screen__pose(screen__problem *p, const screen_def *d
     p->points = 0;
     p->data = data;
     p->loss = options->loss;
+    p->shrink = options->shrink;
     p->evaluations = 0;
     p->retained = p->slopes = NULL;
     p->bed = NULL;
@@ -1922,6 +1932,7 @@ static inline screen_status screen__check_fit(const screen_def *def, screen_mode
     int n = screen_parameter_count(model, def->continuous), free_ones = 0;
     if (n == 0 || (model == SCREEN_SOLDINGER && def->continuous)) return SCREEN_BAD_MODEL;
     if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->iterations < 1 || !screen__positive(options->data_error) ||
+        !(options->shrink >= 0.0 && options->shrink < HUGE_VAL) ||
         (options->loss != SCREEN_LOSS_DEVIATION && options->loss != SCREEN_LOSS_SQUARES))
         return SCREEN_BAD_OPTION;
     for (int j = 0; j < n; j++) {

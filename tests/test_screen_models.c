@@ -908,6 +908,35 @@ static void fits_with_noise(void **state) {
     for (int a = 0; a < 6; a++) assert_true(fit.correlation[a][a] == 1.0);
 }
 
+/* Two noisy cases: without a price the exponents run away, with a small one they stay, at next to no cost, and predict better. */
+static void a_price_on_exponents_steadies_predictions(void **state) {
+    (void)state;
+    static study s;
+    screen_def def = batch();
+    double p[SCREEN_MAX_PARAMETERS], y[POINTS], off[2] = {0.0, 0.0}, largest[2] = {0.0, 0.0}, fitted[2] = {0.0, 0.0};
+    screen_published(SCREEN_SUBASINGHE, p);
+    for (uint64_t seed = 0; seed < 10; seed++) {
+        make_study(&s, &def, SCREEN_SUBASINGHE, p);
+        add_noise(&s, 0.02, seed);
+        screen_case two[2] = {s.cases[0], s.cases[18]}; /* M = 0 and 0.05, to M = 0.025 */
+        for (int i = 0; i < 2; i++) {
+            screen_fit_options options = screen_default_fit_options(SCREEN_SUBASINGHE);
+            screen_fit_result fit;
+            options.data_tolerance = 0.2;
+            options.shrink = i ? 3e-4 : 0.0;
+            assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 2, two, &options, &fit), SCREEN_OK);
+            assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, fit.parameter, &s.cases[9].operation, TIMES, s.time, y, NULL, NULL),
+                             SCREEN_OK);
+            off[i] += screen_deviation(POINTS, y, s.retained[9]) / 10.0;
+            fitted[i] += fit.deviation / 10.0;
+            largest[i] = fmax(largest[i], fmax(fabs(fit.parameter[1]), fabs(fit.parameter[4])));
+        }
+    }
+    print_message("predicted %.4f and %.4f, fitted %.5f and %.5f, largest exponent %.1f and %.1f\n", off[0], off[1], fitted[0], fitted[1],
+                  largest[0], largest[1]);
+    assert_true(off[1] <= off[0] && fitted[1] >= fitted[0] && fitted[1] < fitted[0] + 3e-4 && largest[1] < largest[0]);
+}
+
 static void a_continuous_deck_is_fitted(void **state) {
     (void)state;
     static study s;
@@ -983,6 +1012,9 @@ static void bad_data_are_named(void **state) {
     assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
     broken = options;
     broken.data_tolerance = nan_;
+    assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+    broken = options;
+    broken.shrink = nan_;
     assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
     double sick[] = {nan_, 1.0, 1.0};
     broken = options;
@@ -1180,6 +1212,7 @@ int main(void) {
         cmocka_unit_test(model_2_has_a_twin),
         cmocka_unit_test(ranges_are_honest),
         cmocka_unit_test(fits_with_noise),
+        cmocka_unit_test(a_price_on_exponents_steadies_predictions),
         cmocka_unit_test(a_continuous_deck_is_fitted),
         cmocka_unit_test(bad_data_are_named),
         cmocka_unit_test(profiles),
