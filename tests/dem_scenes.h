@@ -68,7 +68,8 @@ static inline dem_status scene_fill(dem_world *w, scene_random *r, int nx, int n
         for (int a = 0; a < 3; a++) at[a] += scene_between(r, -room, room);
         status = dem_add_spheres(w, 1, at, &d, 0, k % kinds);
         if (status != DEM_OK) return status;
-        status = dem_set_motion(w, w->count - 1, scene_vector(r, speed), scene_vector(r, 20.0 * speed));
+        dem_vec v = scene_vector(r, speed), spin = scene_vector(r, 20.0 * speed); /* in this order, whatever the compiler */
+        status = dem_set_motion(w, w->count - 1, v, spin);
         if (status != DEM_OK) return status;
     }
     return DEM_OK;
