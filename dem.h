@@ -2141,7 +2141,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     dem__slots   at;
     dem_response r;
     double       extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
-    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 ? 0.0 : w->live_state__[a][c];
+    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < 3 * law->vectors ? 0.0 : w->live_state__[a][c];
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;

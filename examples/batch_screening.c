@@ -1,0 +1,584 @@
+/* batch_screening - a batch of glass spheres on a vibrated sieve: the study of Elskamp & Kruggel-Emden (2019).
+
+   1.41 kg of spheres of 5, 7 and 10 mm lie well mixed on the floor of a feed bin. At t = 0 the floor is taken away; they fall onto a
+   woven screen with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. Printed and drawn is the
+   fraction retained per class over time, for one seed or as mean and interval of several, each a mixture of its own.
+   What the paper leaves open (diameter of the deck, drop height, outlet, profile of the bars, damping convention) is an option here;
+   docs/batch_screening.md says why the defaults are what they are. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "wet_contact.h"
+
+enum { SMALL, NEAR_MESH, LARGE, CLASSES, UNDERSIZE = 2 };
+static const double class_diameter[CLASSES] = {0.005, 0.007, 0.010};
+static const char *const class_name[CLASSES] = {"small (5 mm)", "near-mesh (7 mm)", "large (10 mm)"};
+static const double GLASS = 2534.1, WATER = 1000.0; /* [kg/m3] */
+static const double SAMPLE = 0.1, WATCH = 0.02; /* between points of the curves, between looks at the layers [s] */
+
+/* ---- input ---- */
+
+typedef struct settings {
+    double amplitude, frequency;                                    /* set amplitude [m], [Hz] */
+    double time, dt_ratio;                                          /* [s]; contact time over time step */
+    double mass, screen_diameter, drop, outlet_delay, exit_depth;   /* [kg], [m], [m], [s], [m] */
+    double vertical, sideways;                                      /* share of the set amplitude */
+    double moisture;                                                /* mass of liquid over mass of particles [-] */
+    int    profile, restitution, seeds, case_number, laws;
+    bool   frames, energy;
+} settings;
+
+static void choose_case(settings *s, int number) {
+    static const double amplitude[3] = {0.8e-3, 1.0e-3, 1.2e-3}, frequency[3] = {45.8, 50.6, 55.4}, moisture[3] = {0.0, 0.025, 0.05};
+    s->case_number = number;
+    s->moisture = moisture[(number - 1) / 9];
+    s->amplitude = amplitude[(number - 1) / 3 % 3];
+    s->frequency = frequency[(number - 1) % 3];
+}
+
+/* ---- definition ---- */
+
+static dem_def define(const settings *s, int *glass, int *steel) {
+    dem_def def = dem_default_def();
+    *glass = dem_add_material(&def, GLASS, 5.0e10, 0.2);
+    *steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
+    dem_pair_def *gg = dem_pair(&def, *glass, *glass), *gs = dem_pair(&def, *glass, *steel);
+    gg->friction = 0.1966, gg->rolling = 8.95e-5, gg->restitution = 0.7808;
+    gs->friction = 0.2866, gs->rolling = 1.09e-4, gs->restitution = 0.4351;
+    gg->mode = gs->mode = s->restitution ? DEM_NAIVE : DEM_CLIPPED;
+    return def;
+}
+
+/* splitmix64 */
+static double random_share(uint64_t *state) {
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+typedef struct batch {
+    int     n;
+    double *centre, *diameter; /* [n][3], [n] */
+    int    *group;             /* [n] */
+} batch;
+
+static void free_batch(batch *b) {
+    free(b->centre);
+    free(b->diameter);
+    free(b->group);
+    memset(b, 0, sizeof *b);
+}
+
+/* One third of the mass of each class, diameters +-0.1 mm, in random order. */
+static int mix_batch(batch *b, const settings *s, uint64_t *random) {
+    int count[CLASSES], n = 0;
+    for (int c = 0; c < CLASSES; c++) {
+        const double d = class_diameter[c];
+        count[c] = (int)(s->mass / 3.0 / (RIDDLE_PI / 6.0 * d * d * d * GLASS) + 0.5);
+        n += count[c];
+    }
+    b->n = n;
+    b->centre = calloc((size_t)n + 1, 3 * sizeof *b->centre);
+    b->diameter = calloc((size_t)n + 1, sizeof *b->diameter);
+    b->group = calloc((size_t)n + 1, sizeof *b->group);
+    if (!b->centre || !b->diameter || !b->group) return -1;
+    for (int c = 0, i = 0; c < CLASSES; c++) {
+        for (int k = 0; k < count[c]; k++) b->group[i++] = c;
+    }
+    for (int i = n - 1; i > 0; i--) {
+        const int k = (int)(random_share(random) * (i + 1)), t = b->group[i];
+        b->group[i] = b->group[k], b->group[k] = t;
+    }
+    for (int i = 0; i < n; i++) b->diameter[i] = class_diameter[b->group[i]] + 1e-4 * (2.0 * random_share(random) - 1.0);
+    return 0;
+}
+
+/* ---- state ---- */
+
+/* Loose layers over the floor of the bin, z = 0. */
+static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
+    const double pitch = 0.0104;
+    const int    reach = (int)(radius / pitch) + 1;
+    for (int layer = 0, i = 0; i < b->n; layer++) {
+        const int before = i;
+        for (int p = -reach; p <= reach; p++) {
+            for (int q = -reach; q <= reach && i < b->n; q++) {
+                const double x = pitch * p, y = pitch * q, jitter = 0.35 * (pitch - b->diameter[i]);
+                if (sqrt(x * x + y * y) + 0.5 * pitch > radius) continue;
+                b->centre[3 * i] = x + jitter * (2.0 * random_share(random) - 1.0);
+                b->centre[3 * i + 1] = y + jitter * (2.0 * random_share(random) - 1.0);
+                b->centre[3 * i + 2] = pitch * (layer + 0.5);
+                i++;
+            }
+        }
+        if (i == before) return DEM_BAD_ARGUMENT; /* not one sphere fits the bin */
+    }
+    return DEM_OK;
+}
+
+/* Lets the batch come to rest for a time, with little restitution and a stiffness of choice. */
+static dem_status settle(batch *b, const settings *s, double stiffness, double time) {
+    int       glass, steel;
+    dem_def   def = define(s, &glass, &steel);
+    dem_world world;
+    for (int k = 0; k < 2; k++) {
+        dem_pair_def *pair = dem_pair(&def, glass, k ? steel : glass);
+        pair->restitution = 0.3;
+        pair->stiffness = stiffness;
+    }
+    def.dt = 4e-6 * sqrt(1e5 / stiffness);
+    dem_status status = dem_init(&world, &def, NULL);
+    if (status == DEM_OK) status = dem_add_spheres(&world, b->n, b->centre, b->diameter, glass, 0);
+    if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_BAD_ARGUMENT;
+    if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0) status = DEM_BAD_ARGUMENT;
+    for (double t = 0.0; t < time && status == DEM_OK && !common_interrupted(); t += 0.01) status = dem_run(&world, 0.01, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+    for (int i = 0; i < b->n && status == DEM_OK; i++) {
+        const dem_vec x = dem_position(&world, i);
+        b->centre[3 * i] = x.x, b->centre[3 * i + 1] = x.y, b->centre[3 * i + 2] = x.z;
+    }
+    dem_free(&world);
+    return status;
+}
+
+/* The batch at rest in the bin: soft spheres settle in large steps, then the overlaps relax to the true stiffness. */
+static dem_status fill_bin(batch *b, const settings *s, uint64_t *random) {
+    dem_status status = stack_layers(b, 0.5 * s->screen_diameter, random);
+    if (status == DEM_OK) status = settle(b, s, 5e3, 0.5);
+    if (status == DEM_OK) status = settle(b, s, 1e5, 0.03);
+    return status;
+}
+
+/* The screen, its side wall, and the plane below at which passage counts; the batch at rest, `drop` above the bars. */
+static dem_status build(dem_world *world, const batch *b, const settings *s, int *deck) {
+    int     glass, steel;
+    dem_def def = define(s, &glass, &steel);
+    def.dt = 1e-6;
+    const char *field;
+    dem_status  status = dem_init(world, &def, &field);
+    if (status != DEM_OK) return status;
+    dem_screen screen = dem_default_screen();
+    screen.half_x = 0.5 * s->screen_diameter;
+    screen.profile = s->profile ? DEM_ROUND : DEM_SEMICIRCLE;
+    *deck = dem_add_screen(world, steel, &screen);
+    const int wall = dem_add_cylinder(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1);
+    const int way_out = dem_add_exit(world, dem_vec3(0, 0, -s->exit_depth), dem_vec3(0, 0, 1));
+    if (*deck < 0 || wall < 0 || way_out < 0) status = DEM_BAD_ARGUMENT;
+    const dem_vec amplitude = dem_vec3(s->sideways * s->amplitude, 0, s->vertical * s->amplitude), phase = dem_vec3(0.5 * RIDDLE_PI, 0, 0);
+    if (status == DEM_OK) status = dem_vibrate(world, *deck, amplitude, phase, s->frequency);
+    if (status == DEM_OK) status = dem_vibrate(world, wall, amplitude, phase, s->frequency);
+    for (int i = 0; i < b->n && status == DEM_OK; i++) {
+        const double centre[3] = {b->centre[3 * i], b->centre[3 * i + 1], b->centre[3 * i + 2] + 0.5 * screen.wire + s->drop};
+        status = dem_add_spheres(world, 1, centre, &b->diameter[i], glass, b->group[i]);
+    }
+    const double dt = dem_advise(world, DEM_LINEAR, 1.0).contact / s->dt_ratio;
+    if (status == DEM_OK) status = dem_set_time_step(world, dt);
+    return status;
+}
+
+/* ---- measurement ---- */
+
+typedef struct result {
+    dem_status status;
+    int        samples;            /* points of the curves */
+    double    *retained[UNDERSIZE]; /* [samples], share of the class's mass */
+    double    *free_share, *occupied_share;
+    double     top_time[UNDERSIZE]; /* mean time in the top layer [s] */
+    double     dt, energy_error;
+    double     liquid_error, bridges_mean, liquid_passed;
+    int64_t    steps, particle_steps, contact_steps, formations, ruptures;
+    uint64_t   hash, failed_id;
+    dem_wall   deck;
+} result;
+
+/* Which particles have entered the bottom layer: no other centre in the vertical cylinder of its own diameter below it. */
+static void watch_layers(const dem_world *world, double *entered, double time, double reach, int *head, int *next, int cells, dem_vec *at) {
+    const double size = 2.0 * reach / cells;
+    for (int c = 0; c < cells * cells; c++) head[c] = -1;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        at[i] = dem_position(world, i);
+        const int x = (int)fmin(fmax((at[i].x + reach) / size, 0), cells - 1), y = (int)fmin(fmax((at[i].y + reach) / size, 0), cells - 1);
+        next[i] = head[y * cells + x];
+        head[y * cells + x] = (int)i;
+    }
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->group[i] >= UNDERSIZE || entered[world->id[i]] >= 0.0) continue;
+        const int    x = (int)fmin(fmax((at[i].x + reach) / size, 0), cells - 1), y = (int)fmin(fmax((at[i].y + reach) / size, 0), cells - 1);
+        const double square = world->radius[i] * world->radius[i];
+        int          covered = 0;
+        for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < cells; cy++) {
+            for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < cells; cx++) {
+                for (int k = head[cy * cells + cx]; k >= 0 && !covered; k = next[k]) {
+                    const double dx = at[k].x - at[i].x, dy = at[k].y - at[i].y;
+                    covered = k != (int)i && at[k].z < at[i].z && at[k].z > 0.0 && dx * dx + dy * dy < square;
+                }
+            }
+        }
+        if (!covered) entered[world->id[i]] = time;
+    }
+}
+
+/* Mass of a class, particles and their liquid, that has not reached the outlet's end at a time, over the mass at the start. */
+static double retained(const dem_world *world, const batch *b, const wet_scene *wet, double film, int group, double time, double delay) {
+    double whole = 0.0, gone = 0.0;
+    for (int i = 0; i < b->n; i++) {
+        const double d = b->diameter[i];
+        if (b->group[i] == group) whole += GLASS * RIDDLE_PI / 6.0 * d * d * d + WATER * film * RIDDLE_PI * d * d;
+    }
+    for (ptrdiff_t k = 0; k < world->passed_count; k++) {
+        const dem_passed *p = &world->passed[k];
+        if (p->group != group || p->time + delay > time + 1e-9) continue;
+        gone += GLASS * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter + (wet ? WATER * wet->films.particle[p->id] : 0.0);
+    }
+    return whole > 0.0 ? 1.0 - gone / whole : 0.0;
+}
+
+static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
+    const ptrdiff_t n = world->count;
+    double         *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer);
+    int            *group = malloc((size_t)(n + 1) * sizeof *group), m = 0;
+    if (buffer && group) {
+        double *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
+        for (ptrdiff_t i = 0; i < n; i++) {
+            if (!world->alive[i]) continue;
+            const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
+            x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
+            v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
+            d[m] = 2.0 * world->radius[i];
+            group[m++] = world->group[i];
+        }
+        const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("class", group)};
+        vtp_points(folder, pvd_name(series, time), m, vtk_vector("position", x), arrays, 3);
+    } else common_fail("out of memory for a frame");
+    free(buffer);
+    free(group);
+}
+
+/* ---- one run ---- */
+
+typedef struct study {
+    settings  set;
+    uint64_t  seed;
+    result   *results; /* [seeds] */
+    progress *bar;
+    pvd      *series;
+    const char *out;
+} study;
+
+static int run_seed(int index, void *user) {
+    study          *st = user;
+    const settings *s = &st->set;
+    result         *r = &st->results[index];
+    uint64_t        random = st->seed + (uint64_t)index;
+    batch           b;
+    dem_world       world;
+    wet_scene      *wet = NULL;
+    double          film = 0.0, glass = 0.0, area = 0.0; /* thickness [m], mass [kg], surface [m2] */
+    int             deck = 0, looks = 0;
+    memset(&b, 0, sizeof b);
+    memset(&world, 0, sizeof world);
+    r->status = mix_batch(&b, s, &random) ? DEM_OUT_OF_MEMORY : fill_bin(&b, s, &random);
+    if (r->status == DEM_OK && !common_interrupted()) r->status = build(&world, &b, s, &deck);
+    for (int i = 0; i < b.n; i++) {
+        glass += GLASS * RIDDLE_PI / 6.0 * b.diameter[i] * b.diameter[i] * b.diameter[i];
+        area += RIDDLE_PI * b.diameter[i] * b.diameter[i];
+    }
+    if (r->status == DEM_OK && s->moisture > 0.0) {
+        film = s->moisture * glass / WATER / area;
+        wet = malloc(sizeof *wet);
+        if (!wet) r->status = DEM_OUT_OF_MEMORY;
+        else if (wet_init(wet, b.n, b.group, b.diameter, class_diameter, s->moisture, glass, deck, &world, s->laws == 1) != BRIDGE_OK) r->status = DEM_BAD_ARGUMENT;
+        world.user = wet;
+    }
+
+    const int n = b.n, cells = 24, features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
+    double   *entered = malloc((size_t)(n + 1) * sizeof *entered);
+    int      *head = malloc((size_t)(cells * cells) * sizeof *head), *next = malloc((size_t)(n + 1) * sizeof *next);
+    dem_vec  *at = malloc((size_t)(n + 1) * sizeof *at);
+    if (r->status == DEM_OK && !(entered && head && next && at)) r->status = DEM_OUT_OF_MEMORY;
+    const int    watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
+    const double arrival = sqrt(2.0 * s->drop / 9.81), reach = 0.5 * s->screen_diameter;
+    for (int i = 0; i < n && r->status == DEM_OK; i++) entered[i] = -1.0;
+    for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
+        const double time = k * WATCH;
+        if (k > 0) r->status = wet ? wet_run(&world, WATCH) : dem_run(&world, WATCH, features);
+        if (time >= arrival) watch_layers(&world, entered, time, reach, head, next, cells, at);
+        if (k % every == 0) {
+            const int           sample = k / every;
+            const dem_apertures holes = dem_count_apertures(&world, deck);
+            for (int c = 0; c < UNDERSIZE; c++) r->retained[c][sample] = retained(&world, &b, wet, film, c, time, s->outlet_delay);
+            r->free_share[sample] = holes.total ? (double)holes.free / holes.total : 1.0;
+            r->occupied_share[sample] = holes.total ? (double)holes.occupied / holes.total : 0.0;
+            r->samples = sample + 1;
+            if (wet) {
+                int          bridges;
+                const double total = wet_total(wet, &world, &bridges);
+                r->liquid_error = fmax(r->liquid_error, fabs(total / wet->initial - 1.0));
+                r->bridges_mean += bridges;
+                looks++;
+            }
+        }
+        if (st->series && index == 0 && k % every == 0) write_frame(&world, st->out, st->series, time);
+        progress_add(st->bar, WATCH);
+    }
+    if (r->status == DEM_OK) {
+        double sum[UNDERSIZE] = {0.0, 0.0};
+        int    count[UNDERSIZE] = {0, 0};
+        for (ptrdiff_t k = 0; k < world.passed_count; k++) {
+            if (entered[world.passed[k].id] < 0.0) entered[world.passed[k].id] = world.passed[k].time;
+        }
+        for (int i = 0; i < n; i++) {
+            if (b.group[i] >= UNDERSIZE) continue;
+            const double until = entered[i] >= 0.0 ? entered[i] : s->time;
+            sum[b.group[i]] += fmax(until - arrival, 0.0);
+            count[b.group[i]]++;
+        }
+        for (int c = 0; c < UNDERSIZE; c++) r->top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
+        const dem_energy_ledger e = dem_energy(&world);
+        r->energy_error = s->energy && !wet ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
+        r->dt = world.def.dt;
+        r->steps = world.step;
+        r->particle_steps = world.particle_steps;
+        r->contact_steps = world.contact_steps;
+        r->hash = dem_hash(&world);
+        if (wet) {
+            r->bridges_mean /= looks;
+            r->formations = wet->formations, r->ruptures = wet->ruptures;
+            for (ptrdiff_t k = 0; k < world.passed_count; k++) r->liquid_passed += WATER * wet->films.particle[world.passed[k].id];
+        }
+    }
+    r->failed_id = world.failed_id;
+    free(entered), free(head), free(next), free(at);
+    if (wet) wet_free(wet);
+    free(wet);
+    free_batch(&b);
+    dem_free(&world);
+    return r->status != DEM_OK;
+}
+
+/* ---- output ---- */
+
+/* Mean and standard deviation over the seeds at each sample. */
+static void average(const result *r, int seeds, int samples, size_t curve, double *mean, double *sd) {
+    for (int k = 0; k < samples; k++) {
+        double sum = 0.0, square = 0.0;
+        for (int q = 0; q < seeds; q++) {
+            const double *const curves[] = {r[q].retained[0], r[q].retained[1], r[q].free_share, r[q].occupied_share};
+            sum += curves[curve][k];
+        }
+        mean[k] = sum / seeds;
+        for (int q = 0; q < seeds; q++) {
+            const double *const curves[] = {r[q].retained[0], r[q].retained[1], r[q].free_share, r[q].occupied_share};
+            square += (curves[curve][k] - mean[k]) * (curves[curve][k] - mean[k]);
+        }
+        sd[k] = seeds > 1 ? sqrt(square / (seeds - 1)) : 0.0;
+    }
+}
+
+/* Two-sided 95 % quantile of Student's t; the tabulated values of any textbook. */
+static double student(int freedom) {
+    static const double t[] = {0, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
+                               2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
+    return freedom < 1 ? 0.0 : freedom <= 30 ? t[freedom] : 1.96 + 2.4 / freedom;
+}
+
+static void draw(const study *st, int samples, const double *time, double *const *mean, double *const *sd) {
+    const settings *s = &st->set;
+    char            title[120];
+    double         *low = malloc((size_t)samples * 2 * sizeof *low), *high = low ? low + samples : NULL;
+    if (!low) return;
+    snprintf(title, sizeof title, "Batch screening: A = %.2g mm, f = %.3g Hz, moisture %.3g %%, %d seed%s", 1e3 * s->amplitude, s->frequency, 100.0 * s->moisture, s->seeds, s->seeds > 1 ? "s" : "");
+    plot *figure = plot_new(title, 1, 1);
+    plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
+    plot_range_y(figure, 0.0, 1.02);
+    for (int c = 0; c < UNDERSIZE; c++) {
+        const double t = student(s->seeds - 1) / sqrt((double)s->seeds);
+        plot_line(figure, class_name[c], time, mean[c], samples);
+        if (s->seeds < 2) continue;
+        for (int k = 0; k < samples; k++) low[k] = fmax(mean[c][k] - t * sd[c][k], 0.0), high[k] = fmin(mean[c][k] + t * sd[c][k], 1.0);
+        plot_band(figure, NULL, time, low, high, samples);
+        plot_style(figure, 0, PLOT_SAME);
+    }
+    if (s->case_number == 5 && s->moisture == 0.0) { /* numbers in the text of section 5.1 */
+        const double at[] = {5.0, 10.0}, small[] = {0.13, 0.015}, near_mesh[] = {0.20, 0.10};
+        const int    n = s->time >= 10.0 ? 2 : s->time >= 5.0 ? 1 : 0;
+        if (n) plot_points(figure, "paper, small", at, small, n), plot_style(figure, 0, 0);
+        if (n) plot_points(figure, "paper, near-mesh", at, near_mesh, n), plot_style(figure, 0, 1);
+    }
+    plot_write(figure, st->out, "retained.svg");
+    figure = plot_new("Apertures of the screen", 1, 1);
+    plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
+    plot_range_y(figure, 0.0, 1.02);
+    plot_line(figure, "free (none wedged)", time, mean[2], samples);
+    plot_line(figure, "a particle sits in it", time, mean[3], samples);
+    plot_write(figure, st->out, "apertures.svg");
+    free(low);
+}
+
+static void report(const program *self, const study *st, int samples, double wall) {
+    const settings *s = &st->set;
+    const result   *r = st->results;
+    double *time = malloc((size_t)samples * 9 * sizeof *time), *mean[4], *sd[4], top[UNDERSIZE] = {0, 0}, error = 0.0, steps = 0, particle_steps = 0, contact_steps = 0;
+    if (!time) {
+        common_fail("out of memory");
+        return;
+    }
+    for (int k = 0; k < samples; k++) time[k] = k * SAMPLE;
+    for (size_t c = 0; c < 4; c++) {
+        mean[c] = time + (size_t)samples * (1 + 2 * c);
+        sd[c] = mean[c] + samples;
+        average(r, s->seeds, samples, c, mean[c], sd[c]);
+    }
+    for (int q = 0; q < s->seeds; q++) {
+        for (int c = 0; c < UNDERSIZE; c++) top[c] += r[q].top_time[c] / s->seeds;
+        error = fmax(error, r[q].energy_error);
+        steps += (double)r[q].steps, particle_steps += (double)r[q].particle_steps, contact_steps += (double)r[q].contact_steps;
+    }
+
+    const double t = s->seeds > 1 ? student(s->seeds - 1) / sqrt((double)s->seeds) : 0.0;
+    table        rows = table_begin(s->seeds > 1 ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free" : "time [s]|small retained|near-mesh retained|apertures free");
+    for (int k = 0; k < samples; k += (int)(fmax(1.0, floor(s->time / 10.0 + 0.5)) / SAMPLE + 0.5)) {
+        table_cell(&rows, "%.1f", time[k]);
+        for (int c = 0; c < UNDERSIZE; c++) {
+            table_cell(&rows, "%.3f", mean[c][k]);
+            if (s->seeds > 1) table_cell(&rows, "%.3f", t * sd[c][k]);
+        }
+        table_cell(&rows, "%.3f", mean[2][k]);
+    }
+    table_end(&rows);
+    common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", top[SMALL], top[NEAR_MESH]);
+    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps in %.1f s\n", steps, 1e6 * r[0].dt, particle_steps, contact_steps, wall);
+    if (s->moisture > 0.0) common_print("liquid conserved to %.1e; %.0f bridges on average, %lld ruptures (first seed)\n", r[0].liquid_error, r[0].bridges_mean, (long long)r[0].ruptures);
+    else if (s->energy) common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", error);
+
+    draw(st, samples, time, mean, sd);
+    csv *curves = csv_open(st->out, "retained.csv", "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,occupied_fraction");
+    for (int k = 0; k < samples; k++) csv_row(curves, (const double[]){time[k], mean[0][k], sd[0][k], mean[1][k], sd[1][k], mean[2][k], mean[3][k]}, 7);
+    csv_close(curves);
+
+    json *j = json_open(self->json);
+    json_program(j, self);
+    json_integer(j, "case", s->case_number);
+    json_number(j, "amplitude_m", s->amplitude);
+    json_number(j, "frequency_hz", s->frequency);
+    json_number(j, "moisture", s->moisture);
+    json_number(j, "screen_diameter_m", s->screen_diameter);
+    json_number(j, "drop_height_m", s->drop);
+    json_number(j, "outlet_delay_s", s->outlet_delay);
+    json_number(j, "dt_s", r[0].dt);
+    json_array(j, "time_s", time, samples);
+    json_array(j, "retained_small", mean[SMALL], samples);
+    json_array(j, "retained_near_mesh", mean[NEAR_MESH], samples);
+    if (s->seeds > 1) {
+        json_array(j, "retained_small_sd", sd[SMALL], samples);
+        json_array(j, "retained_near_mesh_sd", sd[NEAR_MESH], samples);
+    }
+    json_number(j, "top_layer_time_small_s", top[SMALL]);
+    json_number(j, "top_layer_time_near_mesh_s", top[NEAR_MESH]);
+    json_array(j, "free_fraction", mean[2], samples);
+    json_array(j, "occupied_fraction", mean[3], samples);
+    json_integer(j, "seeds", s->seeds);
+    json_number(j, "steps", steps);
+    json_number(j, "particle_steps", particle_steps);
+    json_number(j, "contact_steps", contact_steps);
+    json_number(j, "energy_error_rel", s->energy && s->moisture == 0.0 ? error : (double)NAN);
+    if (s->moisture > 0.0) {
+        double liquid = 0.0, bridges = 0.0, ruptures = 0.0, passed[64];
+        for (int q = 0; q < s->seeds; q++) {
+            liquid = fmax(liquid, r[q].liquid_error);
+            bridges += r[q].bridges_mean / s->seeds, ruptures += (double)r[q].ruptures / s->seeds;
+            if (q < 64) passed[q] = r[q].liquid_passed;
+        }
+        json_string(j, "laws", s->laws ? "printed" : "corrected");
+        json_number(j, "liquid_error_rel", liquid);
+        json_number(j, "bridges_mean", bridges);
+        json_number(j, "ruptures", ruptures);
+        json_array(j, "liquid_passed_kg", passed, s->seeds < 64 ? s->seeds : 64);
+    }
+    json_bool(j, "deterministic_build", dem_build_is_deterministic());
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r[0].hash);
+    json_string(j, "hash_first_seed", hash);
+    json_close(j);
+    free(time);
+}
+
+static int make_results(study *st, int samples) {
+    st->results = calloc((size_t)st->set.seeds, sizeof *st->results);
+    if (!st->results) return -1;
+    for (int q = 0; q < st->set.seeds; q++) {
+        double *block = calloc((size_t)samples, 4 * sizeof *block);
+        if (!block) return -1;
+        for (int c = 0; c < UNDERSIZE; c++) st->results[q].retained[c] = block + (size_t)c * (size_t)samples;
+        st->results[q].free_share = block + 2 * (size_t)samples;
+        st->results[q].occupied_share = block + 3 * (size_t)samples;
+    }
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    study     st = {0};
+    settings *s = &st.set;
+    double    amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
+    bool      no_frames = false, no_energy = false;
+    int       number = 5;
+    s->time = 20.0, s->dt_ratio = 20.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1, s->seeds = 1;
+    option options[] = {
+        option_int("case", "N", &number, 1, 27, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
+        option_double("amplitude-mm", "MM", &amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
+        option_double("frequency-hz", "HZ", &frequency_hz, 0.0, 200.0, "frequency [Hz], instead of a case"),
+        option_double("moisture", "SHARE", &moisture, 0.0, 0.08, "mass of water over mass of particles [-], instead of the case's"),
+        option_choice("laws", &s->laws, "corrected|printed", "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
+        option_positive("time", "S", &s->time, 1e4, "simulated time [s]"),
+        option_int("seeds", "N", &s->seeds, 1, 10000, "independent mixtures, one per core; mean and interval"),
+        option_double("screen-diameter-mm", "MM", &diameter_mm, 50.0, 2000.0, "clear diameter of the deck [mm]"),
+        option_double("drop-mm", "MM", &drop_mm, 1.0, 500.0, "height of the bin's floor over the bars [mm]"),
+        option_double("outlet-delay", "S", &s->outlet_delay, 0.0, 10.0, "time from the screen to the end of the outlet [s]"),
+        option_double("sideways", "SHARE", &s->sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
+        option_double("vertical", "SHARE", &s->vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
+        option_positive("mass", "KG", &s->mass, 1000.0, "mass of the batch [kg]"),
+        option_choice("profile", &s->profile, "semicircle|round", "section of the bars"),
+        option_choice("restitution", &s->restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
+        option_double("steps-per-contact", "N", &s->dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
+        option_flag("no-frames", &no_frames, "no .vtp series"),
+        option_flag("no-energy", &no_energy, "no energy ledger"),
+    };
+    program self = program_start("batch_screening", "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).", options,
+                                 sizeof options / sizeof *options, argc, argv);
+    if (options[0].given && (options[1].given || options[2].given)) program_refuse(&self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+    choose_case(s, number);
+    if (options[1].given || options[2].given) s->case_number = 0, s->amplitude = 1e-3 * amplitude_mm, s->frequency = frequency_hz;
+    if (options[3].given) s->moisture = moisture, s->case_number = 0;
+    if (self.quick && !options[5].given) s->time = 0.5;
+    s->screen_diameter = 1e-3 * diameter_mm;
+    s->drop = 1e-3 * drop_mm;
+    s->energy = !no_energy;
+    s->frames = !no_frames;
+    st.seed = self.seed * 1000003u;
+    st.out = self.out;
+
+    progress     bar;
+    const int    samples = (int)(s->time / SAMPLE + 1e-9) + 1;
+    const double started = machine_seconds();
+    if (make_results(&st, samples)) {
+        common_fail("out of memory for %d seeds of %d samples", s->seeds, samples);
+        return common_exit_status();
+    }
+    if (s->frames) st.series = pvd_open(self.out, "particles.pvd");
+    progress_begin(&bar, "screening", s->time * s->seeds);
+    st.bar = &bar;
+    jobs_run(s->seeds, self.threads, run_seed, &st);
+    progress_end(&bar);
+    if (st.series) pvd_close(st.series);
+    for (int q = 0; q < s->seeds && !common_interrupted(); q++) {
+        if (st.results[q].status != DEM_OK) common_fail("seed %d: %s (particle %llu)", q + 1, dem_status_text(st.results[q].status), (unsigned long long)st.results[q].failed_id);
+    }
+    if (!common_interrupted() && common_exit_status() == 0) report(&self, &st, samples, machine_seconds() - started);
+    for (int q = 0; q < s->seeds; q++) free(st.results[q].retained[0]);
+    free(st.results);
+    return common_exit_status();
+}

@@ -1,0 +1,220 @@
+/* wet_contact.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and a liquid bridge on it.
+   A bridge forms when two bodies touch, and holds until its gap is beyond dynamic rupture; meanwhile the contact lives at a distance.
+   Its twelve numbers stand behind the friction history in the contact's state; films and books are the scene's. */
+#ifndef WET_CONTACT_H
+#define WET_CONTACT_H
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem.h"
+#include "liquid_bridge.h"
+
+enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES, WET_BRIDGE = 3, WET_STATES = WET_BRIDGE + sizeof(bridge) / sizeof(double) };
+/* constants behind those of the dry law */
+enum { WET_TENSION = 8, WET_VISCOSITY, WET_ROUGHNESS, WET_ANGLE_I, WET_ANGLE_J, WET_IS_WALL, WET_CONSTANTS };
+
+typedef struct wet_scene {
+    bridge_liquid liquid;
+    double        angle[2];                           /* contact angle of particles, of walls [rad] */
+    bool          printed;                            /* eqs 12-18 as printed */
+    bridge_pair   kind[WET_CLASSES][WET_CLASSES + 1]; /* classes a <= b; last column: wall and wire */
+    bridge_films  films;
+    const int    *group; /* class of particle by id */
+    int           deck;  /* wall index of the screen */
+    double        patch, pitch, height, wall_radius, wire;
+    int           around, up, bars; /* patches of the side wall; bars of a family, patches of a bar */
+    long long     formations, ruptures;
+    double        initial; /* liquid at the start [m3] */
+    bridge_status status;
+} wet_scene;
+
+/* ---- laws: what the kernel inlines ---- */
+
+DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
+    const bool touching = c->gap < 0.0;
+    bridge     b;
+    dem_force_linear_rolling(c, state, r);
+    memcpy(&b, state + WET_BRIDGE, sizeof b);
+    if (!(b.volume > 0.0)) return;
+    const double       *p = c->constants;
+    const bridge_liquid liquid = {p[WET_TENSION], p[WET_VISCOSITY], p[WET_ROUGHNESS]};
+    bridge_forces       f;
+    if (printed) {
+        const double s = touching ? 0.0 : c->gap, rs = 0.5 * b.radius, sv = bridge_viscous_gap(s, rs, liquid.roughness);
+        f.normal = p[WET_IS_WALL] > 0.0 ? bridge_printed_force_wall(s, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
+                                        : bridge_printed_force(s, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
+        f.normal -= bridge_drag_normal(sv, b.volume, rs, liquid.viscosity) * c->closing;
+        f.tangential = bridge_printed_drag_translation(sv, rs, liquid.viscosity);
+        f.spin = bridge_printed_drag_spin(sv, rs, liquid.viscosity);
+    } else {
+        f = bridge_evaluate(&b, &liquid, c->gap, -c->closing);
+    }
+    r->normal -= f.normal;
+    for (int a = 0; a < 3; a++) r->tangential[a] -= f.tangential * c->translation[a] + f.spin * (c->slip[a] - c->translation[a]);
+    r->ended = !touching && bridge_is_ruptured(&b, &liquid, c->gap, -c->closing);
+}
+DEM_INLINE void wet_force(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, false); }
+DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, true); }
+
+static double wet_prepare(const dem_birth *b, double *constants) {
+    const wet_scene *s = b->user;
+    const double     stiffness = dem_prepare_linear(b, constants);
+    constants[WET_TENSION] = s->liquid.surface_tension;
+    constants[WET_VISCOSITY] = s->liquid.viscosity;
+    constants[WET_ROUGHNESS] = s->liquid.roughness;
+    constants[WET_ANGLE_I] = s->angle[0];
+    constants[WET_ANGLE_J] = s->angle[b->radius_j > 0.0 ? 0 : 1];
+    constants[WET_IS_WALL] = b->radius_j > 0.0 ? 0.0 : 1.0;
+    return stiffness;
+}
+
+/* ---- books ---- */
+
+/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall, one pitch of a bar. */
+static size_t wet_patch(const wet_scene *s, const dem_world *w, const dem_contact_info *c) {
+    const int       wall = (int)(-1 - c->j);
+    const dem_vec   at = dem_position(w, c->i), origin = w->wall[wall].position;
+    const double    x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
+    const int       side = s->around * s->up;
+    if (wall != s->deck) {
+        const int a = (int)((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around), u = (int)(z / s->patch) + 2;
+        return (size_t)((a < 0 ? 0 : a >= s->around ? s->around - 1 : a) + s->around * (u < 0 ? 0 : u >= s->up ? s->up - 1 : u));
+    }
+    const int family = (int)((unsigned)c->element & 1u), bar = (c->element - family) / 2 + s->bars / 2;
+    const int segment = (int)((family ? y : x) / s->pitch + s->bars / 2.0);
+    const int b = bar < 0 ? 0 : bar >= s->bars ? s->bars - 1 : bar, k = segment < 0 ? 0 : segment >= s->bars ? s->bars - 1 : segment;
+    return (size_t)(side + (family * s->bars + b) * s->bars + k);
+}
+
+static bridge_partner wet_partner(const wet_scene *s, const dem_contact_info *c) {
+    return c->j >= 0 ? BRIDGE_SPHERE : -1 - c->j == s->deck ? BRIDGE_WIRE : BRIDGE_WALL;
+}
+
+static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+    wet_scene      *s = user;
+    bridge_contact *wanted = malloc((size_t)n * sizeof *wanted);
+    if (!wanted) {
+        s->status = BRIDGE_INVALID;
+        return;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_contact_info c = dem_get_slot(w, slots[k]);
+        const int              a = s->group[w->id[c.i]], b = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
+        bridge_contact        *q = &wanted[k];
+        memset(q, 0, sizeof *q);
+        q->i = (size_t)w->id[c.i];
+        q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
+        q->partner = wet_partner(s, &c);
+        q->radius_i = w->radius[c.i];
+        q->radius_j = c.j >= 0 ? w->radius[c.j] : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
+        bridge_volume_range(&s->kind[a < b ? a : b][a < b ? b : a], q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min, &q->volume_max);
+    }
+    if (bridge_allocate(&s->films, wanted, (size_t)n) != BRIDGE_OK) s->status = BRIDGE_INVALID;
+    for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
+        const bridge_contact *q = &wanted[k];
+        if (!(q->given_i + q->given_j > 0.0)) continue;
+        dem_contact_info c = dem_get_slot(w, slots[k]);
+        bridge           b;
+        const int        ka = s->group[w->id[c.i]], kb = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
+        const bridge_pair *kind = &s->kind[ka < kb ? ka : kb][ka < kb ? kb : ka];
+        const double       other = c.j >= 0 ? q->radius_j : (double)INFINITY;
+        s->status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b)
+                               : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b);
+        memcpy(c.state + WET_BRIDGE, &b, sizeof b);
+        dem_set_slot_state(w, slots[k], c.state);
+        s->formations++;
+    }
+    free(wanted);
+}
+
+static void wet_ended(dem_world *w, int32_t slot, void *user) {
+    wet_scene             *s = user;
+    const dem_contact_info c = dem_get_slot(w, slot);
+    bridge                 b;
+    memcpy(&b, c.state + WET_BRIDGE, sizeof b);
+    if (!(b.volume > 0.0)) return;
+    const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
+    if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet_partner(s, &c)) != BRIDGE_OK) s->status = BRIDGE_INVALID;
+    s->ruptures++;
+}
+
+static const dem_law wet_law = {"linear, friction, rolling, bridges", 1, WET_STATES, 1, WET_CONSTANTS, wet_prepare, wet_force, wet_born, wet_ended};
+static const dem_law wet_law_printed = {"the same, eqs 12-18 as printed", 1, WET_STATES, 1, WET_CONSTANTS, wet_prepare, wet_force_printed, wet_born, wet_ended};
+DEM_KERNEL(wet_kernel, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(wet_kernel_printed, wet_law_printed, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+
+static inline dem_status wet_run(dem_world *w, double duration) {
+    const wet_scene *s = w->user;
+    const int        features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
+    dem_status status = s->printed ? dem_run_law(w, duration, &wet_law_printed, wet_kernel_printed, features) : dem_run_law(w, duration, &wet_law, wet_kernel, features);
+    return status == DEM_OK && s->status != BRIDGE_OK ? DEM_BAD_ARGUMENT : status;
+}
+
+/* Liquid in films and bridges [m3]; number of bridges. */
+static inline double wet_total(const wet_scene *s, const dem_world *w, int *bridges) {
+    double volume = 0.0;
+    *bridges = 0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
+        const dem_contact_info c = dem_get_contact(w, k);
+        volume += c.state[WET_BRIDGE]; /* multiples of the quantum: exact in any order */
+        *bridges += c.state[WET_BRIDGE] > 0.0;
+    }
+    return volume + bridge_films_total(&s->films);
+}
+
+/* A scene of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls.
+   Free with wet_free. */
+static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter, double moisture,
+                                     double particle_mass, int deck, const dem_world *w, bool printed) {
+    double area = 0.0, *block;
+    memset(s, 0, sizeof *s);
+    s->group = group;
+    s->deck = deck;
+    s->printed = printed;
+    s->angle[0] = 15.0 / 180.0 * RIDDLE_PI, s->angle[1] = 45.0 / 180.0 * RIDDLE_PI;
+    s->patch = 5e-3;
+    s->wire = w->wall[deck].wire;
+    s->pitch = w->wall[deck].aperture + s->wire;
+    s->wall_radius = w->wall[deck].half_x;
+    s->around = (int)(2.0 * RIDDLE_PI * s->wall_radius / s->patch) + 1;
+    s->up = 30;
+    s->bars = 2 * ((int)(s->wall_radius / s->pitch) + 2);
+    for (int a = 0; a < WET_CLASSES; a++) {
+        for (int b = a; b <= WET_CLASSES; b++) {
+            bridge_pair_def def = bridge_pair_default_def();
+            def.radius_i = 0.5 * class_diameter[a];
+            def.radius_j = b == WET_WALL ? (double)INFINITY : 0.5 * class_diameter[b];
+            def.angle_i = s->angle[0];
+            def.angle_j = s->angle[b == WET_WALL];
+            if (b == WET_WALL) def.volume_max = 0.02;
+            s->liquid = def.liquid;
+            const bridge_status status = bridge_pair_prepare(&s->kind[a][b], &def);
+            if (status != BRIDGE_OK) return status;
+        }
+    }
+    const size_t patches = (size_t)(s->around * s->up + 2 * s->bars * s->bars);
+    block = calloc(2 * ((size_t)n + patches) + patches, sizeof *block);
+    if (!block) return BRIDGE_INVALID;
+    bridge_films *f = &s->films;
+    double       *patch_area = block + 2 * ((size_t)n + patches);
+    f->particle = block, f->n_particles = (size_t)n;
+    f->patch = block + n, f->n_patches = patches;
+    f->scratch = block + (size_t)n + patches;
+    for (size_t k = 0; k < patches; k++) patch_area[k] = k < (size_t)(s->around * s->up) ? s->patch * s->patch : s->pitch * s->wire;
+    f->patch_area = patch_area;
+    for (int i = 0; i < n; i++) area += RIDDLE_PI * diameter[i] * diameter[i];
+    const double volume = moisture * particle_mass / 1000.0;
+    f->quantum = bridge_quantum(volume > 0.0 ? volume : 1e-6);
+    for (int i = 0; i < n; i++) f->particle[i] = bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, f->quantum);
+    s->initial = bridge_films_total(f);
+    return BRIDGE_OK;
+}
+
+static inline void wet_free(wet_scene *s) {
+    free(s->films.particle);
+    memset(s, 0, sizeof *s);
+}
+
+#endif
