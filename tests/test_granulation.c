@@ -1046,6 +1046,76 @@ static void test_statistics(void **state) {
     assert_true(fabs(m1) < 0.015 && fabs(m2 - 1.0) < 0.02 && fabs(m4 - 3.0) < 0.15);
 }
 
+static double between(granulation_random *r, double low, double high) { return low + (high - low) * granulation_random_uniform(r); }
+static double decades(granulation_random *r, double low, double high) { return low * exp(between(r, 0.0, log(high / low))); }
+static int pick(granulation_random *r, int n) { return (int)between(r, 0.0, n); }
+
+/* Whatever the definition allows: a known status, books that close, places in the box, no overlap where contacts are swept */
+static void test_any_definition(void **state) {
+    (void)state;
+    int seen[GRANULATION_STATUS_COUNT] = {0};
+    for (int it = 0; it < 600; it++) {
+        granulation_random r = granulation_random_seed((uint64_t)it);
+        granulation_def d = granulation_default_def();
+        d.laws.viscosity = decades(&r, 1e-6, 1e3);
+        d.laws.yield_ratio = decades(&r, 1e-6, 1.0);
+        d.laws.limit = (granulation_limit)pick(&r, 3);
+        d.laws.limit_diameter = decades(&r, 1e-6, 1e-2);
+        d.laws.limit_type_one = pick(&r, 2);
+        d.laws.dry_rule = pick(&r, 2);
+        d.laws.elastic_rule = pick(&r, 2);
+        d.laws.deep_film = pick(&r, 2);
+        d.laws.convention = (granulation_convention)pick(&r, 2);
+        d.laws.stiffness = (granulation_stiffness)pick(&r, 2);
+        d.laws.critical_saturation = between(&r, 0.01, 1.0);
+        d.laws.breakage_stokes = decades(&r, 1e-4, 1e3);
+        d.detection = (granulation_detection)pick(&r, 2);
+        d.contact = (granulation_contact)pick(&r, 3);
+        d.bounce = (granulation_bounce)pick(&r, 2);
+        d.signs = (granulation_signs)pick(&r, 3);
+        d.restitution = pick(&r, 3) ? between(&r, 0.0, 1.0) : 0.0;
+        d.restitution_of_law = pick(&r, 2);
+        d.approaching_only = pick(&r, 2);
+        d.stirring = pick(&r, 2) ? 0.0 : decades(&r, 0.01, 100.0);
+        d.consolidation = pick(&r, 5) ? decades(&r, 1e-4, 10.0) : 0.0;
+        d.breakage_least_volume = pick(&r, 3) ? decades(&r, 1e-14, 1e-12) : 0.0;
+        d.most_granules = (int)decades(&r, 10.0, 600.0);
+        d.most_events = (int)decades(&r, 10.0, 1000.0);
+        d.dilation = decades(&r, 3e3, 1e7);
+        d.box = decades(&r, 3.2e-4, 4e-3);
+        for (int k = 0; k < 3; k++) {
+            d.velocity_mean[k] = pick(&r, 5) ? between(&r, -9.0, 9.0) : 0.0;
+            d.velocity_deviation[k] = pick(&r, 5) ? decades(&r, 1e-3, 10.0) : 0.0;
+        }
+        granulation_sim sim;
+        assert_int_equal(granulation_sim_init(&sim, &d), GRANULATION_OK);
+        for (int i = 0, n = (int)decades(&r, 1.0, 150.0); i < n; i++) {
+            double v = decades(&r, 2e-13, 1e-11), solid = between(&r, 0.2, 0.95);
+            granulation_granule g = {v * solid, v * (1.0 - solid) * granulation_random_uniform(&r), 0.0};
+            g.a = v - g.s - g.l > 0.0 ? v - g.s - g.l : 0.0;
+            granulation_status status = granulation_sim_add(&sim, &g, 1);
+            assert_true(status == GRANULATION_OK || status == GRANULATION_NO_ROOM || status == GRANULATION_TOO_LARGE);
+        }
+        granulation_status status = GRANULATION_OK;
+        for (int k = 0; k < 15 && status == GRANULATION_OK; k++) status = granulation_sim_run(&sim, 1);
+        seen[status]++;
+        for (int i = 0; i < sim.n; i++) {
+            assert_true(sim.x[i] >= 0.0 && sim.x[i] < d.box && sim.y[i] >= 0.0 && sim.y[i] < d.box && sim.z[i] >= 0.0 && sim.z[i] < d.box);
+            assert_true(fabs(sim.vx[i]) < 1e6 && fabs(sim.vy[i]) < 1e6 && fabs(sim.vz[i]) < 1e6);
+        }
+        double turned = fabs(sim.ledger.reversal_defect[0]) + fabs(sim.ledger.reversal_defect[1]) + fabs(sim.ledger.reversal_defect[2]);
+        if (sim.n > 0 && turned == 0.0 && d.bounce == GRANULATION_CONSERVING) check_books(&sim, 1e-8);
+        double overlap;
+        assert_int_equal(granulation_sim_overlap(&sim, &overlap), GRANULATION_OK);
+        if (status == GRANULATION_OK && d.detection == GRANULATION_SWEPT && d.contact == GRANULATION_CONTACT_SUM &&
+            d.bounce == GRANULATION_CONSERVING)
+            assert_true(overlap < 1e-9);
+        granulation_sim_free(&sim);
+    }
+    assert_true(seen[GRANULATION_OK] > 200 && seen[GRANULATION_POPULATION] > 50);
+    assert_int_equal(seen[GRANULATION_OK] + seen[GRANULATION_POPULATION] + seen[GRANULATION_TOO_LARGE] + seen[GRANULATION_EVENTS], 600);
+}
+
 /* ---- population balances ---- */
 
 static granulation_balance table1_balance(granulation_balance_def def, int cells) {
@@ -1432,6 +1502,7 @@ int main(void) {
         cmocka_unit_test(test_merging),
         cmocka_unit_test(test_stops),
         cmocka_unit_test(test_placement),
+        cmocka_unit_test(test_any_definition),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_changes_in_mid_run),
         cmocka_unit_test(test_definitions),
