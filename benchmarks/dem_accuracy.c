@@ -134,7 +134,8 @@ typedef struct impact {
 
 enum { DEM, UNRESOLVED, VERLET, LEAPFROG, RUNGE_KUTTA, METHODS };
 static const int colours[METHODS] = {0, 4, 1, 2, 3};
-static const char *const method_names[METHODS] = {"dem.h", "dem.h, nothing resolved", "predicted Verlet", "leapfrog (LAMMPS, YADE)", "Runge-Kutta 4"};
+static const char *const method_names[METHODS] = {"dem.h", "dem.h, nothing resolved", "predicted Verlet", "leapfrog (LAMMPS, YADE)",
+                                                  "Runge-Kutta 4"};
 
 typedef struct outcome {
     double effort, cpu_ns; /* evaluations and processor time per impact; NaN where not measured */
@@ -320,8 +321,8 @@ static const char *mode_name(dem_restitution mode) { return mode == DEM_CLIPPED 
 static void record(csv *file, json *report, const char *scene, const impact *of, const char *method, int division, const outcome *o) {
     char ns[40] = "";
     if (o->cpu_ns > 0.0) snprintf(ns, sizeof ns, "%.9g", o->cpu_ns);
-    csv_line(file, "%s,%.4f,%s,\"%s\",%d,%.9g,%s,%.9g,%.9g,%.9g", scene, of->restitution, mode_name(of->mode), method, division, o->effort, ns,
-             o->bias, o->rms, o->most);
+    csv_line(file, "%s,%.4f,%s,\"%s\",%d,%.9g,%s,%.9g,%.9g,%.9g", scene, of->restitution, mode_name(of->mode), method, division, o->effort,
+             ns, o->bias, o->rms, o->most);
     json_object_begin(report, NULL);
     json_string(report, "scene", scene);
     json_number(report, "restitution", of->restitution);
@@ -341,7 +342,8 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
     const char *const scenes[3] = {"head-on", "oblique 30 deg", "oblique 60 deg"};
     const int phases = self->quick ? 200 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
-    table t = table_begin("impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, nothing resolved");
+    table t = table_begin(
+        "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, nothing resolved");
     for (int k = 0; k < 3; k++) {
         for (int r = 0; r < 2; r++) {
             for (int mode = 0; mode < 2; mode++) {
@@ -352,7 +354,8 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
                 for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
                     if (own(&of, divisions[level], phases, &exact, &o[DEM][level], &o[UNRESOLVED][level]) != 0) return;
                     for (int m = VERLET; m < methods; m++) others(&of, m, divisions[level], phases, &exact, &o[m][level]);
-                    for (int m = DEM; m < methods; m++) record(file, report, scenes[k], &of, method_names[m], divisions[level], &o[m][level]);
+                    for (int m = DEM; m < methods; m++)
+                        record(file, report, scenes[k], &of, method_names[m], divisions[level], &o[m][level]);
                     steps[level] = divisions[level];
                     if (k == 0) by_mode[0][mode][r][level] = o[DEM][level].rms, by_mode[1][mode][r][level] = o[VERLET][level].rms;
                     if (divisions[level] == 20 || divisions[level] == 100) {
@@ -417,7 +420,8 @@ static void impacts(const program *self, csv *file, json *report, plot *figure, 
     json_object_end(report);
     const double order = log(by_mode[0][0][0][5] / by_mode[0][0][0][7]) / log((double)divisions[7] / divisions[5]);
     json_number(report, "order_of_dem_clipped_078", order);
-    common_print("head-on, e = 0.78, clipped: rms error at t_c/20 %.1e, predicted Verlet %.1e; observed order of dem.h %.2f (t_c/100 .. t_c/400)\n\n",
+    common_print("head-on, e = 0.78, clipped: rms error at t_c/20 %.1e, predicted Verlet %.1e; observed order of dem.h %.2f (t_c/100 .. "
+                 "t_c/400)\n\n",
                  summary[0][0][DEM], summary[0][0][VERLET], order);
 }
 
@@ -584,7 +588,8 @@ static double stack_error(const double *z, const stack *exact) {
 static void stacks(const program *self, csv *file, json *report, plot *figure, progress *bar) {
     const double restitutions[2] = {0.78, 0.4351};
     const int phases = self->quick ? 4 : STACK_PHASES;
-    table t = table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, nothing resolved|ledger");
+    table t = table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
+                          "nothing resolved|ledger");
     for (int r = 0; r < 2; r++) {
         for (int mode = 0; mode < 2; mode++) {
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
@@ -620,7 +625,8 @@ static void stacks(const program *self, csv *file, json *report, plot *figure, p
                         } else if (status == DEM_OK) {
                             status = dem_run(&w, stack_time, DEM_LINEAR | DEM_ENERGY);
                             const dem_energy_ledger l = dem_energy(&w);
-                            worst_ledger = fmax(worst_ledger, fabs(l.error) / (fabs(l.wall_work) + l.released + l.start - l.start_potential));
+                            worst_ledger =
+                                fmax(worst_ledger, fabs(l.error) / (fabs(l.wall_work) + l.released + l.start - l.start_potential));
                         }
                         if (variant < 2 && status == DEM_OK) {
                             double z[SPHERES];
@@ -714,10 +720,12 @@ static void layers(const program *self, json *report) {
 }
 
 int main(int argc, char **argv) {
-    program self = program_start("dem_accuracy", "dem.h: error against run time on impacts and a stack; plain integrators beside it.", NULL, 0, argc, argv);
+    program self = program_start("dem_accuracy", "dem.h: error against run time on impacts and a stack; plain integrators beside it.", NULL,
+                                 0, argc, argv);
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_accuracy.csv",
-                         "scene,restitution,convention,integrator,steps_per_contact,evaluations,processor_ns,error_bias,error_rms,error_max");
+    csv *file =
+        csv_open(self.out, "dem_accuracy.csv",
+                 "scene,restitution,convention,integrator,steps_per_contact,evaluations,processor_ns,error_bias,error_rms,error_max");
     plot *figure = plot_new("dem.h: error against effort", 2, 2);
     progress bar;
     progress_begin(&bar, "accuracy", LEVELS * (12.0 + 8.0));

@@ -23,10 +23,10 @@ static const char *const size_names[SIZES] = {"2000 spheres", "20 000 spheres", 
 static const char *const scene_names[SCENES] = {"vibrated", "static", "vibrated, no friction", "static, no friction"};
 
 static const double diameter = 0.005, density = 2534.0, stiffness = 1e5, time_step = 4e-6, amplitude = 1e-3, frequency = 50.6;
-static const double pair_damping = 5475.7, floor_damping = 3871.9; /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
-enum { FULL_STEPS = 5000 };                                        /* to which the references belong */
+static const double pair_damping = 5475.7, floor_damping = 3871.9;    /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
+enum { FULL_STEPS = 5000 };                                           /* to which the references belong */
 static const double height_tolerance = 5e-6, energy_tolerance = 5e-3; /* with friction */
-static const double height_scatter = 2e-5, energy_scatter = 2e-2;     /* without: other roundings already make much of this, in LAMMPS too */
+static const double height_scatter = 2e-5, energy_scatter = 2e-2; /* without: other roundings already make much of this, in LAMMPS too */
 
 static int is_static(int scene) { return scene & 1; }
 static int has_friction(int scene) { return scene < 2; }
@@ -266,7 +266,8 @@ static void compare(const program *self, const char *path, reference (*reference
     json *report = json_open(self->json);
     csv *file = csv_open(self->out, "compare.csv", "code,spheres,scene,friction,particle_steps_per_cpu_s,ratio,same_physics");
     char header[200];
-    snprintf(header, sizeof header, "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
+    snprintf(header, sizeof header,
+             "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
              n_codes ? codes[base] : "");
     table t = table_begin(header);
     json_array_begin(report, "beds");
@@ -280,7 +281,8 @@ static void compare(const program *self, const char *path, reference (*reference
             }
             if (!any) continue;
             for (int k = 0; k < n_codes; k++) {
-                const double own = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps), ratio = own / speed[base][n_groups];
+                const double own = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps),
+                             ratio = own / speed[base][n_groups];
                 if (!(own > 0.0)) continue;
                 const reference *of = &references[size][scene];
                 const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, height, energy);
@@ -293,7 +295,10 @@ static void compare(const program *self, const char *path, reference (*reference
                 table_cell(&t, "%.5g", energy);
                 table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
                 csv_line(file, "%s,%d,%s,%d,%.17g,%.17g,%s", codes[k], sizes[size], is_static(scene) ? "static" : "vibrated",
-                         has_friction(scene), own, ratio, !judged ? "" : same ? "1" : "0");
+                         has_friction(scene), own, ratio,
+                         !judged ? ""
+                         : same  ? "1"
+                                 : "0");
                 json_object_begin(report, NULL);
                 json_string(report, "code", codes[k]);
                 json_integer(report, "spheres", sizes[size]);
@@ -347,8 +352,9 @@ int main(int argc, char **argv) {
         option_string("label", "TEXT", &label, "name of this build in the CSV"),
         option_string("compare", "FILE", &comparison, "run nothing, tell and draw the runs in this CSV"),
     };
-    program self = program_start("dem_beds", "dem.h: speed of vibrated and static beds of spheres, with the physics checked against LAMMPS.",
-                                 options, sizeof options / sizeof *options, argc, argv);
+    program self =
+        program_start("dem_beds", "dem.h: speed of vibrated and static beds of spheres, with the physics checked against LAMMPS.", options,
+                      sizeof options / sizeof *options, argc, argv);
     if (strpbrk(label, ",\"\n")) program_refuse(&self, "label", label, "text without commas and quotes");
     reference references[SIZES][SCENES];
     if (references_read(references, folder) != 0) return common_exit_status();
@@ -365,7 +371,8 @@ int main(int argc, char **argv) {
     double work = 0.0;
     for (int size = 0; size < SIZES; size++) {
         for (int scene = 0; scene < SCENES; scene++) {
-            wanted[size][scene] = (size_choice == 0 || size_choice == size + 1) && (scene_choice == 0 || scene_choice == 1 + is_static(scene)) &&
+            wanted[size][scene] = (size_choice == 0 || size_choice == size + 1) &&
+                                  (scene_choice == 0 || scene_choice == 1 + is_static(scene)) &&
                                   (friction_choice == 0 || friction_choice == 2 - has_friction(scene));
             if (wanted[size][scene]) work += (double)steps * sizes[size] * (size ? variants : 1) * repeats;
         }
@@ -402,8 +409,8 @@ int main(int argc, char **argv) {
                     cpu[k] = r.cpu_s, wall[k] = r.wall_s;
                     if (!failed && !common_interrupted()) {
                         csv_line(file, "%s%s,%d,%s,%d,%d,%.9g,%.9g,%d,%.17g,%.17g,%.9g", label, variant ? " threads" : "", sizes[size],
-                                 is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, r.cpu_s, r.wall_s, r.threads, r.height,
-                                 r.energy, (double)steps * b.n / r.cpu_s);
+                                 is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, r.cpu_s, r.wall_s, r.threads,
+                                 r.height, r.energy, (double)steps * b.n / r.cpu_s);
                         changed += (k || variant) && r.hash != hash;
                         hash = r.hash;
                     }
