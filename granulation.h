@@ -1,12 +1,13 @@
 /* granulation.h: wet granulation in a high-shear mixer: coalescence laws, a discrete simulation, population balances.
 
+   #include <stdio.h>
    #include "granulation.h"
    int main(void) {
        granulation_def def = granulation_default_def();
        granulation_sim sim;
        if (granulation_sim_init(&sim, &def)) return 1;
        granulation_granule nucleus = {0.52e-12, 0.33e-12, 0.15e-12};           // solid, liquid, air [m3]
-       for (int i = 0; i < 200; i++) granulation_sim_add(&sim, &nucleus, 1);
+       granulation_sim_add(&sim, &nucleus, 200);
        granulation_status status = granulation_sim_run(&sim, 100);             // 100 steps
        printf("%d granules, d43 %g m\n", sim.n, granulation_sim_mean(&sim, 4, 3));
        granulation_sim_free(&sim);
