@@ -12,10 +12,11 @@ int main(int argc, char **argv) {
         return 1;
     }
     for (int scene = 0; scene < SCENE_COUNT; scene++) {
-        dem_world  world;
+        dem_world world;
         dem_status status = scene_make(&world, scene, DEM_SKIP_ALL, threads, NULL);
         if (status == DEM_OK) status = dem_run(&world, scene_duration(scene), scene_features(scene));
-        printf("%-8s %016llx %s\n", scene_name(scene), (unsigned long long)dem_hash(&world), status == DEM_OK ? "" : dem_status_text(status));
+        printf("%-8s %016llx %s\n", scene_name(scene), (unsigned long long)dem_hash(&world),
+               status == DEM_OK ? "" : dem_status_text(status));
         dem_free(&world);
     }
     return 0;

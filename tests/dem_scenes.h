@@ -50,8 +50,8 @@ static inline double scene_duration(int scene) {
 }
 
 static inline dem_def scene_def(double dt) {
-    dem_def       def = dem_default_def();
-    int           glass = dem_add_material(&def, 2534.1, 5e7, 0.2), steel = dem_add_material(&def, 7800.0, 2e8, 0.3);
+    dem_def def = dem_default_def();
+    int glass = dem_add_material(&def, 2534.1, 5e7, 0.2), steel = dem_add_material(&def, 7800.0, 2e8, 0.3);
     dem_pair_def *p = dem_pair(&def, glass, glass), *q = dem_pair(&def, glass, steel);
     def.dt = dt;
     p->restitution = 0.7808, p->friction = 0.2, p->rolling = 5e-5;
@@ -60,10 +60,11 @@ static inline dem_def scene_def(double dt) {
 }
 
 /* Spheres on a jittered lattice of a given pitch, with random velocities and spins; sizes[k % kinds] are diameters. */
-static inline dem_status scene_fill(dem_world *w, scene_random *r, int nx, int ny, int nz, dem_vec corner, double pitch, const double *sizes, int kinds, double speed) {
+static inline dem_status scene_fill(dem_world *w, scene_random *r, int nx, int ny, int nz, dem_vec corner, double pitch,
+                                    const double *sizes, int kinds, double speed) {
     for (int k = 0; k < nx * ny * nz; k++) {
-        double     d = sizes[k % kinds] * scene_between(r, 0.97, 1.0), room = 0.5 * (pitch - d);
-        double     at[3] = {corner.x + pitch * (k % nx + 0.5), corner.y + pitch * (k / nx % ny + 0.5), corner.z + pitch * (k / nx / ny + 0.5)};
+        double d = sizes[k % kinds] * scene_between(r, 0.97, 1.0), room = 0.5 * (pitch - d);
+        double at[3] = {corner.x + pitch * (k % nx + 0.5), corner.y + pitch * (k / nx % ny + 0.5), corner.z + pitch * (k / nx / ny + 0.5)};
         dem_status status;
         for (int a = 0; a < 3; a++) at[a] += scene_between(r, -room, room);
         status = dem_add_spheres(w, 1, at, &d, 0, k % kinds);
@@ -88,8 +89,8 @@ static inline void scene_box(dem_world *w, double half, double low, double high)
 static inline dem_status scene_make(dem_world *w, int scene, int skip, int threads, const dem_allocator *allocator) {
     scene_random r = {(uint64_t)scene * 1000 + 7};
     const double mixed[3] = {5e-3, 7e-3, 10e-3}, one = 5e-3;
-    dem_def      def = scene_def(4e-6);
-    dem_status   status;
+    dem_def def = scene_def(4e-6);
+    dem_status status;
     def.skip = skip;
     def.threads = threads;
     if (allocator) def.allocator = *allocator;
@@ -110,9 +111,7 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
     status = dem_init(w, &def, NULL);
     if (status != DEM_OK) return status;
     switch (scene) {
-    case SCENE_GAS:
-        scene_box(w, 0.05, -0.05, 0.05);
-        return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.05, -0.05, -0.05), 0.02, &one, 1, 2.0);
+    case SCENE_GAS: scene_box(w, 0.05, -0.05, 0.05); return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.05, -0.05, -0.05), 0.02, &one, 1, 2.0);
     case SCENE_BED: {
         int floor_plane = dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0.02, 0.01, 1));
         if (floor_plane < 0) return (dem_status)-floor_plane;
@@ -121,7 +120,7 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
     }
     case SCENE_SCREEN: {
         dem_screen screen = dem_default_screen();
-        int        deck;
+        int deck;
         screen.half_x = 0.04;
         screen.normal = dem_vec3(0.05, 0, 1);
         deck = dem_add_screen(w, 1, &screen);

@@ -13,13 +13,15 @@ static const dem_law magnet = {"linear with attraction", 1, 3, 1, 9, prepare_mag
 DEM_KERNEL(dem__kernel_magnet, magnet, DEM_LINEAR | DEM_FRICTION)
 
 int main(int argc, char **argv) {
-    dem_world  world;
-    dem_def    def = dem_default_def();
-    int        m = dem_add_material(&def, 2500.0, 1e9, 0.2), features = argc > 1 ? argv[1][0] : DEM_LINEAR;
+    dem_world world;
+    dem_def def = dem_default_def();
+    int m = dem_add_material(&def, 2500.0, 1e9, 0.2), features = argc > 1 ? argv[1][0] : DEM_LINEAR;
     dem_status status = dem_init(&world, &def, NULL);
-    double     centres[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0049}, diameters[2] = {0.005, 0.005};
+    double centres[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0049}, diameters[2] = {0.005, 0.005};
     if (status == DEM_OK) status = dem_add_spheres(&world, 2, centres, diameters, m, 0);
-    if (status == DEM_OK) status = features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &magnet, dem__kernel_magnet, DEM_LINEAR | DEM_FRICTION) : dem_run(&world, 1e-4, features);
+    if (status == DEM_OK)
+        status = features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &magnet, dem__kernel_magnet, DEM_LINEAR | DEM_FRICTION)
+                                        : dem_run(&world, 1e-4, features);
     dem_free(&world);
     return status != DEM_OK;
 }

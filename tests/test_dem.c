@@ -13,23 +13,25 @@
 #include "failing_allocator.h"
 
 static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted))) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
+    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
+        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
 }
 static void near_absolute(double got, double wanted, double tolerance, const char *what) {
     if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
 }
 static void near_vec(dem_vec got, dem_vec wanted, double tolerance, const char *what) {
-    near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what), near_absolute(got.z, wanted.z, tolerance, what);
+    near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what),
+        near_absolute(got.z, wanted.z, tolerance, what);
 }
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static const dem_vec zero = {0.0, 0.0, 0.0}, up = {0.0, 0.0, 1.0};
-static const double  diameter = 5e-3, radius = 2.5e-3, nan_ = (double)NAN, inf = (double)INFINITY;
+static const double diameter = 5e-3, radius = 2.5e-3, nan_ = (double)NAN, inf = (double)INFINITY;
 static double mass_of(double d) { return RIDDLE_PI / 6.0 * d * d * d * 2534.1; }
 
 /* A world of one material, whose pair parameters the caller may edit before starting. */
 static dem_def one_material(double e, double friction, double rolling) {
-    dem_def       def = dem_default_def();
-    int           m = dem_add_material(&def, 2534.1, 1e8, 0.2);
+    dem_def def = dem_default_def();
+    int m = dem_add_material(&def, 2534.1, 1e8, 0.2);
     dem_pair_def *p = dem_pair(&def, m, m);
     def.dt = 4e-6;
     p->restitution = e, p->friction = friction, p->rolling = rolling;
@@ -65,19 +67,23 @@ static void test_restitution_laws(void **state) {
         near_absolute(dem_restitution_of(table[n][1], DEM_CLIPPED), table[n][3], 5.1e-7, "e of N1 with a clipped law");
     }
     for (double e = 1e-9; e <= 1.0; e = e < 0.9 ? e * 1.07 : e + 1e-3) {
-        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_NAIVE), DEM_NAIVE), e, 1e-13 * (1.0 - log(e) * log(e) * log(e)) + 2e-12, "naive there and back");
+        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_NAIVE), DEM_NAIVE), e, 1e-13 * (1.0 - log(e) * log(e) * log(e)) + 2e-12,
+                      "naive there and back");
         near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_CLIPPED), DEM_CLIPPED), e, 1e-12, "clipped there and back");
     }
     assert_true(dem_damping_ratio(1.0, DEM_NAIVE) == 0.0 && dem_damping_ratio(1.0, DEM_CLIPPED) == 0.0);
     near_relative(dem_restitution_of(1.0, DEM_CLIPPED), exp(-2.0), 1e-14, "e(1)");
     for (double d = -2e-3; d <= 2e-3; d += 1e-4) { /* across the joint of series and closed form */
-        double zeta = 1.0 + d, g = fabs(d) < 1e-12 ? 1.0 : d < 0.0 ? acos(zeta) / sqrt(1.0 - zeta * zeta) : log(zeta + sqrt(zeta * zeta - 1.0)) / sqrt(zeta * zeta - 1.0);
+        double zeta = 1.0 + d, g = fabs(d) < 1e-12 ? 1.0
+                                   : d < 0.0       ? acos(zeta) / sqrt(1.0 - zeta * zeta)
+                                                   : log(zeta + sqrt(zeta * zeta - 1.0)) / sqrt(zeta * zeta - 1.0);
         near_relative(dem_restitution_of(zeta, DEM_CLIPPED), exp(-2.0 * zeta * g), 1e-11, "near critical damping");
     }
     near_relative(dem_restitution_of(50.0, DEM_CLIPPED), 1.0 / (4.0 * 2500.0), 2e-3, "e -> 1/(4 zeta^2)");
     near_relative(dem_contact_time(k, m, 0.0, DEM_NAIVE), RIDDLE_PI * sqrt(m / k), 1e-15, "elastic t_c");
     /* Hertz: 2 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)) (15 m/(16 E sqrt(R)))^(2/5) v^(-1/5) * 2 */
-    near_relative(dem_hertz_contact_time(2e9, 3e-3, 1e-4, 0.7), 2.9432751753955 * pow(15.0 * 1e-4 / (16.0 * 2e9 * sqrt(3e-3)), 0.4) * pow(0.7, -0.2), 1e-12, "Hertz t_c");
+    near_relative(dem_hertz_contact_time(2e9, 3e-3, 1e-4, 0.7),
+                  2.9432751753955 * pow(15.0 * 1e-4 / (16.0 * 2e9 * sqrt(3e-3)), 0.4) * pow(0.7, -0.2), 1e-12, "Hertz t_c");
 }
 
 static void test_laws_outside_their_domain(void **state) {
@@ -104,15 +110,16 @@ static void test_laws_outside_their_domain(void **state) {
 
 static void test_advice(void **state) {
     (void)state;
-    dem_def   def = scene_def(1e-6);
+    dem_def def = scene_def(1e-6);
     dem_world w;
     start(&w, &def);
     dem_advice none = dem_advise(&w, DEM_LINEAR, 1.0);
     assert_true(none.contact == inf && none.rayleigh == inf && none.dashpot == inf);
     add(&w, zero, 10e-3), add(&w, v3(1, 0, 0), 5e-3), add(&w, v3(2, 0, 0), 7e-3);
     dem_advice pair = dem_advise(&w, DEM_LINEAR, 1.0);
-    double     m = mass_of(5e-3);
-    near_relative(pair.contact, dem_contact_time(1e5, 0.5 * m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), 1e-13, "the smallest pair's t_c");
+    double m = mass_of(5e-3);
+    near_relative(pair.contact, dem_contact_time(1e5, 0.5 * m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), 1e-13,
+                  "the smallest pair's t_c");
     near_relative(pair.dashpot, 0.5 * m / (2.0 * dem_damping_ratio(0.7808, DEM_CLIPPED) * sqrt(1e5 * 0.5 * m)), 1e-13, "its dashpot");
     near_relative(pair.rayleigh, RIDDLE_PI * 2.5e-3 * sqrt(2534.1 / (5e7 / 2.4)) / (0.1631 * 0.2 + 0.8766), 1e-13, "Rayleigh");
     near_relative(pair.advised, pair.contact / 20.0, 1e-13, "advised");
@@ -123,7 +130,8 @@ static void test_advice(void **state) {
     dem_advice slow = dem_advise(&w, DEM_HERTZ, 0.1), fast = dem_advise(&w, DEM_HERTZ, 10.0);
     assert_true(slow.contact > fast.contact && fast.advised <= fast.contact / 20.0 && slow.advised <= 0.2 * slow.rayleigh * (1 + 1e-12));
     near_relative(slow.contact / fast.contact, pow(100.0, 0.2), 1e-12, "t_c ~ v^(-1/5)");
-    assert_true(isnan(dem_advise(&w, DEM_HERTZ, nan_).advised) && isnan(dem_advise(&w, DEM_HERTZ, 0.0).advised) && isnan(dem_advise(NULL, DEM_LINEAR, 1.0).advised));
+    assert_true(isnan(dem_advise(&w, DEM_HERTZ, nan_).advised) && isnan(dem_advise(&w, DEM_HERTZ, 0.0).advised) &&
+                isnan(dem_advise(NULL, DEM_LINEAR, 1.0).advised));
     dem_free(&w);
 }
 
@@ -134,20 +142,23 @@ static void test_free_flight(void **state) {
     dem_def def = one_material(0.8, 0.3, 0.0);
     for (int loaded = 0; loaded < 2; loaded++) {
         dem_world w;
-        dem_vec   x = v3(0.1, -0.2, 3.0), v = v3(0.3, 0.7, 2.0), s = v3(1, 2, 3), force = v3(1e-3, -2e-3, 5e-4), torque = v3(1e-6, 0, -2e-6);
+        dem_vec x = v3(0.1, -0.2, 3.0), v = v3(0.3, 0.7, 2.0), s = v3(1, 2, 3), force = v3(1e-3, -2e-3, 5e-4), torque = v3(1e-6, 0, -2e-6);
         start(&w, &def);
         add(&w, x, diameter);
         move(&w, 0, v, s);
         if (loaded) assert_int_equal(dem_set_load(&w, 0, force, torque), DEM_OK);
-        double  m = loaded ? 1.0 / w.mass[0] : 0.0, turn = loaded ? 2.5 / (w.mass[0] * radius * radius) : 0.0;
+        double m = loaded ? 1.0 / w.mass[0] : 0.0, turn = loaded ? 2.5 / (w.mass[0] * radius * radius) : 0.0;
         dem_vec a = v3(m * force.x, m * force.y, m * force.z - 9.81);
         for (int k = 1; k <= 25; k++) {
             run(&w, 0.01, DEM_LINEAR);
             double t = w.time;
             near_relative(t, 0.01 * k, 1e-12, "time");
-            near_vec(dem_position(&w, 0), v3(x.x + t * (v.x + 0.5 * t * a.x), x.y + t * (v.y + 0.5 * t * a.y), x.z + t * (v.z + 0.5 * t * a.z)), loaded ? 1e-11 : 2e-15, "parabola");
+            near_vec(dem_position(&w, 0),
+                     v3(x.x + t * (v.x + 0.5 * t * a.x), x.y + t * (v.y + 0.5 * t * a.y), x.z + t * (v.z + 0.5 * t * a.z)),
+                     loaded ? 1e-11 : 2e-15, "parabola");
             near_vec(dem_velocity(&w, 0), v3(v.x + t * a.x, v.y + t * a.y, v.z + t * a.z), loaded ? 1e-11 : 2e-15, "velocity");
-            near_relative(w.wx[0], s.x + t * turn * torque.x, 1e-11, "spin"), near_relative(w.wz[0], s.z + t * turn * torque.z, 1e-11, "spin");
+            near_relative(w.wx[0], s.x + t * turn * torque.x, 1e-11, "spin"),
+                near_relative(w.wz[0], s.z + t * turn * torque.z, 1e-11, "spin");
         }
         assert_int_equal(w.contact_steps, 0);
         dem_free(&w);
@@ -166,7 +177,7 @@ static void on_plane(dem_world *w, const dem_def *def, double angle) {
 static void test_bowled_ball(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.6, 0.3, 0.0);
+    dem_def def = one_material(0.6, 0.3, 0.0);
     const int features = DEM_LINEAR | DEM_FRICTION;
     on_plane(&w, &def, 0.0);
     move(&w, 0, v3(1, 0, 0), zero);
@@ -191,13 +202,13 @@ static void test_incline(void **state) {
         const int features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION;
         static const double angle[4] = {0.2, 0.6, 0.9, 1.2}; /* rolls without slip while tan(angle) < 7/2 mu = 0.875 */
         for (int k = 0; k < 4; k++) {
-            dem_world     w;
-            dem_def       def = one_material(0.5, 0.25, 0.0);
+            dem_world w;
+            dem_def def = one_material(0.5, 0.25, 0.0);
             def.dt = hertz ? 1e-6 : 4e-6;
             dem_pair(&def, 0, 0)->tangential_damping = 1.0;
             on_plane(&w, &def, angle[k]);
             run(&w, 0.1, features);
-            int    sticks = tan(angle[k]) < 3.5 * 0.25;
+            int sticks = tan(angle[k]) < 3.5 * 0.25;
             double a = sticks ? 5.0 / 7.0 * 9.81 * sin(angle[k]) : 9.81 * (sin(angle[k]) - 0.25 * cos(angle[k]));
             near_relative(dem_velocity(&w, 0).x, a * w.time, 0.01, sticks ? "rolls down" : "slides down");
             double rolls = sticks ? a / radius : 2.5 * 0.25 * 9.81 * cos(angle[k]) / radius;
@@ -210,10 +221,10 @@ static void test_incline(void **state) {
 static void test_rolling_resistance(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.6, 0.5, 1e-4);
+    dem_def def = one_material(0.6, 0.5, 1e-4);
     on_plane(&w, &def, 0.0);
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-    double    v = 0.1, a = 5.0 / 7.0 * 9.81 * 1e-4 / radius;
+    double v = 0.1, a = 5.0 / 7.0 * 9.81 * 1e-4 / radius;
     move(&w, 0, v3(v, 0, 0), v3(0, v / radius, 0));
     run(&w, 0.2, features);
     near_relative(dem_velocity(&w, 0).x, v - a * w.time, 5e-3, "5/7 g mu_roll/r");
@@ -231,11 +242,11 @@ static void test_rolling_resistance(void **state) {
 static void test_history_turns_with_the_contact(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {
-        dem_world     w;
-        dem_def       def = one_material(0.3, 0.6, 0.0);
-        const int     features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION;
-        const double  spin = 60.0, push = 0.5, pull = 0.15;
-        double        length0 = 0.0, worst = 0.0, off = 0.0;
+        dem_world w;
+        dem_def def = one_material(0.3, 0.6, 0.0);
+        const int features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION;
+        const double spin = 60.0, push = 0.5, pull = 0.15;
+        double length0 = 0.0, worst = 0.0, off = 0.0;
         dem_pair(&def, 0, 0)->tangential_damping = 1.0;
         def.gravity = zero;
         def.dt = 5e-6;
@@ -250,14 +261,14 @@ static void test_history_turns_with_the_contact(void **state) {
             double arm = radius + (dem_contact_count(&w) ? dem_get_contact(&w, 0).gap : 0.0);
             /* axes of the plane: e1 = (c, 0, -s), n = (s, 0, c); a soft spring along e1, or it would roll off by centrifugal force */
             dem_vec x = dem_position(&w, 0), v = dem_velocity(&w, 0);
-            double  side = ramp * pull - 20.0 * (x.x * c - x.z * s) - 0.1 * (v.x * c - v.z * s);
+            double side = ramp * pull - 20.0 * (x.x * c - x.z * s) - 0.1 * (v.x * c - v.z * s);
             assert_int_equal(dem_set_load(&w, 0, v3(side * c - push * s, 0, -side * s - push * c), v3(0, -ramp * pull * arm, 0)), DEM_OK);
             run(&w, def.dt, features);
             if (k < 2 * n || k % 100) continue;
             assert_int_equal(dem_contact_count(&w), 1);
             dem_contact_info q = dem_get_contact(&w, 0);
-            double           at = spin * w.time, e1 = q.state[0] * cos(at) - q.state[2] * sin(at), out = q.state[0] * sin(at) + q.state[2] * cos(at);
-            double           length = sqrt(q.state[0] * q.state[0] + q.state[1] * q.state[1] + q.state[2] * q.state[2]);
+            double at = spin * w.time, e1 = q.state[0] * cos(at) - q.state[2] * sin(at), out = q.state[0] * sin(at) + q.state[2] * cos(at);
+            double length = sqrt(q.state[0] * q.state[0] + q.state[1] * q.state[1] + q.state[2] * q.state[2]);
             if (length0 == 0.0) length0 = length;
             worst = fmax(worst, fabs(length / length0 - 1.0)), off = fmax(off, sqrt(out * out + q.state[1] * q.state[1]) / length);
             near_relative(e1, length, 1e-3, "along the pull");
@@ -284,21 +295,23 @@ DEM_KERNEL(kernel_sticky, law_sticky, DEM_LINEAR | DEM_FRICTION)
 static void test_rigid_rotation_is_no_slip(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.7, 0.5, 0.0);
-    double    spin = 20.0;
+    dem_def def = one_material(0.7, 0.5, 0.0);
+    double spin = 20.0;
     def.gravity = zero;
     start(&w, &def);
     add(&w, v3(0.5 * diameter, 0, 0), diameter), add(&w, v3(-0.5 * diameter + 2e-7, 0, 0), diameter); /* rests at 0.02 N / 1e5 N/m */
     dem_vec axis = v3(0, 0.6, 0.8);
     for (ptrdiff_t i = 0; i < 2; i++) {
         dem_vec x = dem_position(&w, i);
-        move(&w, i, v3(spin * (axis.y * x.z - axis.z * x.y), spin * (axis.z * x.x - axis.x * x.z), spin * (axis.x * x.y - axis.y * x.x)), v3(0, spin * axis.y, spin * axis.z));
+        move(&w, i, v3(spin * (axis.y * x.z - axis.z * x.y), spin * (axis.z * x.x - axis.x * x.z), spin * (axis.x * x.y - axis.y * x.x)),
+             v3(0, spin * axis.y, spin * axis.z));
     }
     double t = 3.0 * 2.0 * RIDDLE_PI / spin; /* three turns */
     assert_int_equal(dem_run_law(&w, t, &law_sticky, kernel_sticky, DEM_LINEAR | DEM_FRICTION), DEM_OK);
     assert_int_equal(dem_contact_count(&w), 1);
     dem_contact_info c = dem_get_contact(&w, 0);
-    near_absolute(sqrt(c.state[0] * c.state[0] + c.state[1] * c.state[1] + c.state[2] * c.state[2]), 0.0, 1e-9, "history of a rigid rotation");
+    near_absolute(sqrt(c.state[0] * c.state[0] + c.state[1] * c.state[1] + c.state[2] * c.state[2]), 0.0, 1e-9,
+                  "history of a rigid rotation");
     near_relative(w.wz[0], spin * 0.8, 1e-4, "spin");
     near_relative(w.wy[1], spin * 0.6, 1e-4, "spin");
     dem_free(&w);
@@ -307,12 +320,12 @@ static void test_rigid_rotation_is_no_slip(void **state) {
 static void test_binary_collisions_keep_momentum(void **state) {
     (void)state;
     scene_random r = {3};
-    int          hits = 0;
+    int hits = 0;
     for (int k = 0; k < 60; k++) {
         dem_world w;
-        dem_def   def = one_material(0.7, k % 3 * 0.3, 0.0);
-        int       features = k % 3 ? DEM_LINEAR | DEM_FRICTION : DEM_LINEAR;
-        double    before[3], after[3], scale = 0.0;
+        dem_def def = one_material(0.7, k % 3 * 0.3, 0.0);
+        int features = k % 3 ? DEM_LINEAR | DEM_FRICTION : DEM_LINEAR;
+        double before[3], after[3], scale = 0.0;
         def.gravity = zero;
         start(&w, &def);
         add(&w, zero, 5e-3), add(&w, v3(scene_between(&r, -4e-3, 4e-3), 0, 7e-3), 7e-3);
@@ -322,7 +335,7 @@ static void test_binary_collisions_keep_momentum(void **state) {
             l[0] = l[1] = l[2] = 0.0;
             for (ptrdiff_t i = 0; i < 2; i++) {
                 dem_vec x = dem_position(&w, i), v = dem_velocity(&w, i);
-                double  inertia = 0.4 * w.mass[i] * w.radius[i] * w.radius[i];
+                double inertia = 0.4 * w.mass[i] * w.radius[i] * w.radius[i];
                 l[0] += w.mass[i] * (x.y * v.z - x.z * v.y) + inertia * w.wx[i];
                 l[1] += w.mass[i] * (x.z * v.x - x.x * v.z) + inertia * w.wy[i];
                 l[2] += w.mass[i] * (x.x * v.y - x.y * v.x) + inertia * w.wz[i];
@@ -346,8 +359,8 @@ static void test_wall_is_an_infinite_mass(void **state) {
         dem_vec v[2], s[2];
         for (int wall = 0; wall < 2; wall++) {
             dem_world w;
-            dem_def   def = one_material(0.7, 0.2, 0.0);
-            int       heavy = dem_add_material(&def, 2534.1e15, 1e8, 0.2);
+            dem_def def = one_material(0.7, 0.2, 0.0);
+            int heavy = dem_add_material(&def, 2534.1e15, 1e8, 0.2);
             *dem_pair(&def, 0, heavy) = *dem_pair(&def, 0, 0);
             def.gravity = zero;
             start(&w, &def);
@@ -373,12 +386,12 @@ static void test_cylinder(void **state) {
     const double big = 0.05, g = 9.81;
     for (int friction = 0; friction < 2; friction++) { /* a sphere swings in the trough; axis along y, slightly off its length 1 */
         dem_world w;
-        dem_def   def = one_material(0.4, 0.8, 0.0);
+        dem_def def = one_material(0.4, 0.8, 0.0);
         dem_pair(&def, 0, 0)->tangential_damping = 0.5;
         start(&w, &def);
         assert_int_equal(dem_add_cylinder(&w, 0, v3(0, 3, 0), v3(0, 2.5, 0), big, 1), 0);
         double angle = 0.05, out = big - radius, period = 2.0 * RIDDLE_PI * sqrt((friction ? 1.4 : 1.0) * out / g), last = 0.0, crossed[3];
-        int    crossings = 0;
+        int crossings = 0;
         add(&w, v3(out * sin(angle), 0, -out * cos(angle)), diameter);
         for (int k = 0; k < 100000 && crossings < 3; k++) {
             run(&w, 10.0 * def.dt, friction ? DEM_LINEAR | DEM_FRICTION : DEM_LINEAR);
@@ -390,7 +403,7 @@ static void test_cylinder(void **state) {
         dem_free(&w);
     }
     dem_world w; /* outside: falls on the top, and rests there for a moment at its static overlap */
-    dem_def   def = one_material(0.05, 0.8, 0.0);
+    dem_def def = one_material(0.05, 0.8, 0.0);
     start(&w, &def);
     assert_int_equal(dem_add_cylinder(&w, 0, v3(0, -1, 0), v3(0, 1, 0), big, 0), 0);
     add(&w, v3(0, 0, big + radius + 1e-5), diameter);
@@ -403,8 +416,8 @@ static void test_cylinder(void **state) {
 static void test_wall_carries_weight(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.3, 0.3, 0.0);
-    double    weight = 0.0;
+    dem_def def = one_material(0.3, 0.3, 0.0);
+    double weight = 0.0;
     start(&w, &def);
     int plane = dem_add_plane(&w, 0, v3(0.2, 0.1, 0), v3(0, 0, 7)), deck;
     for (int k = 0; k < 5; k++) add(&w, v3(0.01 * k, 0, (4 + k) * 0.5e-3), (4 + k) * 1e-3), weight += mass_of((4 + k) * 1e-3) * 9.81;
@@ -433,11 +446,12 @@ static void test_wall_carries_weight(void **state) {
 static void test_wall_motions(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.5, 0.0, 0.0);
+    dem_def def = one_material(0.5, 0.0, 0.0);
     const dem_vec a = {1e-3, 2e-3, 3e-3}, p = {0.3, -1.0, 2.0}, at = {0.1, 0.2, 0.3}, drift = {0.01, -0.02, 0.05};
-    const double  f = 50.6, rate = 2.0 * RIDDLE_PI * f;
+    const double f = 50.6, rate = 2.0 * RIDDLE_PI * f;
     start(&w, &def);
-    int vibrates = dem_add_plane(&w, 0, at, v3(1, 2, 2)), drifts = dem_add_plane(&w, 0, at, up), turns = dem_add_cylinder(&w, 0, at, up, 0.1, 1), all = dem_add_plane(&w, 0, at, up);
+    int vibrates = dem_add_plane(&w, 0, at, v3(1, 2, 2)), drifts = dem_add_plane(&w, 0, at, up),
+        turns = dem_add_cylinder(&w, 0, at, up, 0.1, 1), all = dem_add_plane(&w, 0, at, up);
     assert_int_equal(dem_vibrate(&w, vibrates, a, p, f), DEM_OK);
     assert_int_equal(dem_move(&w, drifts, drift), DEM_OK);
     assert_int_equal(dem_rotate(&w, turns, zero, v3(0, 3, 0), 7.0), DEM_OK);
@@ -446,12 +460,16 @@ static void test_wall_motions(void **state) {
     assert_int_equal(dem_rotate(&w, all, zero, v3(0, 0, 1), 7.0), DEM_OK);
     for (int k = 0; k < 40; k++) {
         run(&w, 0.0137, DEM_LINEAR);
-        double        t = w.time, c = cos(7.0 * t), s = sin(7.0 * t);
-        const dem_vec shift = v3(a.x * (sin(rate * t + p.x) - sin(p.x)), a.y * (sin(rate * t + p.y) - sin(p.y)), a.z * (sin(rate * t + p.z) - sin(p.z)));
+        double t = w.time, c = cos(7.0 * t), s = sin(7.0 * t);
+        const dem_vec shift =
+            v3(a.x * (sin(rate * t + p.x) - sin(p.x)), a.y * (sin(rate * t + p.y) - sin(p.y)), a.z * (sin(rate * t + p.z) - sin(p.z)));
         const dem_vec speed = v3(a.x * rate * cos(rate * t + p.x), a.y * rate * cos(rate * t + p.y), a.z * rate * cos(rate * t + p.z));
         near_vec(w.wall[vibrates].position, v3(at.x + shift.x, at.y + shift.y, at.z + shift.z), 1e-14, "vibration");
         near_vec(w.wall[vibrates].velocity, speed, 1e-11, "its velocity");
-        near_vec(w.wall[vibrates].acceleration, v3(-rate * rate * (shift.x + a.x * sin(p.x)), -rate * rate * (shift.y + a.y * sin(p.y)), -rate * rate * (shift.z + a.z * sin(p.z))), 1e-8, "its acceleration");
+        near_vec(w.wall[vibrates].acceleration,
+                 v3(-rate * rate * (shift.x + a.x * sin(p.x)), -rate * rate * (shift.y + a.y * sin(p.y)),
+                    -rate * rate * (shift.z + a.z * sin(p.z))),
+                 1e-8, "its acceleration");
         near_vec(w.wall[vibrates].axis[2], v3(1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0), 1e-15, "its normal");
         near_vec(w.wall[drifts].position, v3(at.x + t * drift.x, at.y + t * drift.y, at.z + t * drift.z), 1e-14, "drift");
         near_vec(w.wall[drifts].velocity, drift, 0.0, "its velocity");
@@ -459,11 +477,13 @@ static void test_wall_motions(void **state) {
         near_vec(w.wall[turns].position, v3(at.x * c + at.z * s, at.y, at.z * c - at.x * s), 1e-13, "rotation");
         near_vec(w.wall[turns].axis[2], v3(s, 0, c), 1e-14, "its axis");
         near_vec(w.wall[turns].velocity, v3(7.0 * w.wall[turns].position.z, 0, -7.0 * w.wall[turns].position.x), 1e-12, "its velocity");
-        near_vec(w.wall[all].position, v3(at.x * c - at.y * s + shift.x + t * drift.x, at.x * s + at.y * c + shift.y + t * drift.y, at.z + shift.z + t * drift.z), 1e-13, "all three");
+        near_vec(w.wall[all].position,
+                 v3(at.x * c - at.y * s + shift.x + t * drift.x, at.x * s + at.y * c + shift.y + t * drift.y, at.z + shift.z + t * drift.z),
+                 1e-13, "all three");
     }
     /* a new motion begins where the wall is */
     dem_vec here = w.wall[vibrates].position;
-    double  began = w.time;
+    double began = w.time;
     assert_int_equal(dem_vibrate(&w, vibrates, v3(1e-3, 0, 0), zero, 10.0), DEM_OK);
     near_vec(w.wall[vibrates].position, here, 0.0, "no jump");
     run(&w, 0.01, DEM_LINEAR);
@@ -475,7 +495,7 @@ static void test_wall_motions(void **state) {
 static void test_belt(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.5, 0.4, 0.0);
+    dem_def def = one_material(0.5, 0.4, 0.0);
     on_plane(&w, &def, 0.0);
     assert_int_equal(dem_move(&w, 0, v3(0.7, 0, 0)), DEM_OK);
     run(&w, 0.3, DEM_LINEAR | DEM_FRICTION);
@@ -490,13 +510,15 @@ static void test_belt(void **state) {
 static double sampled_bar(int profile, double half, double end, double along, double across, double high) {
     double low = -end, top = end, best = HUGE_VAL;
     for (int k = 0; k < 100; k++) {
-        double s[2] = {low + (top - low) / 3.0, top - (top - low) / 3.0}, square[2] = {(along - s[0]) * (along - s[0]), (along - s[1]) * (along - s[1])};
+        double s[2] = {low + (top - low) / 3.0, top - (top - low) / 3.0},
+               square[2] = {(along - s[0]) * (along - s[0]), (along - s[1]) * (along - s[1])};
         if (square[0] < square[1]) top = s[1];
         else low = s[0];
     }
     double da = along - 0.5 * (low + top);
     for (int k = 0; k <= 4000; k++) {
-        double angle = (profile == DEM_ROUND ? 2.0 : 1.0) * RIDDLE_PI * k / 4000.0, y = across - half * cos(angle), z = high - half * sin(angle);
+        double angle = (profile == DEM_ROUND ? 2.0 : 1.0) * RIDDLE_PI * k / 4000.0, y = across - half * cos(angle),
+               z = high - half * sin(angle);
         best = fmin(best, da * da + y * y + z * z);
         if (profile == DEM_ROUND) continue;
         y = across - half * (2.0 * k / 4000.0 - 1.0);
@@ -508,10 +530,10 @@ static double sampled_bar(int profile, double half, double end, double along, do
 static void test_screen_geometry(void **state) {
     (void)state;
     scene_random r = {17};
-    int          compared = 0, with_two = 0;
+    int compared = 0, with_two = 0;
     for (int variant = 0; variant < 8; variant++) {
-        dem_world  w;
-        dem_def    def = one_material(0.5, 0.3, 0.0);
+        dem_world w;
+        dem_def def = one_material(0.5, 0.3, 0.0);
         dem_screen s = dem_default_screen();
         s.profile = variant & 1 ? DEM_SEMICIRCLE : DEM_ROUND;
         s.circular = variant >> 1 & 1;
@@ -522,26 +544,32 @@ static void test_screen_geometry(void **state) {
         s.centre = v3(0.01, 0.02, -0.03);
         start(&w, &def);
         assert_int_equal(dem_add_screen(&w, 0, &s), 0);
-        double  n = sqrt(s.normal.x * s.normal.x + s.normal.y * s.normal.y + s.normal.z * s.normal.z), pitch = s.aperture + s.wire, half = 0.5 * s.wire;
+        double n = sqrt(s.normal.x * s.normal.x + s.normal.y * s.normal.y + s.normal.z * s.normal.z), pitch = s.aperture + s.wire,
+               half = 0.5 * s.wire;
         dem_vec z = v3(s.normal.x / n, s.normal.y / n, s.normal.z / n);
-        double  dot = z.x * s.direction.x + z.y * s.direction.y + z.z * s.direction.z;
+        double dot = z.x * s.direction.x + z.y * s.direction.y + z.z * s.direction.z;
         dem_vec x = v3(s.direction.x - dot * z.x, s.direction.y - dot * z.y, s.direction.z - dot * z.z);
         n = sqrt(x.x * x.x + x.y * x.y + x.z * x.z);
         x = v3(x.x / n, x.y / n, x.z / n);
         dem_vec y = v3(z.y * x.z - z.z * x.y, z.z * x.x - z.x * x.z, z.x * x.y - z.y * x.x);
-        double  local[60][3], d[60];
+        double local[60][3], d[60];
         for (int k = 0; k < 60; k++) {
             double size = s.circular ? s.half_x : s.half_y;
-            local[k][0] = scene_between(&r, -size, size), local[k][1] = scene_between(&r, -size, size), local[k][2] = scene_between(&r, -5e-3, 5e-3);
+            local[k][0] = scene_between(&r, -size, size), local[k][1] = scene_between(&r, -size, size),
+            local[k][2] = scene_between(&r, -5e-3, 5e-3);
             d[k] = scene_between(&r, 2e-3, 10e-3);
             if (s.circular && local[k][0] * local[k][0] + local[k][1] * local[k][1] > (size - 0.012) * (size - 0.012)) k--;
-            else add(&w, v3(s.centre.x + local[k][0] * x.x + local[k][1] * y.x + local[k][2] * z.x, s.centre.y + local[k][0] * x.y + local[k][1] * y.y + local[k][2] * z.y,
-                            s.centre.z + local[k][0] * x.z + local[k][1] * y.z + local[k][2] * z.z), d[k]);
+            else
+                add(&w,
+                    v3(s.centre.x + local[k][0] * x.x + local[k][1] * y.x + local[k][2] * z.x,
+                       s.centre.y + local[k][0] * x.y + local[k][1] * y.y + local[k][2] * z.y,
+                       s.centre.z + local[k][0] * x.z + local[k][1] * y.z + local[k][2] * z.z),
+                    d[k]);
         }
         run(&w, 0.0, DEM_LINEAR | DEM_FRICTION);
         for (int k = 0; k < 60; k++) {
             double least_inside = HUGE_VAL;
-            int    wanted = 0, got = 0;
+            int wanted = 0, got = 0;
             for (int family = 0; family < 2; family++) { /* centres inside a bar have no outline distance of their sign */
                 double across = local[k][1 - family], off = across / pitch - 0.5, near = 0.5 + floor(off + 0.5);
                 double dx = across - near * pitch;
@@ -550,7 +578,8 @@ static void test_screen_geometry(void **state) {
             if (least_inside < 0.0) continue;
             for (int family = 0; family < 2; family++) {
                 for (int bar = -8; bar <= 8; bar++) {
-                    double at = (bar - 0.5) * pitch, along = local[k][family], across = local[k][1 - family] - at, end = family ? s.half_y : s.half_x;
+                    double at = (bar - 0.5) * pitch, along = local[k][family], across = local[k][1 - family] - at,
+                           end = family ? s.half_y : s.half_x;
                     if (fabs(across) > 0.009) continue;
                     if (s.circular ? fabs(at) >= s.half_x : fabs(at) > (family ? s.half_x : s.half_y)) continue;
                     if (s.circular) end = sqrt(s.half_x * s.half_x - at * at);
@@ -570,7 +599,9 @@ static void test_screen_geometry(void **state) {
             for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) {
                 dem_contact_info q = dem_get_contact(&w, c);
                 got += q.i == k && q.j == -1;
-                if (q.i == k && q.j == -1) near_absolute(sqrt(q.force.x * q.force.x + q.force.y * q.force.y + q.force.z * q.force.z), 1e5 * -q.gap, 1e-6, "force of a bar");
+                if (q.i == k && q.j == -1)
+                    near_absolute(sqrt(q.force.x * q.force.x + q.force.y * q.force.y + q.force.z * q.force.z), 1e5 * -q.gap, 1e-6,
+                                  "force of a bar");
             }
             assert_true(got >= wanted);
             with_two += wanted > 1;
@@ -585,15 +616,15 @@ static void test_apertures(void **state) {
     (void)state;
     static const struct {
         double d;
-        int    occupied, blocked;
+        int occupied, blocked;
     } c[] = {{7.9e-3, 0, 0}, {8.05e-3, 1, 1}, {8.3e-3, 1, 1}, {9e-3, 1, 0}, {10e-3, 1, 0}};
     for (size_t k = 0; k < sizeof c / sizeof *c; k++) {
-        dem_world  w;
-        dem_def    def = one_material(0.1, 0.3, 0.0);
+        dem_world w;
+        dem_def def = one_material(0.1, 0.3, 0.0);
         dem_screen s = dem_default_screen();
         s.normal = v3(0.0, 0.02, 1.0);
         start(&w, &def);
-        int           deck = dem_add_screen(&w, 0, &s), total = 0;
+        int deck = dem_add_screen(&w, 0, &s), total = 0;
         dem_apertures n = dem_count_apertures(&w, deck);
         for (int i = -20; i <= 20; i++)
             for (int j = -20; j <= 20; j++) total += hypot(0.01 * abs(i) + 0.005, 0.01 * abs(j) + 0.005) <= 0.095;
@@ -608,8 +639,8 @@ static void test_apertures(void **state) {
         assert_true(c[k].occupied ? fabs(dem_position(&w, 0).z) < 0.005 : dem_position(&w, 0).z < -0.1);
         dem_free(&w);
     }
-    dem_world  w; /* a rectangular deck */
-    dem_def    def = one_material(0.1, 0.3, 0.0);
+    dem_world w; /* a rectangular deck */
+    dem_def def = one_material(0.1, 0.3, 0.0);
     dem_screen s = dem_default_screen();
     s.circular = 0, s.half_x = 0.0251, s.half_y = 0.0151;
     start(&w, &def);
@@ -628,7 +659,7 @@ static void test_periodic(void **state) {
     dem_vec out[2][2], spin[2];
     for (int across = 0; across < 2; across++) { /* the same collision, in the middle and across the edge, several boxes on */
         dem_world w;
-        dem_def   def = one_material(0.7, 0.3, 0.0);
+        dem_def def = one_material(0.7, 0.3, 0.0);
         def.gravity = zero;
         def.periodic[0] = def.periodic[1] = def.periodic[2] = 1;
         def.low = v3(-0.0625, -0.0625, -0.0625), def.high = v3(0.0625, 0.0625, 0.0625);
@@ -649,7 +680,7 @@ static void test_periodic(void **state) {
     for (int i = 0; i < 2; i++) near_vec(out[0][i], out[1][i], 1e-10, "velocity");
     near_vec(spin[0], spin[1], 1e-7, "spin");
     dem_world w; /* a flight round and round */
-    dem_def   def = one_material(0.7, 0.3, 0.0);
+    dem_def def = one_material(0.7, 0.3, 0.0);
     def.gravity = zero;
     def.periodic[0] = 1, def.low.x = 0.0, def.high.x = 0.1;
     start(&w, &def);
@@ -669,7 +700,7 @@ static void test_periodic(void **state) {
 static void test_exits(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.7, 0.3, 0.0);
+    dem_def def = one_material(0.7, 0.3, 0.0);
     start(&w, &def);
     int exits[2] = {dem_add_exit(&w, v3(0, 0, 0), v3(0, 0, 2)), dem_add_exit(&w, v3(0, 0, 1e-6), up)};
     for (int k = 0; k < 300; k++) { /* in an order of its own; 300 need more than one growth of the record */
@@ -682,7 +713,7 @@ static void test_exits(void **state) {
     assert_int_equal(w.passed_count, 300);
     for (ptrdiff_t k = 0; k < 300; k++) {
         const dem_passed *p = &w.passed[k];
-        double            z = 0.01 + 1e-5 * ((int)p->id * 7919 % 300), t = sqrt(2.0 * (z - 1e-6) / 9.81);
+        double z = 0.01 + 1e-5 * ((int)p->id * 7919 % 300), t = sqrt(2.0 * (z - 1e-6) / 9.81);
         assert_true(p->time >= t && p->time < t + def.dt * (1 + 1e-6));
         assert_true(p->exit == exits[1] || p->exit == exits[0]);
         assert_int_equal(p->group, 1000 + (int)p->id);
@@ -708,7 +739,7 @@ static void test_exits(void **state) {
 static void test_exit_in_contact(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.7, 0.3, 0.0);
+    dem_def def = one_material(0.7, 0.3, 0.0);
     def.gravity = v3(1, 0, -9.81);
     start(&w, &def);
     dem_add_plane(&w, 0, zero, up);
@@ -725,7 +756,7 @@ static void test_exit_in_contact(void **state) {
 static void test_enable_wall(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.1, 0.3, 0.0);
+    dem_def def = one_material(0.1, 0.3, 0.0);
     on_plane(&w, &def, 0.0);
     run(&w, 0.05, DEM_LINEAR);
     double z = dem_position(&w, 0).z, t = w.time;
@@ -742,8 +773,8 @@ static void test_enable_wall(void **state) {
 static void test_loads(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.2, 0.5, 0.0);
-    double    m = mass_of(diameter);
+    dem_def def = one_material(0.2, 0.5, 0.0);
+    double m = mass_of(diameter);
     on_plane(&w, &def, 0.0);
     assert_int_equal(dem_set_load(&w, 0, v3(0, 0, -10.0 * m), zero), DEM_OK);
     run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
@@ -776,7 +807,8 @@ static void test_skipping_changes_no_bit(void **state) {
         }
         for (int skip = 1; skip < 4; skip++) {
             for (int part = 0; part < 4; part++) {
-                if (hash[skip][part] != hash[0][part]) fail_msg("scene %s: skip = %d gives other bits in quarter %d", scene_name(scene), skip, part + 1);
+                if (hash[skip][part] != hash[0][part])
+                    fail_msg("scene %s: skip = %d gives other bits in quarter %d", scene_name(scene), skip, part + 1);
             }
         }
     }
@@ -789,11 +821,12 @@ static void test_ledger_changes_no_bit(void **state) {
         dem_world w, l;
         assert_int_equal(scene_make(&w, scene, DEM_SKIP_ALL, 1, NULL), DEM_OK);
         assert_int_equal(scene_make(&l, scene, DEM_SKIP_ALL, 1, NULL), DEM_OK);
-        run(&w, 0.5 * scene_duration(scene), scene_features(scene)), run(&l, 0.5 * scene_duration(scene), scene_features(scene) | DEM_ENERGY);
+        run(&w, 0.5 * scene_duration(scene), scene_features(scene)),
+            run(&l, 0.5 * scene_duration(scene), scene_features(scene) | DEM_ENERGY);
         assert_int_equal(w.count, l.count);
         for (ptrdiff_t i = 0; i < w.count; i++) near_vec(dem_position(&w, i), dem_position(&l, i), 0.0, scene_name(scene));
         dem_energy_ledger e = dem_energy(&l);
-        double            scale = fabs(e.wall_work) + e.released + fabs(e.start - e.start_potential);
+        double scale = fabs(e.wall_work) + e.released + fabs(e.start - e.start_potential);
         print_message("%s: ledger open by %.1e\n", scene_name(scene), fabs(e.error) / scale);
         assert_true(fabs(e.error) < 5e-3 * scale);
         dem_free(&w), dem_free(&l);
@@ -805,10 +838,10 @@ static void test_no_contact_is_missed(void **state) {
     (void)state;
     long overlaps = 0;
     for (int trial = 0; trial < 12; trial++) {
-        dem_world    w;
+        dem_world w;
         scene_random r = {(uint64_t)trial + 100};
-        dem_def      def = scene_def(4e-6);
-        int          n = 0;
+        dem_def def = scene_def(4e-6);
+        int n = 0;
         def.skin = trial % 3 == 0 ? 0.02 : trial % 3 == 1 ? 0.15 : 1.0;
         def.gravity = scene_vector(&r, trial % 2 ? 100.0 : 0.0);
         dem_pair(&def, 0, 0)->stiffness = dem_pair(&def, 0, 1)->stiffness = 1e3;
@@ -823,11 +856,12 @@ static void test_no_contact_is_missed(void **state) {
             dem_vec at = scene_vector(&r, 0.044);
             for (int i = 0; i < n; i++) { /* no overlap yet: try elsewhere */
                 dem_vec x = dem_position(&w, i);
-                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) < w.radius[i] + 0.5 * d) at = scene_vector(&r, 0.044), i = -1;
+                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) < w.radius[i] + 0.5 * d)
+                    at = scene_vector(&r, 0.044), i = -1;
             }
             add(&w, at, d);
             dem_vec v = scene_vector(&r, 1.0);
-            double  size = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+            double size = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
             move(&w, n, v3(speed * v.x / size * 0.3, speed * v.y / size * 0.3, speed * v.z / size * 0.3), zero);
         }
         unsigned char before[60][60];
@@ -850,7 +884,8 @@ static void test_no_contact_is_missed(void **state) {
             }
             for (int i = 0; i < n; i++) {
                 for (int j = i + 1; j < n; j++) {
-                    if (now[i][j] && before[i][j]) fail_msg("trial %d, step %d: spheres %d and %d overlap and are no contact", trial, s, i, j);
+                    if (now[i][j] && before[i][j])
+                        fail_msg("trial %d, step %d: spheres %d and %d overlap and are no contact", trial, s, i, j);
                 }
             }
             memcpy(before, now, sizeof now);
@@ -878,13 +913,14 @@ static void test_save_and_load(void **state) {
     (void)state;
     for (int scene = 0; scene < SCENE_COUNT; scene++) {
         dem_world w, copy;
-        double    t = scene_duration(scene);
+        double t = scene_duration(scene);
         assert_int_equal(scene_make(&w, scene, DEM_SKIP_ALL, 1, NULL), DEM_OK);
         for (int part = 0; part < 6; part++) { /* 0: before any run; the others at odd times, mostly between rebuilds */
-            size_t         size;
+            size_t size;
             unsigned char *bytes = saved(&w, &size), *again;
             assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
-            assert_true(dem_hash(&copy) == dem_hash(&w) && copy.step == w.step && copy.time == w.time && copy.passed_count == w.passed_count);
+            assert_true(dem_hash(&copy) == dem_hash(&w) && copy.step == w.step && copy.time == w.time &&
+                        copy.passed_count == w.passed_count);
             assert_true(dem_contact_count(&copy) == dem_contact_count(&w) && copy.particle_steps == w.particle_steps);
             for (int k = 0; k < w.walls; k++) {
                 dem_apertures a = dem_count_apertures(&w, k), b = dem_count_apertures(&copy, k);
@@ -897,7 +933,8 @@ static void test_save_and_load(void **state) {
             run(&copy, 0.171 * t, scene_features(scene));
             if (dem_hash(&copy) != dem_hash(&w)) fail_msg("scene %s, part %d: the loaded world goes another way", scene_name(scene), part);
             assert_int_equal(copy.passed_count, w.passed_count);
-            for (ptrdiff_t k = 0; k < w.passed_count; k++) assert_true(copy.passed[k].id == w.passed[k].id && copy.passed[k].time == w.passed[k].time);
+            for (ptrdiff_t k = 0; k < w.passed_count; k++)
+                assert_true(copy.passed[k].id == w.passed[k].id && copy.passed[k].time == w.passed[k].time);
             free(bytes), free(again);
             dem_free(&w);
             w = copy; /* and on from the copy */
@@ -908,8 +945,8 @@ static void test_save_and_load(void **state) {
 
 static void test_save_after_changes(void **state) {
     (void)state;
-    dem_world      w, copy;
-    size_t         size;
+    dem_world w, copy;
+    size_t size;
     unsigned char *bytes;
     assert_int_equal(scene_make(&w, SCENE_BED, DEM_SKIP_ALL, 1, NULL), DEM_OK);
     run(&w, 0.009, scene_features(SCENE_BED));
@@ -939,10 +976,10 @@ static void reseal(unsigned char *bytes, size_t size) {
 
 static void test_damaged_saves(void **state) {
     (void)state;
-    dem_world      w, copy;
-    size_t         size;
-    scene_random   r = {77};
-    long           refused = 0, ran = 0;
+    dem_world w, copy;
+    size_t size;
+    scene_random r = {77};
+    long refused = 0, ran = 0;
     assert_int_equal(scene_make(&w, SCENE_SCREEN, DEM_SKIP_ALL, 1, NULL), DEM_OK);
     run(&w, 0.06, scene_features(SCENE_SCREEN));
     assert_true(w.passed_count > 0 && dem_contact_count(&w) > 5);
@@ -959,7 +996,11 @@ static void test_damaged_saves(void **state) {
     for (int k = 0; k < 1500; k++) { /* damage with a right checksum: refused, or a world that runs or says why not */
         memcpy(bad, bytes, size);
         size_t at = 8 * (size_t)(scene_uniform(&r) * (k % 2 ? 1500.0 : (double)(size / 8 - 1)));
-        for (int b = 0; b < 8; b++) bad[at + (size_t)b] = k % 5 == 0 ? 0xFF : k % 5 == 1 ? 0 : k % 5 == 2 ? (unsigned char)(b == 7 ? 0x7F : 0xF0) : (unsigned char)(256.0 * scene_uniform(&r));
+        for (int b = 0; b < 8; b++)
+            bad[at + (size_t)b] = k % 5 == 0   ? 0xFF
+                                  : k % 5 == 1 ? 0
+                                  : k % 5 == 2 ? (unsigned char)(b == 7 ? 0x7F : 0xF0)
+                                               : (unsigned char)(256.0 * scene_uniform(&r));
         reseal(bad, size);
         dem_status status = dem_load(&copy, bad, size, NULL);
         if (status == DEM_OK) {
@@ -984,7 +1025,7 @@ static void test_damaged_saves(void **state) {
 /* ---- hostile input ---- */
 
 static void refused(dem_def def, const char *wanted) {
-    dem_world   w;
+    dem_world w;
     const char *field = NULL;
     assert_int_equal(dem_check_def(&def, &field), DEM_BAD_DEFINITION);
     if (!field || strcmp(field, wanted)) fail_msg("names %s, not %s", field ? field : "nothing", wanted);
@@ -995,8 +1036,8 @@ static void refused(dem_def def, const char *wanted) {
 static void test_bad_definitions(void **state) {
     (void)state;
     const dem_def good = one_material(0.5, 0.3, 0.0);
-    dem_def       d;
-    const char   *field = "x";
+    dem_def d;
+    const char *field = "x";
     assert_int_equal(dem_check_def(&good, &field), DEM_OK);
     assert_null(field);
     assert_int_equal(dem_check_def(&good, NULL), DEM_OK);
@@ -1009,15 +1050,18 @@ static void test_bad_definitions(void **state) {
     TRY(threads, 0, "threads"), TRY(threads, -5, "threads"), TRY(threads, 1000000, "threads"), TRY(skip, -1, "skip"), TRY(skip, 64, "skip");
     static const double bad[] = {0.0, -1.0, (double)NAN, (double)INFINITY, -(double)INFINITY};
     for (int k = 0; k < 5; k++) {
-        TRY(dt, bad[k], "dt"), TRY(skin, bad[k], "skin"), TRY(material[0].density, bad[k], "material.density"), TRY(material[0].young_modulus, bad[k], "material.young_modulus");
+        TRY(dt, bad[k], "dt"), TRY(skin, bad[k], "skin"), TRY(material[0].density, bad[k], "material.density"),
+            TRY(material[0].young_modulus, bad[k], "material.young_modulus");
         TRY(pair[0][0].stiffness, bad[k], "pair.stiffness"), TRY(pair[0][0].restitution, bad[k], "pair.restitution");
         if (k == 0) continue; /* zero is a number like any other below */
         TRY(material[0].poisson_ratio, bad[k], "material.poisson_ratio"), TRY(pair[0][0].tangential_ratio, bad[k], "pair.tangential_ratio");
-        TRY(pair[0][0].friction, bad[k], "pair.friction"), TRY(pair[0][0].rolling, bad[k], "pair.rolling"), TRY(pair[0][0].tangential_damping, bad[k], "pair.tangential_damping");
+        TRY(pair[0][0].friction, bad[k], "pair.friction"), TRY(pair[0][0].rolling, bad[k], "pair.rolling"),
+            TRY(pair[0][0].tangential_damping, bad[k], "pair.tangential_damping");
         if (k > 1) TRY(gravity.y, bad[k], "gravity");
         d = good, d.periodic[1] = 1, d.high.y = bad[k], refused(d, "high");
     }
-    TRY(pair[0][0].restitution, 1.01, "pair.restitution"), TRY(material[0].poisson_ratio, 0.51, "material.poisson_ratio"), TRY(pair[0][0].tangential_ratio, 1.1, "pair.tangential_ratio");
+    TRY(pair[0][0].restitution, 1.01, "pair.restitution"), TRY(material[0].poisson_ratio, 0.51, "material.poisson_ratio"),
+        TRY(pair[0][0].tangential_ratio, 1.1, "pair.tangential_ratio");
     TRY(periodic[2], 2, "periodic"), TRY(allocator.fn, NULL, "allocator.fn"), TRY(pair[0][0].mode, (dem_restitution)7, "pair.mode");
 #undef TRY
     d = dem_default_def();
@@ -1033,9 +1077,9 @@ static void test_bad_definitions(void **state) {
 
 static void test_hostile_calls(void **state) {
     (void)state;
-    dem_world    w, nobody;
-    dem_def      def = one_material(0.5, 0.3, 0.0);
-    double       c[3] = {0, 0, 1}, d = 5e-3;
+    dem_world w, nobody;
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    double c[3] = {0, 0, 1}, d = 5e-3;
     const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
     memset(&nobody, 0, sizeof nobody);
     start(&w, &def);
@@ -1047,21 +1091,30 @@ static void test_hostile_calls(void **state) {
         assert_int_equal(dem_set_motion(none, 0, zero, zero), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_set_load(none, 0, zero, zero), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_remove(none, 0), DEM_BAD_ARGUMENT);
-        assert_true(dem_add_plane(none, 0, zero, up) < 0 && dem_add_cylinder(none, 0, zero, up, 1, 1) < 0 && dem_add_screen(none, 0, &s) < 0);
+        assert_true(dem_add_plane(none, 0, zero, up) < 0 && dem_add_cylinder(none, 0, zero, up, 1, 1) < 0 &&
+                    dem_add_screen(none, 0, &s) < 0);
         assert_true(dem_add_exit(none, zero, up) < 0);
-        assert_int_equal(dem_vibrate(none, 0, zero, zero, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_move(none, 0, zero), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_rotate(none, 0, zero, up, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_enable_wall(none, 0, 1), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_run(none, 1.0, DEM_LINEAR), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_time_step(none, 1e-6), DEM_BAD_ARGUMENT);
-        assert_true(isnan(dem_position(none, 0).x) && isnan(dem_velocity(none, 0).z) && dem_momentum(none).x == 0.0 && dem_energy(none).kinetic == 0.0);
+        assert_int_equal(dem_vibrate(none, 0, zero, zero, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_move(none, 0, zero), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_rotate(none, 0, zero, up, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_enable_wall(none, 0, 1), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_run(none, 1.0, DEM_LINEAR), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_set_time_step(none, 1e-6), DEM_BAD_ARGUMENT);
+        assert_true(isnan(dem_position(none, 0).x) && isnan(dem_velocity(none, 0).z) && dem_momentum(none).x == 0.0 &&
+                    dem_energy(none).kinetic == 0.0);
         assert_true(dem_contact_count(none) == 0 && isnan(dem_get_contact(none, 0).gap) && dem_count_apertures(none, 0).total == 0);
         assert_true(dem_save(none, NULL, 0) == 0);
         dem_hash(none);
         assert_true(isnan(dem_advise(none, DEM_LINEAR, 1.0).advised));
     }
-    assert_int_equal(dem_add_spheres(&w, -1, c, &d, 0, 0), DEM_BAD_ARGUMENT), assert_int_equal(dem_add_spheres(&w, 1, NULL, &d, 0, 0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_add_spheres(&w, 1, c, NULL, 0, 0), DEM_BAD_ARGUMENT), assert_int_equal(dem_add_spheres(&w, 0, NULL, NULL, 0, 0), DEM_OK);
-    assert_int_equal(dem_add_spheres(&w, 1, c, &d, 1, 0), DEM_BAD_ARGUMENT), assert_int_equal(dem_add_spheres(&w, 1, c, &d, -1, 0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_add_spheres(&w, PTRDIFF_MAX, c, &d, 0, 0), DEM_TOO_MANY), assert_int_equal(dem_add_spheres(&w, INT32_MAX, c, &d, 0, 0), DEM_TOO_MANY);
+    assert_int_equal(dem_add_spheres(&w, -1, c, &d, 0, 0), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_add_spheres(&w, 1, NULL, &d, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_spheres(&w, 1, c, NULL, 0, 0), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_add_spheres(&w, 0, NULL, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, c, &d, 1, 0), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_add_spheres(&w, 1, c, &d, -1, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_spheres(&w, PTRDIFF_MAX, c, &d, 0, 0), DEM_TOO_MANY),
+        assert_int_equal(dem_add_spheres(&w, INT32_MAX, c, &d, 0, 0), DEM_TOO_MANY);
     static const double bad_d[] = {0.0, -1e-3, 1e-300, 1e200, (double)NAN, (double)INFINITY};
     for (int k = 0; k < 6; k++) assert_int_equal(dem_add_spheres(&w, 1, c, &bad_d[k], 0, 0), DEM_BAD_ARGUMENT);
     for (int k = 0; k < 9; k++) {
@@ -1073,22 +1126,29 @@ static void test_hostile_calls(void **state) {
     add(&w, v3(0, 0, 1), d), add(&w, v3(0, 0, 1.0051), d);
     for (int k = 0; k < 3; k++) {
         dem_vec b = v3(0, bad[k], 0);
-        assert_int_equal(dem_set_motion(&w, 0, b, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_motion(&w, 0, zero, b), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_set_motion(&w, 0, b, zero), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_set_motion(&w, 0, zero, b), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_set_load(&w, 0, b, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_load(&w, 0, zero, b), DEM_BAD_ARGUMENT);
-        assert_true(dem_add_plane(&w, 0, b, up) < 0 && dem_add_plane(&w, 0, zero, b) < 0 && dem_add_exit(&w, b, up) < 0 && dem_add_exit(&w, zero, b) < 0);
-        assert_true(dem_add_cylinder(&w, 0, b, up, 1, 1) < 0 && dem_add_cylinder(&w, 0, zero, b, 1, 1) < 0 && dem_add_cylinder(&w, 0, zero, up, bad[k], 1) < 0);
+        assert_true(dem_add_plane(&w, 0, b, up) < 0 && dem_add_plane(&w, 0, zero, b) < 0 && dem_add_exit(&w, b, up) < 0 &&
+                    dem_add_exit(&w, zero, b) < 0);
+        assert_true(dem_add_cylinder(&w, 0, b, up, 1, 1) < 0 && dem_add_cylinder(&w, 0, zero, b, 1, 1) < 0 &&
+                    dem_add_cylinder(&w, 0, zero, up, bad[k], 1) < 0);
     }
-    assert_int_equal(dem_set_motion(&w, 2, zero, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_motion(&w, -1, zero, zero), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_motion(&w, 2, zero, zero), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_set_motion(&w, -1, zero, zero), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_set_load(&w, 2, zero, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_remove(&w, 2), DEM_BAD_ARGUMENT);
-    assert_int_equal(-dem_add_plane(&w, 1, zero, up), DEM_BAD_ARGUMENT), assert_int_equal(-dem_add_plane(&w, -1, zero, up), DEM_BAD_ARGUMENT);
-    assert_true(dem_add_plane(&w, 0, zero, zero) < 0 && dem_add_cylinder(&w, 0, zero, zero, 1, 1) < 0 && dem_add_cylinder(&w, 0, zero, up, 0.0, 1) < 0 && dem_add_cylinder(&w, 0, zero, up, -1.0, 0) < 0);
+    assert_int_equal(-dem_add_plane(&w, 1, zero, up), DEM_BAD_ARGUMENT),
+        assert_int_equal(-dem_add_plane(&w, -1, zero, up), DEM_BAD_ARGUMENT);
+    assert_true(dem_add_plane(&w, 0, zero, zero) < 0 && dem_add_cylinder(&w, 0, zero, zero, 1, 1) < 0 &&
+                dem_add_cylinder(&w, 0, zero, up, 0.0, 1) < 0 && dem_add_cylinder(&w, 0, zero, up, -1.0, 0) < 0);
     assert_true(dem_add_plane(&w, 0, zero, v3(1e-300, 0, 0)) < 0 || w.walls == 1);
     w.walls = 0;
     dem_screen s = dem_default_screen();
     assert_true(dem_add_screen(&w, 0, NULL) < 0 && dem_add_screen(&w, 9, &s) < 0);
 #define TRY(member, value) s = dem_default_screen(), s.member = value, assert_true(dem_add_screen(&w, 0, &s) < 0)
     for (int k = 0; k < 3; k++) {
-        TRY(aperture, bad[k]), TRY(wire, bad[k]), TRY(half_x, bad[k]), TRY(centre.x, bad[k]), TRY(normal.y, bad[k]), TRY(direction.z, bad[k]);
+        TRY(aperture, bad[k]), TRY(wire, bad[k]), TRY(half_x, bad[k]), TRY(centre.x, bad[k]), TRY(normal.y, bad[k]),
+            TRY(direction.z, bad[k]);
         s = dem_default_screen(), s.circular = 0, s.half_y = bad[k];
         assert_true(dem_add_screen(&w, 0, &s) < 0);
     }
@@ -1098,30 +1158,39 @@ static void test_hostile_calls(void **state) {
     assert_true(p == 0);
     static const int wrong[] = {-1, 1, DEM_WALLS_MAX, 1 << 30, -(1 << 30)};
     for (int k = 0; k < 5; k++) {
-        assert_int_equal(dem_vibrate(&w, wrong[k], zero, zero, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_move(&w, wrong[k], zero), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_rotate(&w, wrong[k], zero, up, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_enable_wall(&w, wrong[k], 0), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_vibrate(&w, wrong[k], zero, zero, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_move(&w, wrong[k], zero), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_rotate(&w, wrong[k], zero, up, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_enable_wall(&w, wrong[k], 0), DEM_BAD_ARGUMENT);
     }
     for (int k = 0; k < 3; k++) {
         dem_vec b = v3(0, 0, bad[k]);
-        assert_int_equal(dem_vibrate(&w, p, b, zero, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_vibrate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_vibrate(&w, p, b, zero, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_vibrate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_vibrate(&w, p, zero, zero, bad[k]), DEM_BAD_ARGUMENT), assert_int_equal(dem_move(&w, p, b), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_rotate(&w, p, b, up, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_rotate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_rotate(&w, p, zero, up, bad[k]), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_run(&w, bad[k], DEM_LINEAR), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_rotate(&w, p, b, up, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_rotate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_rotate(&w, p, zero, up, bad[k]), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_run(&w, bad[k], DEM_LINEAR), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
     }
-    assert_int_equal(dem_rotate(&w, p, zero, zero, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_vibrate(&w, p, zero, zero, -1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_rotate(&w, p, zero, zero, 1), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_vibrate(&w, p, zero, zero, -1.0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_set_time_step(&w, 0.0), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_time_step(&w, -1.0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_run(&w, -1e-9, DEM_LINEAR), DEM_BAD_ARGUMENT), assert_int_equal(dem_run(&w, 1e300, DEM_LINEAR), DEM_BAD_ARGUMENT);
-    static const int odd[] = {0, DEM_FRICTION, DEM_LINEAR | DEM_HERTZ, DEM_LINEAR | DEM_ROLLING, DEM_ENERGY, 64, 1 << 20, -1, DEM_LINEAR | 128};
+    static const int odd[] = {0,       DEM_FRICTION, DEM_LINEAR | DEM_HERTZ, DEM_LINEAR | DEM_ROLLING, DEM_ENERGY, 64,
+                              1 << 20, -1,           DEM_LINEAR | 128};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) assert_int_equal(dem_run(&w, 1e-5, odd[k]), DEM_BAD_ARGUMENT);
     dem_law law = law_sticky;
-    assert_int_equal(dem_run_law(&w, 1e-5, NULL, kernel_sticky, DEM_LINEAR), DEM_BAD_ARGUMENT), assert_int_equal(dem_run_law(&w, 1e-5, &law, NULL, DEM_LINEAR), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-5, NULL, kernel_sticky, DEM_LINEAR), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_run_law(&w, 1e-5, &law, NULL, DEM_LINEAR), DEM_BAD_ARGUMENT);
     law.states = DEM_STATE_MAX + 1;
     assert_int_equal(dem_run_law(&w, 1e-5, &law, kernel_sticky, DEM_LINEAR), DEM_BAD_ARGUMENT);
     law.states = 2;
     assert_int_equal(dem_run_law(&w, 1e-5, &law, kernel_sticky, DEM_LINEAR), DEM_BAD_ARGUMENT);
     law = law_sticky, law.force = NULL;
     assert_int_equal(dem_run_law(&w, 1e-5, &law, kernel_sticky, DEM_LINEAR), DEM_BAD_ARGUMENT);
-    assert_true(isnan(dem_position(&w, 2).x) && isnan(dem_position(&w, -1).x) && isnan(dem_get_contact(&w, 5).gap) && isnan(dem_get_contact(&w, -1).gap));
+    assert_true(isnan(dem_position(&w, 2).x) && isnan(dem_position(&w, -1).x) && isnan(dem_get_contact(&w, 5).gap) &&
+                isnan(dem_get_contact(&w, -1).gap));
     while (dem_add_plane(&w, 0, v3(0, 0, -1), up) >= 0) n++;
     assert_int_equal(n, DEM_WALLS_MAX - 1);
     assert_int_equal(-dem_add_exit(&w, zero, up), DEM_TOO_MANY);
@@ -1133,7 +1202,7 @@ static void test_hostile_calls(void **state) {
 static void test_law_mismatch(void **state) {
     (void)state;
     dem_world w;
-    dem_def   def = one_material(0.5, 0.3, 0.0);
+    dem_def def = one_material(0.5, 0.3, 0.0);
     on_plane(&w, &def, 0.0);
     run(&w, 1e-4, DEM_LINEAR);
     assert_int_equal(dem_contact_count(&w), 1);
@@ -1149,7 +1218,7 @@ static void test_failures_name_the_particle(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
         dem_world w;
-        dem_def   def = one_material(0.5, 0.3, 0.0);
+        dem_def def = one_material(0.5, 0.3, 0.0);
         start(&w, &def);
         dem_add_plane(&w, 0, zero, up);
         for (int i = 0; i < 20; i++) add(&w, v3(0.01 * i, 0, 0.1), diameter);
@@ -1164,7 +1233,7 @@ static void test_failures_name_the_particle(void **state) {
         assert_int_equal(w.failed_id, 13);
         assert_in_range(w.step, 25, 100);
         assert_int_equal(dem_run(&w, 0.01, DEM_LINEAR), status); /* it stays so */
-        size_t         size;
+        size_t size;
         unsigned char *bytes = saved(&w, &size);
         dem_hash(&w), dem_energy(&w), dem_momentum(&w);
         free(bytes);
@@ -1175,9 +1244,9 @@ static void test_failures_name_the_particle(void **state) {
 /* ---- memory ---- */
 
 static dem_status everything(failing_allocator *memory) {
-    dem_world     w, copy;
+    dem_world w, copy;
     dem_allocator hook;
-    dem_status    status, loaded = DEM_OK;
+    dem_status status, loaded = DEM_OK;
     hook.fn = failing_fn, hook.user = memory;
     status = scene_make(&w, SCENE_SCREEN, DEM_SKIP_ALL, 1, &hook);
     if (status == DEM_OK) status = dem_run(&w, 0.004, scene_features(SCENE_SCREEN));
@@ -1187,7 +1256,7 @@ static dem_status everything(failing_allocator *memory) {
     /* read, save and free, whatever happened */
     dem_energy(&w), dem_momentum(&w);
     if (w.def.allocator.fn) {
-        size_t         size;
+        size_t size;
         unsigned char *bytes = saved(&w, &size);
         for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) assert_true(dem_get_contact(&w, c).i < w.count);
         for (int k = 0; k < w.walls; k++) dem_count_apertures(&w, k);
@@ -1218,8 +1287,8 @@ static void test_memory_running_out(void **state) {
     assert_true(failures == k && k >= 8);
     /* a world that ran out for a moment can be saved, loaded and goes on as if nothing had been */
     failing_allocator memory;
-    dem_allocator     hook;
-    dem_world         w, reference;
+    dem_allocator hook;
+    dem_world w, reference;
     hook.fn = failing_fn, hook.user = &memory;
     assert_int_equal(scene_make(&reference, SCENE_SCREEN, DEM_SKIP_ALL, 1, NULL), DEM_OK);
     run(&reference, 0.06, scene_features(SCENE_SCREEN));
@@ -1228,7 +1297,7 @@ static void test_memory_running_out(void **state) {
         memory.fail_at = fail, memory.fail_count = 1;
         if (scene_make(&w, SCENE_SCREEN, DEM_SKIP_ALL, 1, &hook) == DEM_OK) {
             while (dem_run(&w, 0.06 - w.time, scene_features(SCENE_SCREEN)) != DEM_OK) {
-                size_t         size;
+                size_t size;
                 unsigned char *bytes = saved(&w, &size);
                 assert_true(memory.has_failed);
                 dem_free(&w);
@@ -1251,7 +1320,7 @@ static void test_several_worlds_and_laws(void **state) {
     uint64_t alone[3], together[3];
     for (int pass = 0; pass < 2; pass++) {
         dem_world w[3];
-        dem_def   def = one_material(0.7, 0.4, 0.0);
+        dem_def def = one_material(0.7, 0.4, 0.0);
         assert_int_equal(scene_make(&w[0], SCENE_BED, DEM_SKIP_ALL, 1, NULL), DEM_OK);
         assert_int_equal(scene_make(&w[1], SCENE_PERIODIC, DEM_SKIP_ALL, 1, NULL), DEM_OK);
         def.gravity = zero;
@@ -1269,12 +1338,14 @@ static void test_several_worlds_and_laws(void **state) {
     /* the attraction of the second law is there: the same pair holds together with it and parts without it */
     for (int sticky = 0; sticky < 2; sticky++) {
         dem_world w;
-        dem_def   def = one_material(0.7, 0.4, 0.0);
+        dem_def def = one_material(0.7, 0.4, 0.0);
         def.gravity = zero;
         start(&w, &def);
         add(&w, zero, diameter), add(&w, v3(0, 0, diameter - 1e-7), diameter);
         move(&w, 1, v3(0, 0, 2e-4), zero);
-        assert_int_equal(sticky ? dem_run_law(&w, 0.05, &law_sticky, kernel_sticky, DEM_LINEAR | DEM_FRICTION) : dem_run(&w, 0.05, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+        assert_int_equal(sticky ? dem_run_law(&w, 0.05, &law_sticky, kernel_sticky, DEM_LINEAR | DEM_FRICTION)
+                                : dem_run(&w, 0.05, DEM_LINEAR | DEM_FRICTION),
+                         DEM_OK);
         assert_int_equal(dem_contact_count(&w), sticky);
         dem_free(&w);
     }
@@ -1283,7 +1354,7 @@ static void test_several_worlds_and_laws(void **state) {
 static void test_empty_worlds(void **state) {
     (void)state;
     dem_world w, copy;
-    dem_def   def = one_material(0.7, 0.4, 0.0);
+    dem_def def = one_material(0.7, 0.4, 0.0);
     start(&w, &def);
     run(&w, 0.0, DEM_LINEAR), run(&w, 1e-3, DEM_HERTZ | DEM_ENERGY);
     assert_int_equal(w.step, 250);
@@ -1291,7 +1362,7 @@ static void test_empty_worlds(void **state) {
     run(&w, 1e-3, DEM_LINEAR);
     assert_int_equal(w.step, 350);
     near_relative(w.time, 2e-3, 1e-12, "time over two steps");
-    size_t         size;
+    size_t size;
     unsigned char *bytes = saved(&w, &size);
     assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
     add(&copy, v3(0, 0, 1), diameter);

@@ -23,16 +23,16 @@ static void near_absolute(double got, double wanted, double tolerance, const cha
 /* ---- one impact: sphere 0 comes down along z on a sphere or on a plane ---- */
 
 typedef struct impact {
-    double   radius, velocity_n, velocity_t, spin; /* of sphere 0: v = (velocity_t, 0, -velocity_n), w about y */
-    double   other_radius, other_density;          /* 0: a plane */
-    double   other_velocity_n, other_spin;         /* of the other sphere, up */
-    double   young, poisson, density, wall_young, wall_poisson;
-    double   restitution, friction, tangential_damping;
-    int      features;
-    double   steps; /* per contact time */
-    double   phase; /* part of a step before the first contact */
+    double radius, velocity_n, velocity_t, spin; /* of sphere 0: v = (velocity_t, 0, -velocity_n), w about y */
+    double other_radius, other_density;          /* 0: a plane */
+    double other_velocity_n, other_spin;         /* of the other sphere, up */
+    double young, poisson, density, wall_young, wall_poisson;
+    double restitution, friction, tangential_damping;
+    int features;
+    double steps;       /* per contact time */
+    double phase;       /* part of a step before the first contact */
     const dem_law *law; /* NULL: the shipped one */
-    dem_kernel_fn  kernel;
+    dem_kernel_fn kernel;
 } impact;
 
 typedef struct outcome {
@@ -51,23 +51,24 @@ static impact plane_impact(double radius, double vn, double young, double poisso
 
 static outcome run_impact(const impact *a) {
     dem_world world;
-    dem_def   def = dem_default_def();
-    outcome   o = {0};
-    int       m = dem_add_material(&def, a->density, a->young, a->poisson), n;
-    double    closing = a->velocity_n + a->other_velocity_n;
+    dem_def def = dem_default_def();
+    outcome o = {0};
+    int m = dem_add_material(&def, a->density, a->young, a->poisson), n;
+    double closing = a->velocity_n + a->other_velocity_n;
     n = dem_add_material(&def, a->other_radius > 0.0 ? a->other_density : 1.0, a->wall_young, a->wall_poisson);
     dem_pair_def *pair = dem_pair(&def, m, n);
     pair->restitution = a->restitution, pair->friction = a->friction, pair->tangential_damping = a->tangential_damping;
     def.gravity = dem_vec3(0, 0, 0);
     double estimate = 1.0 / ((1.0 - a->poisson * a->poisson) / a->young + (1.0 - a->wall_poisson * a->wall_poisson) / a->wall_young);
-    double mass = 4.0 / 3.0 * RIDDLE_PI * pow(a->radius, 3) * a->density, other = 4.0 / 3.0 * RIDDLE_PI * pow(a->other_radius, 3) * a->other_density;
+    double mass = 4.0 / 3.0 * RIDDLE_PI * pow(a->radius, 3) * a->density,
+           other = 4.0 / 3.0 * RIDDLE_PI * pow(a->other_radius, 3) * a->other_density;
     double r = a->radius, meff = mass;
     if (a->other_radius > 0.0) r = r * a->other_radius / (r + a->other_radius), meff = mass * other / (mass + other);
     double t_c = dem_hertz_contact_time(estimate, r, meff, closing);
     def.dt = t_c / a->steps;
     assert_int_equal(dem_init(&world, &def, NULL), DEM_OK);
-    double height = a->radius + closing * def.dt * (3.0 + a->phase), at[3] = {0.0, 0.0, height}, below[3] = {0.0, 0.0, -a->other_radius}, d = 2.0 * a->radius,
-           d2 = 2.0 * a->other_radius;
+    double height = a->radius + closing * def.dt * (3.0 + a->phase), at[3] = {0.0, 0.0, height}, below[3] = {0.0, 0.0, -a->other_radius},
+           d = 2.0 * a->radius, d2 = 2.0 * a->other_radius;
     assert_int_equal(dem_add_spheres(&world, 1, at, &d, m, 0), DEM_OK);
     if (a->other_radius > 0.0) {
         assert_int_equal(dem_add_spheres(&world, 1, below, &d2, n, 0), DEM_OK);
@@ -76,7 +77,8 @@ static outcome run_impact(const impact *a) {
     assert_int_equal(dem_set_motion(&world, 0, dem_vec3(a->velocity_t, 0, -a->velocity_n), dem_vec3(0, a->spin, 0)), DEM_OK);
     int touched = 0, left = 0;
     for (int k = 0; k < (int)(20.0 * a->steps) && !left; k++) {
-        assert_int_equal(a->law ? dem_run_law(&world, def.dt, a->law, a->kernel, a->features) : dem_run(&world, def.dt, a->features), DEM_OK);
+        assert_int_equal(a->law ? dem_run_law(&world, def.dt, a->law, a->kernel, a->features) : dem_run(&world, def.dt, a->features),
+                         DEM_OK);
         if (dem_contact_count(&world) > 0) {
             dem_contact_info c = dem_get_contact(&world, 0);
             touched++;
@@ -134,8 +136,9 @@ static void test_chung_ooi_3_restitution(void **state) {
     double worst = 0.0;
     for (int k = 0; k <= 20; k++) {
         for (int material = 0; material < 2; material++) {
-            double  e = k == 0 ? 0.02 : 0.05 * k;
-            impact  a = material ? plane_impact(2.5e-3, 3.9, 100e9, 0.25, 7000.0, e, 0.0) : plane_impact(2.5e-3, 3.9, 380e9, 0.23, 4000.0, e, 0.0);
+            double e = k == 0 ? 0.02 : 0.05 * k;
+            impact a =
+                material ? plane_impact(2.5e-3, 3.9, 100e9, 0.25, 7000.0, e, 0.0) : plane_impact(2.5e-3, 3.9, 380e9, 0.23, 4000.0, e, 0.0);
             outcome o = run_impact(&a);
             worst = fmax(worst, fabs(o.vn / 3.9 - e));
         }
@@ -147,15 +150,16 @@ static void test_chung_ooi_3_restitution(void **state) {
 /* Columns: angle from the normal [deg], tangential restitution, spin [rad/s], rebound angle of the contact point [deg]. */
 static void test_chung_ooi_4_oblique(void **state) {
     (void)state;
-    static const double table[13][4] = {{5, 0.948, -19, 3.8},    {10, 0.687, -213, -1.6}, {15, 0.624, -378, -5.5}, {20, 0.616, -511, -7.5}, {25, 0.634, -599, -7.5},
-                                        {30, 0.684, -617, -3.5}, {35, 0.737, -582, 3.4},  {40, 0.781, -545, 11.6}, {50, 0.845, -457, 29.4}, {60, 0.893, -357, 47.8},
-                                        {70, 0.932, -246, 64.6}, {80, 0.966, -126, 78.7}, {85, 0.983, -63, 84.5}};
+    static const double table[13][4] = {{5, 0.948, -19, 3.8},    {10, 0.687, -213, -1.6}, {15, 0.624, -378, -5.5}, {20, 0.616, -511, -7.5},
+                                        {25, 0.634, -599, -7.5}, {30, 0.684, -617, -3.5}, {35, 0.737, -582, 3.4},  {40, 0.781, -545, 11.6},
+                                        {50, 0.845, -457, 29.4}, {60, 0.893, -357, 47.8}, {70, 0.932, -246, 64.6}, {80, 0.966, -126, 78.7},
+                                        {85, 0.983, -63, 84.5}};
     for (int k = 0; k < 13; k++) {
         double theta = table[k][0] * RIDDLE_PI / 180.0, v = 3.9, r = 2.5e-3, mu = 0.092, e = 0.98;
         impact a = plane_impact(r, v * cos(theta), 380e9, 0.23, 4000.0, e, mu);
         a.velocity_t = v * sin(theta);
         outcome o = run_impact(&a);
-        double  e_t = o.vt / a.velocity_t, angle = atan2(o.contact_vt, o.vn) * 180.0 / RIDDLE_PI;
+        double e_t = o.vt / a.velocity_t, angle = atan2(o.contact_vt, o.vn) * 180.0 / RIDDLE_PI;
         near_absolute(e_t, table[k][1], 0.02 * 1.0, "tangential restitution");
         near_absolute(-o.spin, table[k][2], 0.02 * 617.0, "spin"); /* the table's spin is about -y */
         near_absolute(angle, table[k][3], 0.02 * 90.0, "rebound angle");
@@ -194,7 +198,7 @@ static double prepare_half(const dem_birth *b, double *constants) {
 }
 DEM_INLINE void force_half(const dem_contact *c, double *state, dem_response *r) {
     const double *p = c->constants;
-    double        overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[1] * overlap), force = p[0] * area * overlap, square = 0.0;
+    double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[1] * overlap), force = p[0] * area * overlap, square = 0.0;
     memset(r, 0, sizeof *r);
     r->normal = r->contact = force;
     r->ended = !(c->gap < 0.0);
@@ -217,7 +221,8 @@ static void test_chung_ooi_5_recoil(void **state) {
         impact a = plane_impact(1e-5, vn, 208e9, 0.3, 7850.0, 1.0, mu);
         a.velocity_t = steel[k][0] * unit;
         outcome o = run_impact(&a);
-        near_absolute(o.contact_vt / unit, plain_recoil(1e-5, 208e9, 0.3, 7850.0, vn, mu, a.velocity_t) / unit, 0.01, "recoil by plain integration");
+        near_absolute(o.contact_vt / unit, plain_recoil(1e-5, 208e9, 0.3, 7850.0, vn, mu, a.velocity_t) / unit, 0.01,
+                      "recoil by plain integration");
         if (steel[k][0] >= 6.0) near_absolute(o.contact_vt / unit, steel[k][1], 0.02 * full_scale, "recoil of sliding");
         a.law = &law_half, a.kernel = kernel_half, a.features = DEM_HERTZ | DEM_FRICTION;
         o = run_impact(&a);
@@ -231,7 +236,8 @@ static void test_chung_ooi_5_recoil(void **state) {
             near_relative(o.vt / unit, k - 2.0, 1e-4, "velocity after sliding");
             /* R omega'/(mu v_n) -> -5, less by the overlap, which shortens the arm: 10 % for polyethylene */
             double modulus = material ? 1e9 / (2.0 * (1.0 - 0.16)) : 208e9 / (2.0 * (1.0 - 0.09)), density = material ? 1400.0 : 7850.0;
-            double mass = 4.0 / 3.0 * RIDDLE_PI * 1e-15 * density, overlap = vn * dem_hertz_contact_time(modulus, 1e-5, mass, vn) / 2.943275175395;
+            double mass = 4.0 / 3.0 * RIDDLE_PI * 1e-15 * density,
+                   overlap = vn * dem_hertz_contact_time(modulus, 1e-5, mass, vn) / 2.943275175395;
             assert_in_range((int)(1000.0 * 1e-5 * o.spin / unit), (int)(5000.0 * (1.0 - overlap / 1e-5)), 5000);
             near_absolute((o.contact_vt - o.vt) / unit, -5.0, 5.0 * overlap / 1e-5, "rotation after sliding");
         }
@@ -248,15 +254,16 @@ static impact spin_impact(double young, double poisson, double density, double t
 
 static void test_chung_ooi_6_spin(void **state) {
     (void)state;
-    static const double table[9][2] = {{0.17, 0.06}, {0.36, 0.10}, {0.84, -0.03}, {1.2, -0.27}, {1.73, -0.38}, {2.15, 0.05}, {2.75, 1.27}, {3.73, 3.24}, {5.68, 7.13}};
+    static const double table[9][2] = {{0.17, 0.06}, {0.36, 0.10}, {0.84, -0.03}, {1.2, -0.27}, {1.73, -0.38},
+                                       {2.15, 0.05}, {2.75, 1.27}, {3.73, 3.24},  {5.68, 7.13}};
     for (int k = 0; k < 9; k++) {
-        impact  a = spin_impact(70e9, 0.33, 2700.0, table[k][0]);
+        impact a = spin_impact(70e9, 0.33, 2700.0, table[k][0]);
         outcome o = run_impact(&a);
         near_absolute(o.contact_vt / o.vn, table[k][1], 0.02 * 7.5, "recoil");
     }
     for (int k = 4; k <= 10; k++) {
         for (int material = 0; material < 2; material++) { /* aluminium alloy, nylon: the sliding branch is the same */
-            impact  a = material ? spin_impact(2.5e9, 0.4, 1000.0, k) : spin_impact(70e9, 0.33, 2700.0, k);
+            impact a = material ? spin_impact(2.5e9, 0.4, 1000.0, k) : spin_impact(70e9, 0.33, 2700.0, k);
             outcome o = run_impact(&a);
             near_absolute(o.contact_vt / o.vn, 2.0 * k - 4.2, 0.02 * 7.5, "recoil of sliding");
             near_relative(o.vn, 0.1, 5e-4, "restitution");
@@ -283,9 +290,9 @@ static void test_chung_ooi_8_unequal(void **state) {
         impact a = spin_impact(70e9, 0.33, 2700.0, 0.5 + k);
         a.other_radius = 0.5, a.other_density = 2.7e6;
         outcome o = run_impact(&a);
-        double  tangent = o.contact_vt / o.vn;
+        double tangent = o.contact_vt / o.vn;
         if (k >= 3) near_absolute(tangent, 2.0 * (0.5 + k) - 4.2, 0.02 * 7.5, "recoil of sliding");
-        impact  b = spin_impact(70e9, 0.33, 2700.0, 0.5 + k);
+        impact b = spin_impact(70e9, 0.33, 2700.0, 0.5 + k);
         outcome plane = run_impact(&b);
         near_absolute(tangent, plane.contact_vt / plane.vn, 0.01 * 7.5, "as on a plane"); /* the time scales are in the same ratio */
     }
@@ -299,20 +306,22 @@ typedef struct spread {
 
 /* n pairs, or n spheres and a plane, all in one world; pair k hits at phase k/n of a step. Linear law. */
 static spread phases(double e, dem_restitution mode, int wall, double steps, int n, int features, double slip) {
-    dem_world     world;
-    dem_def       def = dem_default_def();
-    int           m = dem_add_material(&def, 2534.1, 1e9, 0.2);
+    dem_world world;
+    dem_def def = dem_default_def();
+    int m = dem_add_material(&def, 2534.1, 1e9, 0.2);
     dem_pair_def *pair = dem_pair(&def, m, m);
-    const double  d = 5e-3, k_n = 1e5, v = 0.5, pitch = 4.0 * d;
-    double        mass = RIDDLE_PI / 6.0 * d * d * d * 2534.1, zeta = dem_damping_ratio(e, mode), t_c = dem_contact_time(k_n, wall ? mass : 0.5 * mass, zeta, mode);
-    spread        s = {0.0, 0.0, 0.0};
+    const double d = 5e-3, k_n = 1e5, v = 0.5, pitch = 4.0 * d;
+    double mass = RIDDLE_PI / 6.0 * d * d * d * 2534.1, zeta = dem_damping_ratio(e, mode),
+           t_c = dem_contact_time(k_n, wall ? mass : 0.5 * mass, zeta, mode);
+    spread s = {0.0, 0.0, 0.0};
     pair->stiffness = k_n, pair->restitution = e, pair->mode = mode, pair->friction = 0.2;
     def.dt = t_c / steps;
     def.gravity = dem_vec3(0, 0, 0);
     assert_int_equal(dem_init(&world, &def, NULL), DEM_OK);
     if (wall) assert_true(dem_add_plane(&world, m, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) == 0);
     for (int k = 0; k < n; k++) {
-        double phase = (k + 0.5) / n, gap = v * def.dt * (2.0 + phase), at[6] = {pitch * (k % 40), pitch * (k / 40), 0.5 * d + gap, pitch * (k % 40), pitch * (k / 40), -0.5 * d}, dd[2] = {d, d};
+        double phase = (k + 0.5) / n, gap = v * def.dt * (2.0 + phase),
+               at[6] = {pitch * (k % 40), pitch * (k / 40), 0.5 * d + gap, pitch * (k % 40), pitch * (k / 40), -0.5 * d}, dd[2] = {d, d};
         assert_int_equal(dem_add_spheres(&world, wall ? 1 : 2, at, dd, m, 0), DEM_OK);
         assert_int_equal(dem_set_motion(&world, wall ? k : 2 * k, dem_vec3(slip, 0, -v), dem_vec3(0, 0, 0)), DEM_OK);
     }
@@ -334,13 +343,14 @@ static void test_restitution_phases(void **state) {
     (void)state;
     static const double e[2] = {0.7808, 0.4351};
     for (int k = 0; k < 8; k++) {
-        const double    wanted = e[k / 2 % 2];
+        const double wanted = e[k / 2 % 2];
         dem_restitution mode = k & 1 ? DEM_NAIVE : DEM_CLIPPED;
-        spread          s = phases(wanted, mode, k / 4, 20.0, 1000, DEM_LINEAR, 0.0);
-        spread          coarse = phases(wanted, mode, k / 4, 160.0, 100, DEM_LINEAR, 0.0), fine = phases(wanted, mode, k / 4, 640.0, 100, DEM_LINEAR, 0.0);
-        double          order = log(coarse.rms / fine.rms) / log(4.0);
-        print_message("e %.4f %s %s, t_c/20: bias %.1e, rms %.1e, largest %.1e; order %.2f\n", wanted, mode == DEM_NAIVE ? "naive  " : "clipped", k / 4 ? "wall" : "pair",
-                      s.bias, s.rms, s.largest, order);
+        spread s = phases(wanted, mode, k / 4, 20.0, 1000, DEM_LINEAR, 0.0);
+        spread coarse = phases(wanted, mode, k / 4, 160.0, 100, DEM_LINEAR, 0.0),
+               fine = phases(wanted, mode, k / 4, 640.0, 100, DEM_LINEAR, 0.0);
+        double order = log(coarse.rms / fine.rms) / log(4.0);
+        print_message("e %.4f %s %s, t_c/20: bias %.1e, rms %.1e, largest %.1e; order %.2f\n", wanted,
+                      mode == DEM_NAIVE ? "naive  " : "clipped", k / 4 ? "wall" : "pair", s.bias, s.rms, s.largest, order);
         assert_true(fabs(s.bias) < 9e-4 && s.largest < 1e-3); /* of e = 0.7808, and of a clipped 0.4351, less than half of it */
         assert_true(s.rms < (mode == DEM_CLIPPED || k / 2 % 2 == 0 ? 5e-4 : 9e-4));
         assert_true(order > 1.8 && order < 2.2);
@@ -353,11 +363,11 @@ static void test_restitution_phases(void **state) {
 static double oblique_error(double steps, double slip, const double *exact, double *result) {
     double worst = 0.0;
     for (int k = 0; k < 10; k++) {
-        dem_world     world;
-        dem_def       def = dem_default_def();
-        int           m = dem_add_material(&def, 2534.1, 1e9, 0.2);
+        dem_world world;
+        dem_def def = dem_default_def();
+        int m = dem_add_material(&def, 2534.1, 1e9, 0.2);
         dem_pair_def *pair = dem_pair(&def, m, m);
-        const double  d[2] = {5e-3, 7e-3};
+        const double d[2] = {5e-3, 7e-3};
         pair->restitution = 0.7808, pair->friction = 0.3;
         double mass = RIDDLE_PI / 6.0 * 2534.1 / (1.0 / (d[0] * d[0] * d[0]) + 1.0 / (d[1] * d[1] * d[1]));
         double t_c = dem_contact_time(1e5, mass, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), at[6] = {0, 0, 6e-3, 0, 0, 0};
@@ -385,7 +395,8 @@ static void test_oblique_order(void **state) {
         double exact[40], unused[40], error[3];
         oblique_error(5120.0, slip[k], NULL, exact);
         for (int n = 0; n < 3; n++) error[n] = oblique_error(20.0 * (1 << (2 * n)), slip[k], exact, unused);
-        print_message("oblique, slip %.1f m/s: error %.1e m/s at t_c/20, %.1e at t_c/80, %.1e at t_c/320\n", slip[k], error[0], error[1], error[2]);
+        print_message("oblique, slip %.1f m/s: error %.1e m/s at t_c/20, %.1e at t_c/80, %.1e at t_c/320\n", slip[k], error[0], error[1],
+                      error[2]);
         assert_true(error[0] < 0.01 && error[2] < error[0] / 16.0);
     }
 }
@@ -394,10 +405,10 @@ static void test_oblique_order(void **state) {
 
 /* A cloud that falls into itself, frictional and damped; no walls. */
 static void collapse(dem_world *world, int features, double e) {
-    scene_random  r = {11};
-    dem_def       def = dem_default_def();
-    int           m = dem_add_material(&def, 2534.1, 5e7, 0.2);
-    const double  sizes[3] = {5e-3, 7e-3, 10e-3};
+    scene_random r = {11};
+    dem_def def = dem_default_def();
+    int m = dem_add_material(&def, 2534.1, 5e7, 0.2);
+    const double sizes[3] = {5e-3, 7e-3, 10e-3};
     dem_pair_def *pair = dem_pair(&def, m, m);
     pair->restitution = e, pair->friction = 0.4, pair->rolling = 1e-4;
     def.gravity = dem_vec3(0, 0, 0);
@@ -416,8 +427,9 @@ static dem_vec angular_momentum(const dem_world *w, double *size) {
     *size = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x = dem_position(w, i), v = dem_velocity(w, i);
-        double  m = w->mass[i], inertia = 0.4 * m * w->radius[i] * w->radius[i];
-        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->wx[i], m * (x.z * v.x - x.x * v.z) + inertia * w->wy[i], m * (x.x * v.y - x.y * v.x) + inertia * w->wz[i]);
+        double m = w->mass[i], inertia = 0.4 * m * w->radius[i] * w->radius[i];
+        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->wx[i], m * (x.z * v.x - x.x * v.z) + inertia * w->wy[i],
+                             m * (x.x * v.y - x.y * v.x) + inertia * w->wz[i]);
         sum = dem_vec3(sum.x + l.x, sum.y + l.y, sum.z + l.z);
         *size += sqrt(l.x * l.x + l.y * l.y + l.z * l.z);
     }
@@ -426,10 +438,11 @@ static dem_vec angular_momentum(const dem_world *w, double *size) {
 
 static void test_momentum(void **state) {
     (void)state;
-    static const int features[4] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING};
+    static const int features[4] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING,
+                                    DEM_HERTZ | DEM_FRICTION | DEM_ROLLING};
     for (int k = 0; k < 4; k++) {
         dem_world world;
-        double    scale, sum = 0.0;
+        double scale, sum = 0.0;
         collapse(&world, features[k], 0.8);
         dem_vec p = dem_momentum(&world), l = angular_momentum(&world, &scale);
         for (ptrdiff_t i = 0; i < world.count; i++) {
@@ -438,8 +451,9 @@ static void test_momentum(void **state) {
         }
         assert_int_equal(dem_run(&world, 0.03, features[k]), DEM_OK);
         dem_vec p2 = dem_momentum(&world), l2 = angular_momentum(&world, &scale);
-        double  dp = fabs(p2.x - p.x) + fabs(p2.y - p.y) + fabs(p2.z - p.z), dl = fabs(l2.x - l.x) + fabs(l2.y - l.y) + fabs(l2.z - l.z);
-        print_message("%ld contact steps: momentum kept to %.1e, angular momentum to %.1e\n", (long)world.contact_steps, dp / sum, dl / scale);
+        double dp = fabs(p2.x - p.x) + fabs(p2.y - p.y) + fabs(p2.z - p.z), dl = fabs(l2.x - l.x) + fabs(l2.y - l.y) + fabs(l2.z - l.z);
+        print_message("%ld contact steps: momentum kept to %.1e, angular momentum to %.1e\n", (long)world.contact_steps, dp / sum,
+                      dl / scale);
         assert_true(world.contact_steps > 5000);
         assert_true(dp < 1e-14 * sum);
         assert_true(dl < 1e-7 * scale); /* to round-off where a particle has one contact at a time: test_dem.c */
@@ -451,11 +465,11 @@ static void test_momentum(void **state) {
 static void test_elastic_energy(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {
-        dem_world     world;
-        scene_random  r = {5};
-        dem_def       def = scene_def(1.0);
-        const double  sizes[3] = {5e-3, 7e-3, 10e-3};
-        int           features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_ENERGY;
+        dem_world world;
+        scene_random r = {5};
+        dem_def def = scene_def(1.0);
+        const double sizes[3] = {5e-3, 7e-3, 10e-3};
+        int features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_ENERGY;
         dem_pair(&def, 0, 0)->restitution = dem_pair(&def, 0, 1)->restitution = 1.0;
         assert_int_equal(dem_init(&world, &def, NULL), DEM_OK);
         scene_box(&world, 0.02, 0.0, 0.06);
@@ -470,8 +484,9 @@ static void test_elastic_energy(void **state) {
         assert_int_equal(dem_set_time_step(&world, t_c / 200.0), DEM_OK);
         assert_int_equal(dem_run(&world, 0.05, features), DEM_OK);
         dem_energy_ledger l = dem_energy(&world);
-        double            error = fabs(l.error) / (l.start - l.start_potential + l.released);
-        print_message("%s, elastic, t_c/200, %ld contact steps: ledger open by %.1e\n", hertz ? "Hertz" : "linear", (long)world.contact_steps, error);
+        double error = fabs(l.error) / (l.start - l.start_potential + l.released);
+        print_message("%s, elastic, t_c/200, %ld contact steps: ledger open by %.1e\n", hertz ? "Hertz" : "linear",
+                      (long)world.contact_steps, error);
         assert_true(world.contact_steps > 10000);
         assert_true(error < 1e-6);
         assert_true(fabs(l.normal_loss) < 1e-6 * l.start && l.sliding_loss == 0.0 && l.wall_work == 0.0);
@@ -482,7 +497,8 @@ static void test_elastic_energy(void **state) {
 /* With damping, friction and rolling, at t_c/20 and t_c/80. */
 static void test_damped_energy(void **state) {
     (void)state;
-    static const int features[4] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING};
+    static const int features[4] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING,
+                                    DEM_HERTZ | DEM_FRICTION | DEM_ROLLING};
     for (int k = 0; k < 4; k++) {
         double error[2];
         for (int n = 0; n < 2; n++) {
@@ -514,12 +530,16 @@ static double floor_speed(const bouncer *b, double t) { return b->amplitude * b-
 
 /* Gap and its rate at a time t of a contact that began at t0 with gap 0 and rate u. */
 static void in_contact(const bouncer *b, double t0, double u, double t, double *gap, double *rate) {
-    double omega0 = sqrt(b->k / b->mass), zeta = 0.5 * b->gamma / sqrt(b->k * b->mass), omega = omega0 * sqrt(1.0 - zeta * zeta), w = b->rate;
-    double real = omega0 * omega0 - w * w, imaginary = 2.0 * zeta * omega0 * w, size = b->amplitude * w * w / sqrt(real * real + imaginary * imaginary);
-    double lag = atan2(imaginary, real), p0 = size * sin(w * t0 + b->phase - lag) - b->g / (omega0 * omega0), q0 = size * w * cos(w * t0 + b->phase - lag);
+    double omega0 = sqrt(b->k / b->mass), zeta = 0.5 * b->gamma / sqrt(b->k * b->mass), omega = omega0 * sqrt(1.0 - zeta * zeta),
+           w = b->rate;
+    double real = omega0 * omega0 - w * w, imaginary = 2.0 * zeta * omega0 * w,
+           size = b->amplitude * w * w / sqrt(real * real + imaginary * imaginary);
+    double lag = atan2(imaginary, real), p0 = size * sin(w * t0 + b->phase - lag) - b->g / (omega0 * omega0),
+           q0 = size * w * cos(w * t0 + b->phase - lag);
     double c = -p0, s = (u - q0 + zeta * omega0 * c) / omega, tau = t - t0, decay = exp(-zeta * omega0 * tau);
     *gap = decay * (c * cos(omega * tau) + s * sin(omega * tau)) + size * sin(w * t + b->phase - lag) - b->g / (omega0 * omega0);
-    *rate = decay * ((s * omega - zeta * omega0 * c) * cos(omega * tau) - (c * omega + zeta * omega0 * s) * sin(omega * tau)) + size * w * cos(w * t + b->phase - lag);
+    *rate = decay * ((s * omega - zeta * omega0 * c) * cos(omega * tau) - (c * omega + zeta * omega0 * s) * sin(omega * tau)) +
+            size * w * cos(w * t + b->phase - lag);
 }
 
 /* Height of the bottom of the sphere at t_end; *hits counts. */
@@ -528,7 +548,8 @@ static double bounce(const bouncer *b, double z, double v, double t_end, int cli
     for (*hits = 0;; ++*hits) {
         double step = 1e-5, s = 0.0, low, high; /* flight: scan, then bisect */
         while (t + s < t_end && z + v * s - 0.5 * b->g * s * s - floor_at(b, t + s) >= 0.0) s += step;
-        if (t + s >= t_end && z + v * (t_end - t) - 0.5 * b->g * (t_end - t) * (t_end - t) >= floor_at(b, t_end)) return z + v * (t_end - t) - 0.5 * b->g * (t_end - t) * (t_end - t);
+        if (t + s >= t_end && z + v * (t_end - t) - 0.5 * b->g * (t_end - t) * (t_end - t) >= floor_at(b, t_end))
+            return z + v * (t_end - t) - 0.5 * b->g * (t_end - t) * (t_end - t);
         for (low = s - step, high = s; high - low > 1e-16;) {
             double m = 0.5 * (low + high);
             if (m == low || m == high) break;
@@ -563,14 +584,14 @@ static void test_vibrating_plane(void **state) {
     (void)state;
     for (int mode = 0; mode < 2; mode++) {
         double error[2];
-        int    hits = 0;
+        int hits = 0;
         for (int n = 0; n < 2; n++) {
-            dem_world     world;
-            dem_def       def = dem_default_def();
-            int           m = dem_add_material(&def, 2534.1, 1e9, 0.2);
+            dem_world world;
+            dem_def def = dem_default_def();
+            int m = dem_add_material(&def, 2534.1, 1e9, 0.2);
             dem_pair_def *pair = dem_pair(&def, m, m);
-            const double  d = 5e-3, at[3] = {0.3, -0.2, 2.5e-3 + 2e-3}, t_end = 0.25;
-            bouncer       b = {1e5, 0.0, RIDDLE_PI / 6.0 * 5e-3 * 5e-3 * 5e-3 * 2534.1, 9.81, 1e-3, 2.0 * RIDDLE_PI * 30.0, 0.4};
+            const double d = 5e-3, at[3] = {0.3, -0.2, 2.5e-3 + 2e-3}, t_end = 0.25;
+            bouncer b = {1e5, 0.0, RIDDLE_PI / 6.0 * 5e-3 * 5e-3 * 5e-3 * 2534.1, 9.81, 1e-3, 2.0 * RIDDLE_PI * 30.0, 0.4};
             pair->restitution = 0.6, pair->mode = mode ? DEM_NAIVE : DEM_CLIPPED;
             double zeta = dem_damping_ratio(0.6, pair->mode);
             b.gamma = 2.0 * zeta * sqrt(b.k * b.mass);
@@ -584,7 +605,8 @@ static void test_vibrating_plane(void **state) {
             assert_true(dem_position(&world, 0).x == 0.3 && dem_position(&world, 0).y == -0.2);
             dem_free(&world);
         }
-        print_message("vibrating plane, %s, %d hits: off by %.1e m at t_c/20, %.1e m at t_c/80\n", mode ? "naive" : "clipped", hits, error[0], error[1]);
+        print_message("vibrating plane, %s, %d hits: off by %.1e m at t_c/20, %.1e m at t_c/80\n", mode ? "naive" : "clipped", hits,
+                      error[0], error[1]);
         assert_in_range(hits, 5, 60);
         assert_true(fabs(error[0]) < 2e-5 && fabs(error[1]) < 2e-6);
     }
@@ -594,12 +616,12 @@ static void test_vibrating_plane(void **state) {
 
 typedef struct bed {
     ptrdiff_t n;
-    double   *x, *v, *w; /* [n][3] */
+    double *x, *v, *w; /* [n][3] */
 } bed;
 
 static bed read_bed(const char *name, ptrdiff_t n) {
-    bed   b = {n, malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double))};
-    char  line[512];
+    bed b = {n, malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double)), malloc((size_t)n * 3 * sizeof(double))};
+    char line[512];
     FILE *file = fopen(name, "r");
     assert_non_null(file);
     assert_true(fgets(line, sizeof line, file) && fgets(line, sizeof line, file)); /* a comment and the column names */
@@ -619,7 +641,7 @@ static const double bed_d = 5e-3, bed_k = 1e5, bed_density = 2534.0, bed_mu = 0.
 /* An integrator of its own: velocities at half steps, forces from them (as LAMMPS's granular styles do), a pair list from sorting
    by height, dashpots by their rates. It shares no line with dem.h. */
 typedef struct slow_pair {
-    int    i, j;
+    int i, j;
     double xi[3];
 } slow_pair;
 
@@ -629,8 +651,10 @@ static int slow_compare(const void *a, const void *b) {
     return d < 0.0 ? -1 : d > 0.0;
 }
 
-static void slow_force(const double *n, double gap, const double *v, double gamma, double kt, double m, double *xi, double *f, double *torque_arm) {
-    double vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], normal = -bed_k * gap - gamma * m * vn, along = xi[0] * n[0] + xi[1] * n[1] + xi[2] * n[2], size = 0.0, t[3];
+static void slow_force(const double *n, double gap, const double *v, double gamma, double kt, double m, double *xi, double *f,
+                       double *torque_arm) {
+    double vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], normal = -bed_k * gap - gamma * m * vn,
+           along = xi[0] * n[0] + xi[1] * n[1] + xi[2] * n[2], size = 0.0, t[3];
     for (int a = 0; a < 3; a++) {
         xi[a] += bed_dt * (v[a] - vn * n[a]) - along * n[a];
         t[a] = -kt * xi[a];
@@ -647,11 +671,13 @@ static void slow_force(const double *n, double gap, const double *v, double gamm
 
 static void slow_run(bed *b, double side, double amplitude, int steps) {
     const ptrdiff_t n = b->n;
-    const double    r = 0.5 * bed_d, m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density, inertia = 0.4 * m * r * r, kt = 2.0 / 7.0 * bed_k, reach = 1.2 * bed_d;
-    double         *f = calloc((size_t)n * 3, sizeof *f), *t = calloc((size_t)n * 3, sizeof *t), *at = malloc((size_t)n * 3 * sizeof *at), *wall = calloc((size_t)n * 3, sizeof *wall);
-    int            *order = malloc((size_t)n * sizeof *order), *start = calloc((size_t)n + 1, sizeof *start);
-    slow_pair      *pairs = NULL, *old;
-    ptrdiff_t       count = 0, room = 0;
+    const double r = 0.5 * bed_d, m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density, inertia = 0.4 * m * r * r,
+                 kt = 2.0 / 7.0 * bed_k, reach = 1.2 * bed_d;
+    double *f = calloc((size_t)n * 3, sizeof *f), *t = calloc((size_t)n * 3, sizeof *t), *at = malloc((size_t)n * 3 * sizeof *at),
+           *wall = calloc((size_t)n * 3, sizeof *wall);
+    int *order = malloc((size_t)n * sizeof *order), *start = calloc((size_t)n + 1, sizeof *start);
+    slow_pair *pairs = NULL, *old;
+    ptrdiff_t count = 0, room = 0;
     for (int s = 0; s <= steps; s++) {
         double moved = HUGE_VAL;
         for (ptrdiff_t k = 0; s > 0 && k < 3 * n; k++) { /* half kick and drift; step 0 only finds the forces */
@@ -662,7 +688,7 @@ static void slow_run(bed *b, double side, double amplitude, int steps) {
         for (ptrdiff_t k = 0; s > 0 && k < 3 * n; k++) moved = k == 0 ? fabs(b->x[k] - at[k]) : fmax(moved, fabs(b->x[k] - at[k]));
         if (moved > 0.05 * bed_d) {
             ptrdiff_t olds = count;
-            int      *begin = start;
+            int *begin = start;
             old = pairs, pairs = NULL, count = room = 0;
             for (ptrdiff_t i = 0; i < n; i++) order[i] = (int)i;
             memcpy(at, b->x, (size_t)n * 3 * sizeof *at);
@@ -690,7 +716,7 @@ static void slow_run(bed *b, double side, double amplitude, int steps) {
             for (ptrdiff_t p = 0; p < count; p++) start[pairs[p].i + 1]++;
             for (ptrdiff_t i = 0; i < n; i++) start[i + 1] += start[i];
             slow_pair *sorted = malloc((size_t)count * sizeof *sorted);
-            int       *next = malloc((size_t)n * sizeof *next);
+            int *next = malloc((size_t)n * sizeof *next);
             memcpy(next, start, (size_t)n * sizeof *next);
             for (ptrdiff_t p = 0; p < count; p++) sorted[next[pairs[p].i]++] = pairs[p];
             free(next), free(pairs);
@@ -699,9 +725,10 @@ static void slow_run(bed *b, double side, double amplitude, int steps) {
         }
         memset(f, 0, (size_t)n * 3 * sizeof *f), memset(t, 0, (size_t)n * 3 * sizeof *t);
         for (ptrdiff_t p = 0; p < count; p++) {
-            slow_pair    *q = &pairs[p];
-            const double *xi = b->x + 3 * q->i, *xj = b->x + 3 * q->j, *vi = b->v + 3 * q->i, *vj = b->v + 3 * q->j, *wi = b->w + 3 * q->i, *wj = b->w + 3 * q->j;
-            double        d[3], g[3], force[3], arm[3], square = 0.0;
+            slow_pair *q = &pairs[p];
+            const double *xi = b->x + 3 * q->i, *xj = b->x + 3 * q->j, *vi = b->v + 3 * q->i, *vj = b->v + 3 * q->j, *wi = b->w + 3 * q->i,
+                         *wj = b->w + 3 * q->j;
+            double d[3], g[3], force[3], arm[3], square = 0.0;
             for (int a = 0; a < 3; a++) {
                 d[a] = xi[a] - xj[a];
                 if (a < 2) d[a] -= side * floor(d[a] / side + 0.5);
@@ -720,9 +747,11 @@ static void slow_run(bed *b, double side, double amplitude, int steps) {
                 t[3 * q->i + a] -= 0.5 * distance * arm[a], t[3 * q->j + a] -= 0.5 * distance * arm[a];
             }
         }
-        double rate = 2.0 * RIDDLE_PI * 50.6, floor_z = amplitude * (1.0 - cos(rate * s * bed_dt)), floor_v = amplitude * rate * sin(rate * s * bed_dt);
+        double rate = 2.0 * RIDDLE_PI * 50.6, floor_z = amplitude * (1.0 - cos(rate * s * bed_dt)),
+               floor_v = amplitude * rate * sin(rate * s * bed_dt);
         for (ptrdiff_t i = 0; i < n; i++) {
-            double up[3] = {0, 0, 1}, gap = b->x[3 * i + 2] - floor_z - r, *w = b->w + 3 * i, *v = b->v + 3 * i, arm_length = r + gap, force[3], arm[3];
+            double up[3] = {0, 0, 1}, gap = b->x[3 * i + 2] - floor_z - r, *w = b->w + 3 * i, *v = b->v + 3 * i, arm_length = r + gap,
+                   force[3], arm[3];
             double g[3] = {v[0] - arm_length * w[1], v[1] + arm_length * w[0], v[2] - floor_v};
             if (gap >= 0.0) {
                 wall[3 * i] = wall[3 * i + 1] = wall[3 * i + 2] = 0.0;
@@ -741,17 +770,18 @@ static void slow_run(bed *b, double side, double amplitude, int steps) {
 
 static void fast_run(bed *b, double side, double amplitude, int steps) {
     dem_world world;
-    dem_def   def = dem_default_def();
-    int       glass = dem_add_material(&def, bed_density, 1e9, 0.2), base = dem_add_material(&def, bed_density, 1e9, 0.2);
-    double   *d = malloc((size_t)b->n * sizeof *d), m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density;
+    dem_def def = dem_default_def();
+    int glass = dem_add_material(&def, bed_density, 1e9, 0.2), base = dem_add_material(&def, bed_density, 1e9, 0.2);
+    double *d = malloc((size_t)b->n * sizeof *d), m = RIDDLE_PI / 6.0 * bed_d * bed_d * bed_d * bed_density;
     for (ptrdiff_t i = 0; i < b->n; i++) d[i] = bed_d;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *p = dem_pair(&def, glass, k ? base : glass);
-        double        meff = k ? m : 0.5 * m, gamma = (k ? 3871.9 : 5475.7) * meff;
+        double meff = k ? m : 0.5 * m, gamma = (k ? 3871.9 : 5475.7) * meff;
         p->mode = DEM_NAIVE, p->friction = bed_mu, p->stiffness = bed_k;
         p->restitution = dem_restitution_of(0.5 * gamma / sqrt(bed_k * meff), DEM_NAIVE);
         near_relative(p->restitution, 0.78, 2e-3, "the bed's restitution");
-        near_relative(dem_contact_time(bed_k, meff, 0.5 * gamma / sqrt(bed_k * meff), DEM_NAIVE), k ? 128.4e-6 : 90.8e-6, 1e-3, "the bed's contact time");
+        near_relative(dem_contact_time(bed_k, meff, 0.5 * gamma / sqrt(bed_k * meff), DEM_NAIVE), k ? 128.4e-6 : 90.8e-6, 1e-3,
+                      "the bed's contact time");
     }
     def.dt = bed_dt;
     def.periodic[0] = def.periodic[1] = 1;
@@ -791,7 +821,8 @@ static void compare_beds(const char *file, ptrdiff_t n, double side, double ampl
     slow_run(&slow, side, amplitude, steps);
     fast_run(&fast, side, amplitude, steps);
     double z = bed_height(&slow), e = bed_kinetic(&slow), dz = bed_height(&fast) - z, de = bed_kinetic(&fast) / e - 1.0;
-    print_message("bed of %ld, A = %g mm, %d steps: mean height %.7f m, off by %.1e; kinetic energy %.6g J, off by %.2f %%\n", (long)n, 1e3 * amplitude, steps, z, dz, e, 100.0 * de);
+    print_message("bed of %ld, A = %g mm, %d steps: mean height %.7f m, off by %.1e; kinetic energy %.6g J, off by %.2f %%\n", (long)n,
+                  1e3 * amplitude, steps, z, dz, e, 100.0 * de);
     assert_true(fabs(dz) < 1e-7);
     assert_true(fabs(de) < (amplitude > 0.0 ? 1e-3 : 1e-2));
     free_bed(&slow), free_bed(&fast);
