@@ -2,12 +2,13 @@
 
    1. Impacts of two equal spheres, head-on and oblique with friction, over all phases of the first step: how far the velocities after
       the impact are from the exact ones. Coefficients of restitution 0.78 and 0.4351, both conventions, steps from t_c/8 to t_c/400.
-   2. A stack of ten spheres that falls on a floor: where they are after 40 ms, against an integrator that finds every beginning and end of a
-      contact (Runge-Kutta 4 between them). Each impact multiplies an error; by 50 ms no step in this range is small enough.
+   2. A stack of ten spheres that falls on a floor: where they are after 40 ms, against an integrator that finds every beginning and end
+      of a contact (Runge-Kutta 4 between them). Each impact multiplies an error; by 50 ms no step in this range is small enough.
    3. Layers of skipping on the stack: run time, same hash.
 
    Beside dem.h stand integrators as other codes have them, written out below: they give the first and the last step of a contact a whole
-   step's force or none. Effort is counted in evaluations of the contact law, those of resolved steps included; run time is processor time. */
+   step's force or none. Effort is counted in evaluations of the contact law, those of resolved steps included; run time is processor
+   time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

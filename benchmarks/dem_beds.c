@@ -7,7 +7,7 @@
    list alone changes the energy by 1.2 %; the same hash in every repeat and for any number of threads. Each bed runs on one thread, those
    of 20 000 and more then on --threads.
 
-   --compare FILE runs nothing: it takes runs of several codes, as benchmarks/peers/run collects them, and tells and draws medians and ratios. */
+   --compare FILE runs nothing: it takes runs of several codes, as benchmarks/peers/run collects them, and draws medians and ratios. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -240,7 +240,7 @@ static void compare(const program *self, const char *path, reference (*reference
     double speed[CODES][SIZES * SCENES];
     const char *groups[SIZES * SCENES];
     char group_names[SIZES * SCENES][40];
-    int n_codes = 0, n_groups = 0;
+    int n_codes = 0, n_groups = 0, wrong = 0;
     csv_data data;
     if (csv_read(path, &data, message, sizeof message) != 0) {
         common_fail("%s", message);
@@ -286,6 +286,7 @@ static void compare(const program *self, const char *path, reference (*reference
                 if (!(own > 0.0)) continue;
                 const reference *of = &references[size][scene];
                 const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, height, energy);
+                wrong += judged && !same;
                 table_cell(&t, "%d", sizes[size]);
                 table_cell(&t, "%s", scene_names[scene]);
                 table_cell(&t, "%s", codes[k]);
@@ -332,6 +333,7 @@ static void compare(const program *self, const char *path, reference (*reference
     json_program(report, self);
     json_close(report);
     csv_free(&data);
+    if (wrong) common_fail("%d beds are not the same physics as the references", wrong);
 }
 
 /* ---- main ---- */

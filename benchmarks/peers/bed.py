@@ -1,6 +1,7 @@
 # The beds of benchmarks/README.md in YADE: run as
 #   yade -n -x bed.py START.csv COPIES LENGTH STEPS AMPLITUDE FRICTION
-# COPIES of the start stand beside each other along x; LENGTH is the side of one [m]; AMPLITUDE of the floor [m], 0: at rest; FRICTION 0 or 1.
+# COPIES of the start stand beside each other along x; LENGTH is the side of one [m]; AMPLITUDE of the floor [m], 0: at rest;
+# FRICTION 0 or 1.
 # The floor of facets is at A (1 - cos(2 pi f t)), f = 50.6 Hz: an infinite wall in a periodic cell does not work. A free surface: the cell
 # is periodic in z, too, but much higher than the bed.
 import csv, sys, time
@@ -8,7 +9,8 @@ from math import pi, sin
 from yade import O, utils
 from yade import Vector3, Matrix3
 
-start, copies, length, steps, amplitude, friction = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4]), float(sys.argv[5]), int(sys.argv[6])
+start, copies, length, steps = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4])
+amplitude, friction = float(sys.argv[5]), int(sys.argv[6])
 radius, density, height, base = 0.0025, 2534.0, 0.5, 0.05   # base: height of the floor in the cell
 mass = density * 4.0 / 3.0 * pi * radius**3
 
@@ -36,7 +38,7 @@ floor, tiles = [], (4 * copies, 4)                           # small facets: few
 dx, dy = copies * length / tiles[0], length / tiles[1]
 for i in range(tiles[0]):
     for j in range(tiles[1]):
-        a, b, c, d = [(x, y, base) for x, y in ((i * dx, j * dy), ((i + 1) * dx, j * dy), ((i + 1) * dx, (j + 1) * dy), (i * dx, (j + 1) * dy))]
+        a, b, c, d = [((i + p) * dx, (j + q) * dy, base) for p, q in ((0, 0), (1, 0), (1, 1), (0, 1))]
         for corners in ((a, b, c), (a, c, d)):
             floor.append(O.bodies.append(utils.facet(corners, fixed=True, material=ground)))
 
