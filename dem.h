@@ -74,6 +74,11 @@
 #define DEM__INDEPENDENT
 #endif
 
+#if defined(__clang__) /* at -O1 the loop that is marked independent is not vectorised, which is no fault */
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpass-failed"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -3408,5 +3413,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 
 #ifdef __cplusplus
 }
+#endif
+#if defined(__clang__)
+#pragma clang diagnostic pop
 #endif
 #endif /* DEM_H */
