@@ -74,9 +74,13 @@
 #define DEM__INDEPENDENT
 #endif
 
-#if defined(__clang__) /* at -O1 the loop that is marked independent is not vectorised, which is no fault */
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpass-failed"
+#if defined(__clang__) /* a loop that is marked independent may stay scalar all the same, which is no fault */
+#define DEM__QUIET _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wpass-failed\"")
+#define DEM__LOUD _Pragma("clang diagnostic pop")
+DEM__QUIET
+#else
+#define DEM__QUIET
+#define DEM__LOUD
 #endif
 
 #ifdef __cplusplus
@@ -2301,7 +2305,8 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 }
 
 #define DEM_KERNEL(name, law, features) \
-    static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }
+    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); } \
+    DEM__LOUD
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
@@ -3414,7 +3419,5 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 #ifdef __cplusplus
 }
 #endif
-#if defined(__clang__)
-#pragma clang diagnostic pop
-#endif
+DEM__LOUD
 #endif /* DEM_H */
