@@ -2,18 +2,20 @@
 
        #include "dem.h"
 
-       dem_def def = dem_default_def();                          // SI units, every field documented below
-       int glass = dem_add_material(&def, 2534.1, 50e9, 0.2);
-       dem_pair(&def, glass, glass)->restitution = 0.78;
-       def.dt = 4e-6;
-       dem_world world;
-       if (dem_init(&world, &def, NULL) == DEM_OK) {             // names the first bad field
+       int main(void) {
+           dem_def def = dem_default_def();                      // SI units, every field documented below
+           int glass = dem_add_material(&def, 2534.1, 50e9, 0.2);
+           dem_pair(&def, glass, glass)->restitution = 0.78;
+           def.dt = 4e-6;
+           dem_world world;
+           dem_status status = dem_init(&world, &def, NULL);     // names the first bad field
            double centre[3] = {0.0, 0.0, 0.1}, diameter = 0.005;
            dem_add_plane(&world, glass, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
            dem_add_spheres(&world, 1, centre, &diameter, glass, 0);
-           dem_status status = dem_run(&world, 0.5, DEM_LINEAR | DEM_FRICTION);
+           if (status == DEM_OK) status = dem_run(&world, 0.5, DEM_LINEAR | DEM_FRICTION);
            printf("%s, height %g m\n", dem_status_text(status), dem_position(&world, 0).z);
            dem_free(&world);
+           return status != DEM_OK;
        }
 
    Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
