@@ -734,7 +734,16 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
    exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip), so
    that a stored force follows the contact radius both ways: the form that Chung & Ooi's impact tests and the bulk codes use. What
    the change of radius gives or takes stands in the sliding loss, with its sign. */
-enum { DEM__HERTZ_K, DEM__HERTZ_GAMMA, DEM__HERTZ_RADIUS, DEM__HERTZ_G, DEM__HERTZ_MU, DEM__HERTZ_GAMMA_T, DEM__HERTZ_ROLL, DEM__HERTZ_CAP };
+enum {
+    DEM__HERTZ_K,
+    DEM__HERTZ_GAMMA,
+    DEM__HERTZ_RADIUS,
+    DEM__HERTZ_G,
+    DEM__HERTZ_MU,
+    DEM__HERTZ_GAMMA_T,
+    DEM__HERTZ_ROLL,
+    DEM__HERTZ_CAP
+};
 enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
 
 DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r, int features) {
@@ -779,8 +788,10 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
 /* shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 + nu)) */
 static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
-    double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus + (1.0 - j->poisson_ratio * j->poisson_ratio) / j->young_modulus);
-    double shear = 0.5 / ((2.0 - i->poisson_ratio) * (1.0 + i->poisson_ratio) / i->young_modulus + (2.0 - j->poisson_ratio) * (1.0 + j->poisson_ratio) / j->young_modulus);
+    double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus +
+                            (1.0 - j->poisson_ratio * j->poisson_ratio) / j->young_modulus);
+    double shear = 0.5 / ((2.0 - i->poisson_ratio) * (1.0 + i->poisson_ratio) / i->young_modulus +
+                          (2.0 - j->poisson_ratio) * (1.0 + j->poisson_ratio) / j->young_modulus);
     double inverse = 1.0 / b->radius_i + (b->radius_j > 0.0 ? 1.0 / b->radius_j : b->curvature);
     double log_e = riddle_log(b->pair->restitution), beta = -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
     constants[DEM__HERTZ_K] = 4.0 / 3.0 * modulus;
@@ -868,7 +879,8 @@ DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low
 
 /* Bar `index` of a family, at (index - 1/2) pitch: along is the coordinate of the sphere's centre parallel to the bars, across the one
    over them. The normal is left in (along, across, up). Returns 0 if there is no such bar. */
-DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius, dem__touch *out) {
+DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
+                              dem__touch *out) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     double       end = family ? w->half_y : w->half_x, inner = half;
     if (w->circular) {
@@ -945,7 +957,9 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
         const int     family = (int)((uint32_t)element & 1u);
         const double  index = (double)((element - family) / 2);
         out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
-        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), radius, out)) out->normal = dem__from_bar(w, family, out->normal);
+        if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
+                           radius, out))
+            out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
     out->gap = HUGE_VAL, out->normal = w->axis[2];
@@ -1003,7 +1017,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int       n = 0;
-    int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->order__, &w->live_near__, &w->live_wall_next__, &w->order_spare__};
+    int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__, &w->order__,
+                            &w->live_near__, &w->live_wall_next__, &w->order_spare__};
     double  **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -1022,7 +1037,8 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. */
-static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity, ptrdiff_t wanted) {
+static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
+                                  ptrdiff_t wanted) {
     ptrdiff_t larger = *capacity + *capacity / 2 + 64;
     size_t    total = 0;
     if (larger < wanted) larger = wanted;
@@ -1246,7 +1262,9 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     dem_vec s = dem_vec3(w->wx[i] + tau * w->bx[i], w->wy[i] + tau * w->by[i], w->wz[i] + tau * w->bz[i]);
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
-DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) { return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i))); }
+DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
+    return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
+}
 
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
@@ -1259,17 +1277,21 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
+        return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__positive(diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) || !dem__finite(centres[3 * k + 2])) return DEM_BAD_ARGUMENT;
+        if (!dem__positive(diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) ||
+            !dem__finite(centres[3 * k + 2]))
+            return DEM_BAD_ARGUMENT;
         double volume = RIDDLE_PI / 6.0 * diameters[k] * diameters[k] * diameters[k];
         if (!dem__positive(volume * w->def.material[material].density * diameters[k] * diameters[k])) return DEM_BAD_ARGUMENT;
     }
     if (w->count + n + 1 > w->capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
         int        arrays = dem__particle_arrays(w, list);
-        if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1)) return DEM_OUT_OF_MEMORY;
+        if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1))
+            return DEM_OUT_OF_MEMORY;
     }
     for (ptrdiff_t k = 0; k < n; k++) {
         ptrdiff_t i = w->count++;
@@ -1334,7 +1356,8 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem__settle(w, i);
     double m = 1.0 / w->mass[i], inertia = 1.0 / dem__inertia(w, i);
     w->ax[i] += (force.x - w->lx__[i]) * m, w->ay[i] += (force.y - w->ly__[i]) * m, w->az[i] += (force.z - w->lz__[i]) * m;
-    w->bx[i] += (torque.x - w->qx__[i]) * inertia, w->by[i] += (torque.y - w->qy__[i]) * inertia, w->bz[i] += (torque.z - w->qz__[i]) * inertia;
+    w->bx[i] += (torque.x - w->qx__[i]) * inertia, w->by[i] += (torque.y - w->qy__[i]) * inertia,
+        w->bz[i] += (torque.z - w->qz__[i]) * inertia;
     w->lx__[i] = force.x, w->ly__[i] = force.y, w->lz__[i] = force.z;
     w->qx__[i] = torque.x, w->qy__[i] = torque.y, w->qz__[i] = torque.z;
     if (!w->touching[i]) dem__free_acceleration(w, i);
@@ -1382,7 +1405,8 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
 static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal)) return -(int)DEM_BAD_ARGUMENT;
+    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal))
+        return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
     wall.material = material;
@@ -1398,7 +1422,9 @@ DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { retu
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || material < 0 || material >= world->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius)) return -(int)DEM_BAD_ARGUMENT;
+    if (!world || material < 0 || material >= world->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) ||
+        !dem__positive(radius))
+        return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_CYLINDER;
     wall.material = material;
@@ -1424,10 +1450,13 @@ DEM_API dem_screen dem_default_screen(void) {
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) || !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction)) return -(int)DEM_BAD_ARGUMENT;
+    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||
+        !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
+        return -(int)DEM_BAD_ARGUMENT;
     if (!dem__positive(screen->aperture) || !dem__positive(screen->wire) || !dem__positive(screen->half_x)) return -(int)DEM_BAD_ARGUMENT;
     if (!screen->circular && !dem__positive(screen->half_y)) return -(int)DEM_BAD_ARGUMENT;
-    if (!(screen->half_x / (screen->aperture + screen->wire) < 1e5) || !(screen->half_y / (screen->aperture + screen->wire) < 1e5)) return -(int)DEM_BAD_ARGUMENT;
+    if (!(screen->half_x / (screen->aperture + screen->wire) < 1e5) || !(screen->half_y / (screen->aperture + screen->wire) < 1e5))
+        return -(int)DEM_BAD_ARGUMENT;
     if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_SCREEN;
@@ -1461,7 +1490,9 @@ static inline void dem__bound_speed(dem_wall *a) {
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) || !dem__not_negative(frequency)) return DEM_BAD_ARGUMENT;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) ||
+        !dem__not_negative(frequency))
+        return DEM_BAD_ARGUMENT;
     if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->amplitude = amplitude;
@@ -1481,7 +1512,9 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) || !dem__unit(axis, &unit)) return DEM_BAD_ARGUMENT;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) ||
+        !dem__unit(axis, &unit))
+        return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->spin_centre = centre;
     a->spin_axis = unit;
@@ -1554,7 +1587,8 @@ DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
 
 /* Both centres at a step; the gap, and when to look again (from that step). */
 DEM_INLINE double dem__pair_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step, dem_vec *d) {
-    *d = dem__apart(w, dem__sub(dem__at(w, i, (double)(step - w->origin[i]) * w->dt__), dem__at(w, j, (double)(step - w->origin[j]) * w->dt__)));
+    *d = dem__apart(
+        w, dem__sub(dem__at(w, i, (double)(step - w->origin[i]) * w->dt__), dem__at(w, j, (double)(step - w->origin[j]) * w->dt__)));
     return dem__dot(*d, *d);
 }
 
@@ -1570,7 +1604,8 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
     if (w->live_count__ + 1 > w->live_capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
         int        n = dem__live_arrays(w, list);
-        if (w->live_count__ > INT32_MAX / 2 || !dem__grow_group(w, list, n, &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
+        if (w->live_count__ > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, n, &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
             w->status = DEM_OUT_OF_MEMORY;
             return 0;
         }
@@ -1696,7 +1731,8 @@ static inline void dem__compact(dem_world *w) {
         memcpy(&base, list[k].address, sizeof base);
         if ((void *)base == (void *)remap) continue;
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            if (remap[i] >= 0 && remap[i] != i) memcpy(base + (size_t)remap[i] * list[k].size, base + (size_t)i * list[k].size, list[k].size);
+            if (remap[i] >= 0 && remap[i] != i)
+                memcpy(base + (size_t)remap[i] * list[k].size, base + (size_t)i * list[k].size, list[k].size);
         }
     }
     for (ptrdiff_t c = 0; c < w->live_count__; c++) {
@@ -1756,7 +1792,9 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     if (w->near_count__ >= w->near_capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
         int        n = dem__near_arrays(w, list);
-        if (w->near_count__ > INT32_MAX / 4 || !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1)) return 0;
+        if (w->near_count__ > INT32_MAX / 4 ||
+            !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1))
+            return 0;
     }
     w->near_i__[w->near_count__] = i < j ? i : j;
     w->near_j__[w->near_count__] = i < j ? j : i;
@@ -1893,7 +1931,8 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
-    if (timers > w->timer_capacity__ && !dem__grow_group(w, list, dem__timer_arrays(w, list), &w->timer_block__, &w->timer_bytes__, &w->timer_capacity__, timers)) {
+    if (timers > w->timer_capacity__ &&
+        !dem__grow_group(w, list, dem__timer_arrays(w, list), &w->timer_block__, &w->timer_bytes__, &w->timer_capacity__, timers)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -1908,7 +1947,8 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         if (w->near_live__[p]) continue;
         const int32_t i = w->near_i__[p], j = w->near_j__[p];
-        dem__wait_for_pair(w, p, w->step, dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j])));
+        dem__wait_for_pair(w, p, w->step,
+                           dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j])));
     }
     if (w->status != DEM_OK) return 0;
     if (w->def.skip & DEM_SKIP_SPACE) {
@@ -1941,7 +1981,8 @@ static DEM__COLD int dem__check_list(dem_world *w) {
 /* ------------------------------------------------------------------------------------------------ >>kernel */
 
 /* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
-DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic, const dem_law *law) {
+DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
+                                   const dem_law *law) {
     dem_contact  c = *contact;
     dem_response r;
     double       s[DEM_STATE_MAX];
@@ -2042,7 +2083,8 @@ DEM_INLINE void dem__view(const dem__rows *b, int k, double half, int turns, dem
     if (!turns) return;
     /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
     const double stretch = (b->sum[k] + b->gap[k]) / b->sum[k], ai = b->part_i[k] * stretch, aj = b->part_j[k] * stretch;
-    const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k], sz = ai * b->wi[2][k] + aj * b->wj[2][k];
+    const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
+                 sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
     q->translation[0] = b->vx[k] - along * nx, q->translation[1] = b->vy[k] - along * ny, q->translation[2] = b->vz[k] - along * nz;
     q->slip[0] = q->translation[0] + (ny * sz - nz * sy);
@@ -2072,7 +2114,8 @@ DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *l
     for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
     for (int a = 0; a < law->constants; a++) at->constant[a] = w->live_constant__[a] + base;
     for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + base;
-    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base, at->mass = w->live_mass__ + base;
+    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base,
+    at->mass = w->live_mass__ + base;
     if (!(features & DEM_ENERGY)) return;
     for (int a = 0; a < 3; a++) at->power[a] = w->live_power__[a] + base;
     for (int a = 0; a < 4; a++) at->loss[a] = w->live_loss__[a] + base;
@@ -2080,7 +2123,8 @@ DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *l
 }
 
 /* Force on i, torques on i and j. */
-DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j, int features) {
+DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
+                               int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
     double *const *out = at->out;
     if (!(features & DEM_FRICTION)) {
@@ -2119,7 +2163,8 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t c, dem__rows *
     b->sum[k] = b->part_i[k] = w->radius[i], b->part_j[k] = 0.0;
     b->vx[k] = w->mx__[i] - middle.x, b->vy[k] = w->my__[i] - middle.y, b->vz[k] = w->mz__[i] - middle.z;
     b->ax[k] = w->ax[i] - a.x, b->ay[k] = w->ay[i] - a.y, b->az[k] = w->az[i] - a.z;
-    b->wj[0][k] = wall->spin * wall->spin_axis.x, b->wj[1][k] = wall->spin * wall->spin_axis.y, b->wj[2][k] = wall->spin * wall->spin_axis.z;
+    b->wj[0][k] = wall->spin * wall->spin_axis.x, b->wj[1][k] = wall->spin * wall->spin_axis.y,
+    b->wj[2][k] = wall->spin * wall->spin_axis.z;
     return v;
 }
 
@@ -2144,8 +2189,8 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 }
 
 /* A first or last step of contact c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force, dem_vec wall_speed,
-                          const dem_law *law, int features) {
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
+                          dem_vec wall_speed, const dem_law *law, int features) {
     const double h = 1.0 / q->rate;
     double       s[DEM_STATE_MAX];
     dem__event   e;
@@ -2280,7 +2325,8 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
             for (int q = 0; q < walls; q++) {
                 const ptrdiff_t c = base + wall[q];
-                const double    power = w->live_out__[0][c] * wall_speed[q].x + w->live_out__[1][c] * wall_speed[q].y + w->live_out__[2][c] * wall_speed[q].z;
+                const double power =
+                    w->live_out__[0][c] * wall_speed[q].x + w->live_out__[1][c] * wall_speed[q].y + w->live_out__[2][c] * wall_speed[q].z;
                 w->live_loss__[3][c] = half * (w->live_power__[2][c] + power);
                 w->live_power__[2][c] = power;
             }
@@ -2298,7 +2344,8 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
-                    dem__mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
+                    dem__mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law,
+                              features);
                 }
                 q += is_wall;
             }
@@ -2323,7 +2370,8 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
     }
     if (w->passed_count >= w->passed_capacity__) {
         ptrdiff_t   larger = w->passed_capacity__ * 2 + 256;
-        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed, (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed,
+                                                              (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
         if (!fresh) {
             w->status = DEM_OUT_OF_MEMORY;
             return;
@@ -2516,7 +2564,8 @@ static inline void dem__bury(dem_world *w, int64_t step) {
         } else {
             dem__unlink_wall_contact(w, i, c, -1);
             /* a screen's timer went on for its other bars, but did not wait for this one */
-            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE)) dem__set_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE))
+                dem__set_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
         }
     }
     /* the slots: two ends walk towards each other */
@@ -2615,7 +2664,7 @@ static inline int dem__kick(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
         const double    m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
-        const double    ax = w->fx__[i] * m + w->def.gravity.x, ay = w->fy__[i] * m + w->def.gravity.y, az = w->fz__[i] * m + w->def.gravity.z;
+        const double ax = w->fx__[i] * m + w->def.gravity.x, ay = w->fy__[i] * m + w->def.gravity.y, az = w->fz__[i] * m + w->def.gravity.z;
         const double    bx = w->tx__[i] * turn, by = w->ty__[i] * turn, bz = w->tz__[i] * turn;
         w->vx[i] += half * (ax - w->ax[i]), w->vy[i] += half * (ay - w->ay[i]), w->vz[i] += half * (az - w->az[i]);
         w->wx[i] += half * (bx - w->bx[i]), w->wy[i] += half * (by - w->by[i]), w->wz[i] += half * (bz - w->bz[i]);
@@ -2683,7 +2732,8 @@ static inline int dem__watch(dem_world *w) {
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        double v = w->vx[i] + w->vy[i] + w->vz[i] + w->ax[i] + w->ay[i] + w->az[i] + w->wx[i] + w->wy[i] + w->wz[i] + w->bx[i] + w->by[i] + w->bz[i];
+        double v = w->vx[i] + w->vy[i] + w->vz[i] + w->ax[i] + w->ay[i] + w->az[i] + w->wx[i] + w->wy[i] + w->wz[i] + w->bx[i] + w->by[i] +
+                   w->bz[i];
         if (!(fabs(v) <= DBL_MAX)) {
             w->failed_id = w->id[i];
             break;
@@ -2704,7 +2754,8 @@ static inline void dem__look(dem_world *w, int64_t step) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
             ptrdiff_t i = e / w->walls;
             int       k = (int)(e % w->walls);
-            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)) dem__look_at_wall(w, e + (int32_t)w->near_count__, step);
+            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))
+                dem__look_at_wall(w, e + (int32_t)w->near_count__, step);
         }
     }
     while (*head >= 0) {
@@ -2773,7 +2824,8 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
                 int32_t e = (int32_t)(w->near_count__ + i * w->walls + k);
-                if (w->wall[k].kind != DEM_EXIT && (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))) dem__look_at_wall(w, e, w->step);
+                if (w->wall[k].kind != DEM_EXIT && (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)))
+                    dem__look_at_wall(w, e, w->step);
             }
         }
         w->def.skip = skip;
@@ -2813,7 +2865,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     const int turns = (features & DEM_FRICTION) != 0;
     if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].speed_bound > 0.0 || w->wall[k].spin != 0.0) dem__move_wall(&w->wall[k], w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__);
+        if (w->wall[k].speed_bound > 0.0 || w->wall[k].spin != 0.0)
+            dem__move_wall(&w->wall[k], w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__);
     }
     dem__look(w, w->step + 1);
     if (w->status != DEM_OK) return dem__undo_look(w);
@@ -2851,7 +2904,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
 
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
+        return DEM_BAD_ARGUMENT;
     if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->states) return DEM_BAD_ARGUMENT;
     if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
     double remaining = (w->target__ + duration - w->time) / w->dt__;
@@ -2860,16 +2914,19 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     for (int a = 0; a < 3; a++) {
         double longest = 0.0;
         for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->radius[i] > longest ? w->radius[i] : longest;
-        if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest)) return DEM_BAD_DEFINITION;
+        if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest))
+            return DEM_BAD_DEFINITION;
     }
     if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;
-    const int ledger = w->ledger_on__ || (features & DEM_ENERGY), constants = law->constants > w->constants__ ? law->constants : w->constants__;
+    const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
+              constants = law->constants > w->constants__ ? law->constants : w->constants__;
     if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__) { /* other arrays: a new block */
         dem__array      list[DEM__ARRAYS_MAX];
         const int       old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
         const ptrdiff_t old_capacity = w->live_capacity__;
         w->states__ = law->states, w->constants__ = constants, w->ledger_on__ = ledger;
-        if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
+        if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__,
+                             w->live_count__ + 1)) {
             w->states__ = old_states, w->constants__ = old_constants, w->ledger_on__ = old_ledger;
             w->live_capacity__ = old_capacity;
             return DEM_OUT_OF_MEMORY;
@@ -2884,11 +2941,14 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
 }
 
 static const dem_law dem_law_linear = {"linear", 1, 0, 0, 8, dem_prepare_linear, dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {"linear with friction", 1, 3, 1, 8, dem_prepare_linear, dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1, 3, 1, 8, dem_prepare_linear, dem_force_linear_rolling, NULL, NULL};
+static const dem_law dem_law_linear_friction = {"linear with friction",    1,    3,   1, 8, dem_prepare_linear,
+                                                dem_force_linear_friction, NULL, NULL};
+static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1,    3,   1, 8, dem_prepare_linear,
+                                               dem_force_linear_rolling,           NULL, NULL};
 static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 8, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
 static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_rolling, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1,    4,   1, 8, dem_prepare_hertz,
+                                              dem_force_hertz_rolling,      NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
 DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
@@ -2904,10 +2964,12 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
     switch (features) {
     case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);
     case DEM_LINEAR | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_linear_friction, dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_rolling, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_rolling, features);
     case DEM_HERTZ: return dem_run_law(world, duration, &dem_law_hertz, dem__kernel_hertz, features);
     case DEM_HERTZ | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_hertz_friction, dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_rolling, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
+        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_rolling, features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
@@ -2961,7 +3023,8 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     if (!world->ledger_started__) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start - l.added - l.wall_work - l.external_work;
+    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
+              l.added - l.wall_work - l.external_work;
     return l;
 }
 
@@ -3024,7 +3087,8 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
                 const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
-                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b)) holding = 1;
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
             }
         }
         count.occupied++;
@@ -3119,10 +3183,12 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
     int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    double *numbers[] = {&w->radius, &w->aperture, &w->wire, &w->half_x, &w->half_y, &w->frequency, &w->spin, &w->motion_start, &w->speed_bound};
+    double *numbers[] = {&w->radius,    &w->aperture, &w->wire,         &w->half_x,     &w->half_y,
+                         &w->frequency, &w->spin,     &w->motion_start, &w->speed_bound};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
     dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
-    dem_vec *vectors[] = {&w->origin, &w->amplitude, &w->phase, &w->drift, &w->spin_axis, &w->spin_centre, &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
+    dem_vec *vectors[] = {&w->origin,   &w->amplitude, &w->phase,        &w->drift, &w->spin_axis, &w->spin_centre,
+                          &w->position, &w->velocity,  &w->acceleration, &w->force, &w->torque,    &w->impulse};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
 }
 
@@ -3184,8 +3250,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
     dem_energy_ledger *l = &w->ledger__;
-    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work, &l->external_work, &l->added, &l->removed, &l->start,
-                      &l->start_potential, &l->added_potential, &l->removed_potential};
+    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss,    &l->wall_work,       &l->external_work,    &l->added,
+                      &l->removed,     &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
     int64_t live = w->live_count__, passed = w->passed_count;
     dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed);
@@ -3227,7 +3293,9 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!dem__positive(w->radius[i]) || !dem__positive(w->mass[i]) || w->material[i] < 0 || w->material[i] >= w->def.materials || w->origin[i] > w->step || w->origin[i] < 0) return 0;
+        if (!dem__positive(w->radius[i]) || !dem__positive(w->mass[i]) || w->material[i] < 0 || w->material[i] >= w->def.materials ||
+            w->origin[i] > w->step || w->origin[i] < 0)
+            return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }
     for (ptrdiff_t c = 0; c < w->live_count__; c++) {
@@ -3263,7 +3331,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->def.allocator = memory;
     dem__stream_head(&s, w, &present);
     const size_t per_particle = 27 * 8, per_contact = 14 * 8;
-    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact || (size_t)w->passed_count > size / 80) {
+    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact ||
+        (size_t)w->passed_count > size / 80) {
         memset(w, 0, sizeof *w);
         return DEM_BAD_DATA;
     }
@@ -3271,8 +3340,10 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     ptrdiff_t  live = w->live_count__, passed = w->passed_count;
     int        enough;
     w->live_count__ = w->passed_count = 0;
-    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__, (ptrdiff_t)present + 1);
-    enough = enough && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, live + 1);
+    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
+                             (ptrdiff_t)present + 1);
+    enough =
+        enough && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, live + 1);
     if (enough && passed > 0) {
         w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         enough = w->passed != NULL;
@@ -3386,7 +3457,8 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 if (side ? !is_wall : !(smallest[q] < HUGE_VAL)) continue;
                 dem_birth b;
                 double    constants[DEM_CONSTANTS_MAX];
-                double    mass_q = side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
+                double mass_q =
+                    side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
                 memset(&b, 0, sizeof b);
                 b.def = &w->def;
                 b.features = features;
