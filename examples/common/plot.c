@@ -1082,7 +1082,7 @@ static void draw_panel(output *f, const panel *a, int number) {
 static const char style[] =
     "<style>text{font-family:Inter,'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif;fill:#222}"
     ".tick{font-size:14px;fill:#333}.note{font-size:14px}.label{font-size:15px}.title{font-size:16px;font-weight:600}"
-    ".head{font-size:19px;font-weight:600}.up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
+    ".head{font-weight:600}.up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
     ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}.mark{stroke:#444;stroke-width:1.2}</style>\n";
 
 int plot_write(plot *p, const char *folder, const char *name) {
@@ -1116,7 +1116,11 @@ int plot_write(plot *p, const char *folder, const char *name) {
         }
         height += row_top[r] + p->height + row_bottom[r] + 6.0;
     }
-    width = fmax(width + 6.0, p->title ? text_width(p->title, 20.0) + 30.0 : 0.0);
+    width += 6.0;
+    /* a title that is too long for the figure gets smaller letters; bold ones are a quarter wider */
+    double title_size = 19.0, title_width = p->title ? 1.25 * text_width(p->title, title_size) + 30.0 : 0.0;
+    if (title_width > width) title_size = fmax(13.0, title_size * width / title_width);
+    width = fmax(width, title_width * title_size / 19.0);
     output *f = output_open(folder, name);
     if (!f) {
         plot_free(p);
@@ -1125,7 +1129,11 @@ int plot_write(plot *p, const char *folder, const char *name) {
     output_print(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\">\n", width, height,
                  width, height);
     output_print(f, "%s<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n", style);
-    if (p->title) text_at(f, 16.0, 27.0, "start", "head", p->title);
+    if (p->title) {
+        output_print(f, "<text x=\"16\" y=\"27\" class=\"head\" font-size=\"%.1f\">", title_size);
+        escaped(f, p->title);
+        output_print(f, "</text>\n");
+    }
     for (int i = 0; i < p->rows * p->columns; i++)
         if (p->panels[i].used) draw_panel(f, &p->panels[i], i);
     output_print(f, "</svg>\n");
