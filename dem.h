@@ -66,7 +66,6 @@
 #define DEM__COLD
 #endif
 
-
 /* For the block of contacts: no iteration reads what another writes. */
 #if defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
@@ -92,23 +91,23 @@ extern "C" {
 /* ------------------------------------------------------------------------------------------------ >>types */
 
 /* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8 /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32    /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32     /* walls are looked at by every particle near them; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16 /* constants of a law, folded per contact at its birth */
-#define DEM_STATE_MAX 16    /* doubles that a law may keep per contact */
-#define DEM_BLOCK 64        /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM_WHEEL 1024      /* steps that a look can be put off: beyond, a list is rebuilt anyway */
-#define DEM_FORMAT 1u       /* version of dem_save */
+#define DEM_STATE_MAX 16     /* doubles that a law may keep per contact */
+#define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM_FORMAT 1u        /* version of dem_save */
 
-#define DEM_STATUSES(X)                                                                    \
-    X(DEM_OK, "ok")                                                                        \
-    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                \
-    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                \
-    X(DEM_OUT_OF_MEMORY, "out of memory")                                                  \
-    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                      \
-    X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")              \
-    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")          \
-    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count") \
+#define DEM_STATUSES(X)                                                                                                                    \
+    X(DEM_OK, "ok")                                                                                                                        \
+    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                                                \
+    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                                                \
+    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
+    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
+    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts present")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -148,13 +147,13 @@ typedef struct dem_material {
 
 /* Parameters of contacts between two materials. */
 typedef struct dem_pair_def {
-    double          stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
-    double          tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
-    double          restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
-    double          friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double          rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
-    double          tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
-    dem_restitution mode;               /* DEM_LINEAR only; default DEM_CLIPPED */
+    double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
+    double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
+    double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
+    double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
+    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
+    double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
+    dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
 } dem_pair_def;
 
 /* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
@@ -165,18 +164,18 @@ typedef struct dem_allocator {
 
 /* Everything that does not change in time. Made by dem_default_def(). */
 typedef struct dem_def {
-    uint32_t      cookie;      /* set by dem_default_def(); a definition without it is refused */
-    int           materials;   /* number of materials, by dem_add_material() */
-    int           threads;     /* >= 1; default 1 */
-    int           skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
-    double        dt;          /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
-    double        skin;        /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35 */
-    dem_vec       gravity;     /* [m/s2]; default (0, 0, -9.81) */
-    int           periodic[3]; /* 1: that axis is periodic between low and high; default 0 */
-    dem_vec       low, high;   /* [m]; used on periodic axes only; default 0 and 1 */
-    dem_allocator allocator;   /* default: realloc and free */
-    dem_material  material[DEM_MATERIALS_MAX];
-    dem_pair_def  pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
+    uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
+    int materials;           /* number of materials, by dem_add_material() */
+    int threads;             /* >= 1; default 1 */
+    int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
+    double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
+    double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35 */
+    dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
+    int periodic[3];         /* 1: that axis is periodic between low and high; default 0 */
+    dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
+    dem_allocator allocator; /* default: realloc and free */
+    dem_material material[DEM_MATERIALS_MAX];
+    dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
 } dem_def;
 
 /* ---- walls ---- */
@@ -188,49 +187,49 @@ typedef enum dem_profile {
 
 /* A woven screen as two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
 typedef struct dem_screen {
-    double      aperture;  /* clear width between bars [m] > 0; default 8e-3 */
-    double      wire;      /* width of a bar [m] > 0; default 2e-3 */
-    dem_profile profile;   /* default DEM_SEMICIRCLE */
-    int         circular;  /* 1: disc of radius half_x, 0: rectangle; default 1 */
-    double      half_x;    /* radius, or half length along x [m] > 0; default 0.095 */
-    double      half_y;    /* half length along y [m] > 0 if rectangular */
-    dem_vec     centre;    /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
-    dem_vec     normal;    /* up; default (0, 0, 1) */
-    dem_vec     direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    double aperture;     /* clear width between bars [m] > 0; default 8e-3 */
+    double wire;         /* width of a bar [m] > 0; default 2e-3 */
+    dem_profile profile; /* default DEM_SEMICIRCLE */
+    int circular;        /* 1: disc of radius half_x, 0: rectangle; default 1 */
+    double half_x;       /* radius, or half length along x [m] > 0; default 0.095 */
+    double half_y;       /* half length along y [m] > 0 if rectangular */
+    dem_vec centre;      /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
+    dem_vec normal;      /* up; default (0, 0, 1) */
+    dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
 typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT } dem_wall_kind;
 
 /* A wall. Read only; change it by functions. */
 typedef struct dem_wall {
-    int     kind, material, enabled;
-    dem_vec origin;                 /* where it was put [m] */
-    dem_vec axis[3];                /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
-    dem_vec rest_axis[3];           /* the same at time 0 */
-    double  radius;                 /* cylinder [m] */
-    int     inside;                 /* cylinder: 1 particles inside, 0 outside */
-    double  aperture, wire;         /* screen [m] */
-    int     profile, circular;      /* screen */
-    double  half_x, half_y;         /* screen [m] */
-    dem_vec amplitude, phase;       /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double  frequency;              /* [Hz] */
-    dem_vec drift;                  /* constant velocity [m/s] */
-    dem_vec spin_axis, spin_centre; /* rotation about a fixed line */
-    double  spin;                   /* [rad/s] */
-    double  motion_start;           /* time at which the motion began [s] */
+    int kind, material, enabled;
+    dem_vec origin;                           /* where it was put [m] */
+    dem_vec axis[3];                          /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec rest_axis[3];                     /* the same at time 0 */
+    double radius;                            /* cylinder [m] */
+    int inside;                               /* cylinder: 1 particles inside, 0 outside */
+    double aperture, wire;                    /* screen [m] */
+    int profile, circular;                    /* screen */
+    double half_x, half_y;                    /* screen [m] */
+    dem_vec amplitude, phase;                 /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;                         /* [Hz] */
+    dem_vec drift;                            /* constant velocity [m/s] */
+    dem_vec spin_axis, spin_centre;           /* rotation about a fixed line */
+    double spin;                              /* [rad/s] */
+    double motion_start;                      /* time at which the motion began [s] */
     dem_vec position, velocity, acceleration; /* of its origin, now */
-    double  speed_bound;            /* no point of it is ever faster, spin apart [m/s] */
-    dem_vec force, torque;          /* exerted on the wall in this step [N], about its origin [N m] */
-    dem_vec impulse;                /* time integral of the force [N s] */
+    double speed_bound;                       /* no point of it is ever faster, spin apart [m/s] */
+    dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m] */
+    dem_vec impulse;                          /* time integral of the force [N s] */
 } dem_wall;
 
 /* What passed an exit. Owned by the world, in the order of passing. */
 typedef struct dem_passed {
-    double   time;     /* [s] end of the step in which the centre crossed */
-    double   diameter; /* [m] */
-    dem_vec  position, velocity;
+    double time;     /* [s] end of the step in which the centre crossed */
+    double diameter; /* [m] */
+    dem_vec position, velocity;
     uint64_t id;
-    int32_t  group, exit; /* the number given to dem_add_spheres; wall index of the exit */
+    int32_t group, exit; /* the number given to dem_add_spheres; wall index of the exit */
 } dem_passed;
 
 /* ---- laws ---- */
@@ -248,6 +247,7 @@ typedef struct dem_contact {
     double rate;             /* 1 / time step of the world [1/s] */
     double share;            /* 1 / number of contacts of the busier partner [-] */
     const double *constants; /* as the law's prepare function left them */
+    const void *user;        /* world->user */
 } dem_contact;
 
 /* What it answers: forces on i. */
@@ -260,21 +260,21 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    int    ended;         /* 1: the contact is over and its state may be dropped */
+    int ended;            /* 1: the contact is over and its state may be dropped */
 } dem_response;
 
 /* Everything that a law may need when a contact is born. */
 typedef struct dem_birth {
-    const dem_def      *def;
-    int                 features; /* that the run was asked for */
+    const dem_def *def;
+    int features; /* that the run was asked for */
     const dem_pair_def *pair;
-    int                 material_i, material_j;
-    double              radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
-    double              curvature;          /* of the wall at the point [1/m], 0 for a plane */
-    double              mass;               /* m_eff [kg] */
-    double              inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
-    double              damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
-    void               *user;               /* world->user */
+    int material_i, material_j;
+    double radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
+    double curvature;          /* of the wall at the point [1/m], 0 for a plane */
+    double mass;               /* m_eff [kg] */
+    double inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
+    double damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
+    void *user;                /* world->user */
 } dem_birth;
 
 struct dem_world;
@@ -282,10 +282,11 @@ struct dem_world;
 /* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
 typedef struct dem_law {
     const char *name;
-    int         version;  /* of the meaning of its state */
-    int         states;   /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
-    int         vectors;  /* the first 3 * vectors of them are tangential vectors, which the kernel turns with the contact */
-    int         constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
+    int version;   /* of the meaning of its state */
+    int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
+    int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
+    int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the stiffness that predicts velocities [N/m]: k_n of a linear law, 0 to leave it out */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
@@ -299,13 +300,13 @@ typedef struct dem_law {
 
 /* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential;                             /* now; potential against gravity, origin at 0 */
-    double normal_loss, sliding_loss, rolling_loss;                             /* dissipated, computed from the laws */
-    double wall_work, external_work;                                            /* done on the particles by moving walls and loads */
-    double added, removed;                                                      /* carried in and out by particles */
-    double start, start_potential, added_potential, removed_potential;          /* when the ledger began; the potential parts */
-    double released;                                                            /* potential energy given up so far, at least 0 */
-    double error;                                                               /* what does not add up: the integration error */
+    double kinetic, rotational, elastic, potential;                    /* now; potential against gravity, origin at 0 */
+    double normal_loss, sliding_loss, rolling_loss;                    /* dissipated, computed from the laws */
+    double wall_work, external_work;                                   /* done on the particles by moving walls and loads */
+    double added, removed;                                             /* carried in and out by particles */
+    double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
+    double released;                                                   /* potential energy given up so far, at least 0 */
+    double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
@@ -313,64 +314,64 @@ typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 typedef struct dem_world {
-    dem_def    def;
-    void      *user;         /* yours: handed to the law's hooks; not saved */
-    int64_t    step;         /* steps done */
-    double     time;         /* [s] */
-    ptrdiff_t  count;        /* particles present; a dropped one stays, with alive = 0, until the list is rebuilt */
-    dem_status status;       /* first failure of a run; then particle and step of it */
-    uint64_t   failed_id;
-    int        walls;
-    dem_wall   wall[DEM_WALLS_MAX];
-    ptrdiff_t  passed_count;
+    dem_def def;
+    void *user;        /* yours: handed to the law's hooks; not saved */
+    int64_t step;      /* steps done */
+    double time;       /* [s] */
+    ptrdiff_t count;   /* particles present; a dropped one stays, with alive = 0, until the list is rebuilt */
+    dem_status status; /* first failure of a run; then particle and step of it */
+    uint64_t failed_id;
+    int walls;
+    dem_wall wall[DEM_WALLS_MAX];
+    ptrdiff_t passed_count;
     dem_passed *passed;
-    int64_t    particle_steps; /* sum over steps of particles present */
-    int64_t    contact_steps;  /* sum over steps of live contacts */
-    int64_t    looks;          /* pairs and walls looked at */
-    int64_t    rebuilds;       /* of the neighbour list */
+    int64_t particle_steps; /* sum over steps of particles present */
+    int64_t contact_steps;  /* sum over steps of live contacts */
+    int64_t looks;          /* pairs and walls looked at */
+    int64_t rebuilds;       /* of the neighbour list */
 
     /* particles: state at their own origin step; between, x + v t + a t^2/2. dem_position() evaluates. */
-    double   *x, *y, *z, *vx, *vy, *vz, *ax, *ay, *az; /* [m], [m/s], [m/s2] */
-    double   *wx, *wy, *wz, *bx, *by, *bz;             /* spin [rad/s], its rate [rad/s2] */
-    double   *radius, *mass;                           /* [m], [kg] */
-    int64_t  *origin;                                  /* step of the state */
-    uint64_t *id;                                      /* stable, in the order of adding, from 0 */
-    int32_t  *material, *group, *alive, *touching;     /* touching: live contacts */
+    double *x, *y, *z, *vx, *vy, *vz, *ax, *ay, *az; /* [m], [m/s], [m/s2] */
+    double *wx, *wy, *wz, *bx, *by, *bz;             /* spin [rad/s], its rate [rad/s2] */
+    double *radius, *mass;                           /* [m], [kg] */
+    int64_t *origin;                                 /* step of the state */
+    uint64_t *id;                                    /* stable, in the order of adding, from 0 */
+    int32_t *material, *group, *alive, *touching;    /* touching: live contacts */
 
     /* the rest is private */
-    double    dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__;
-    int64_t   start_step__, next_check__;
-    double    damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int       fresh__, stale__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__, ledger_started__;
-    uint64_t  next_id__;
+    double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__;
+    int64_t start_step__, next_check__;
+    double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
+    int fresh__, stale__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__, ledger_started__;
+    uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
-    void     *particle_block__, *live_block__, *near_block__, *timer_block__;
-    size_t    particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
-    double   *mx__, *my__, *mz__, *ox__, *oy__, *oz__; /* velocity and spin in the middle of the step, of active particles */
-    double   *fx__, *fy__, *fz__, *tx__, *ty__, *tz__; /* sums of forces and torques */
-    double   *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* external force [N] and torque [N m] */
-    double   *rx__, *ry__, *rz__;                      /* position when the list was built */
-    double   *ux__, *uy__, *uz__, *ball__;             /* velocity in the falling frame when timers were set, and how far it may stray */
-    double   *wall_speed__;                            /* speed that the timers of walls count on */
-    int32_t  *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__;
+    void *particle_block__, *live_block__, *near_block__, *timer_block__;
+    size_t particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
+    double *mx__, *my__, *mz__, *ox__, *oy__, *oz__; /* velocity and spin in the middle of the step, of active particles */
+    double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__; /* sums of forces and torques */
+    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* external force [N] and torque [N m] */
+    double *rx__, *ry__, *rz__;                      /* position when the list was built */
+    double *ux__, *uy__, *uz__, *ball__;             /* velocity in the falling frame when timers were set, and how far it may stray */
+    double *wall_speed__;                            /* speed that the timers of walls count on */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__;
 
     /* near pairs, and timers of pairs and of particles with walls */
     ptrdiff_t near_count__, near_capacity__, timer_capacity__, adjacent_capacity__, cells_capacity__;
-    int32_t  *near_i__, *near_j__, *near_live__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
-    int32_t  *timer_next__, *timer_prev__, *timer_due__;
-    int32_t   wheel__[DEM_WHEEL];
+    int32_t *near_i__, *near_j__, *near_live__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
+    int32_t *timer_next__, *timer_prev__, *timer_due__;
+    int32_t wheel__[DEM_WHEEL];
 
     /* live contacts, in slots; order__ sorts them by partners, which fixes every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
-    int32_t  *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *order__, *order_spare__;
-    uint8_t  *live_event__, *live_ended__;
-    double   *live_gap__, *live_force__, *live_predict__, *live_mass__;
-    double   *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
-    double   *live_out__[9];                                    /* force on i, torque on i, torque on j */
-    double   *live_event_data__[6];                             /* n, impulse, shift, sliding time */
-    double   *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *order__, *order_spare__;
+    uint8_t *live_event__, *live_ended__;
+    double *live_gap__, *live_force__, *live_predict__, *live_mass__;
+    double *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
+    double *live_out__[9];                                     /* force on i, torque on i, torque on j */
+    double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
+    double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 } dem_world;
 
 /* ------------------------------------------------------------------------------------------ >>declarations */
@@ -400,7 +401,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* Makes an empty world with a copy of the definition. On failure nothing is allocated and *field (if not NULL) names what is wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
-DEM_API void       dem_free(dem_world *world); /* frees all; safe on a zeroed or freed world */
+DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed world */
 
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
    Overlaps are allowed and push. Nothing is added on failure. Ids count up from world->next id in array order. */
@@ -413,19 +414,19 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. */
-DEM_API int        dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
-DEM_API int        dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
-DEM_API int        dem_add_screen(dem_world *world, int material, const dem_screen *screen);
+DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
 /* Motions begin now, from where the wall is. Amplitude [m] and phase [rad] by component of the world's axes; frequency [Hz].
    Displacement A (sin(2 pi f t + phase) - sin(phase)). */
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
-DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                          /* [m/s] */
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled);                        /* 0: as if it were not there */
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled);                          /* 0: as if it were not there */
 
 /* ---- running ---- */
 
@@ -458,16 +459,16 @@ DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all par
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
 typedef struct dem_contact_info {
-    ptrdiff_t i, j;      /* particles; j < 0: wall -1 - j */
-    double    gap;       /* [m] */
-    dem_vec   force;     /* on i [N] */
-    int       element;   /* of a wall: the bar */
-    double    state[DEM_STATE_MAX]; /* of the law */
+    ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
+    double gap;                  /* [m] */
+    dem_vec force;               /* on i [N] */
+    int element;                 /* of a wall: the bar */
+    double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
 /* For hooks of laws: the contact in a slot, and its state. */
 DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot);
-DEM_API void             dem_set_slot_state(dem_world *world, int32_t slot, const double *state);
-DEM_API ptrdiff_t        dem_contact_count(const dem_world *world);
+DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state);
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k); /* k = 0 .. dem_contact_count-1, sorted by partners */
 
 /* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
@@ -503,7 +504,7 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
-#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_HI 0.6931471803691238 /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
 #define RIDDLE_LN2_LO 1.9082149292705877e-10
 
 /* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
@@ -643,13 +644,9 @@ static inline double riddle_atan2(double y, double x) {
     return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
 }
 
-static inline double riddle_acos(double x) {
-    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
-}
+static inline double riddle_acos(double x) { return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN; }
 
-static inline double riddle_asin(double x) {
-    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
-}
+static inline double riddle_asin(double x) { return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN; }
 #endif /* RIDDLE_PORTABLE_MATH */
 /* <<portable-math */
 
@@ -657,14 +654,14 @@ static inline double riddle_asin(double x) {
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
 enum {
-    DEM__K,         /* k_n [N/m] */
-    DEM__GAMMA,     /* dashpot [kg/s] */
-    DEM__FLOOR,     /* 0 clipped, -inf naive [N] */
-    DEM__KT,        /* k_t [N/m] */
-    DEM__MU,        /* Coulomb coefficient [-] */
-    DEM__GAMMA_T,   /* tangential dashpot [kg/s] */
-    DEM__ROLL,      /* lever arm [m] */
-    DEM__ROLL_CAP   /* I_red/2 [kg m2]: more would reverse the spin within a step */
+    DEM__K,       /* k_n [N/m] */
+    DEM__GAMMA,   /* dashpot [kg/s] */
+    DEM__FLOOR,   /* 0 clipped, -inf naive [N] */
+    DEM__KT,      /* k_t [N/m] */
+    DEM__MU,      /* Coulomb coefficient [-] */
+    DEM__GAMMA_T, /* tangential dashpot [kg/s] */
+    DEM__ROLL,    /* lever arm [m] */
+    DEM__ROLL_CAP /* I_red/2 [kg m2]: more would reverse the spin within a step */
 };
 /* State: DEM__XI.. tangential displacement [m], rotated with the contact by the kernel. */
 enum { DEM__XI };
@@ -685,7 +682,7 @@ DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, doubl
 
 DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
-    double        spring = -p[DEM__K] * c->gap, force = spring + p[DEM__GAMMA] * c->closing;
+    double spring = -p[DEM__K] * c->gap, force = spring + p[DEM__GAMMA] * c->closing;
     force = force > p[DEM__FLOOR] ? force : p[DEM__FLOOR];
     force = c->gap < 0.0 ? force : 0.0;
     r->normal = r->contact = force;
@@ -717,7 +714,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
 
 static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     const dem_pair_def *pair = b->pair;
-    double              k = pair->stiffness;
+    double k = pair->stiffness;
     double gamma = 2.0 * b->damping_ratio * sqrt(k * b->mass);
     constants[DEM__K] = k;
     constants[DEM__GAMMA] = gamma;
@@ -748,9 +745,9 @@ enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
 
 DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
-    double        overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
-    double        spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
-    double        force = spring + damping * c->closing;
+    double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
+    double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
+    double force = spring + damping * c->closing;
     r->normal = r->contact = force;
     r->ended = !(c->gap < 0.0);
     r->elastic = 0.4 * spring * overlap;
@@ -805,7 +802,7 @@ static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     return 0.0;
 }
 
-#define DEM__FORCE(name, body, features) \
+#define DEM__FORCE(name, body, features)                                                                                                   \
     DEM_INLINE void name(const dem_contact *c, double *state, dem_response *r) { body(c, state, r, features); }
 DEM__FORCE(dem_force_linear, dem__linear, DEM_LINEAR)
 DEM__FORCE(dem_force_linear_friction, dem__linear, DEM_FRICTION)
@@ -819,7 +816,7 @@ DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 DEM_INLINE dem_vec dem__scale(double s, dem_vec a) { return dem_vec3(s * a.x, s * a.y, s * a.z); }
-DEM_INLINE double  dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+DEM_INLINE double dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
     return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
@@ -845,7 +842,7 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, d
 
 /* Puts a wall where it is at a time. */
 static inline void dem__move_wall(dem_wall *w, double time) {
-    double  t = time - w->motion_start, rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
+    double t = time - w->motion_start, rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
     dem_vec shift, v, a;
     shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &v.x, &a.x);
     shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &v.y, &a.y);
@@ -868,7 +865,7 @@ static inline void dem__move_wall(dem_wall *w, double time) {
 
 /* One place where a sphere is near a wall. */
 typedef struct dem__touch {
-    double  gap, curvature;
+    double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
 } dem__touch;
@@ -882,7 +879,7 @@ DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
                               dem__touch *out) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
-    double       end = family ? w->half_y : w->half_x, inner = half;
+    double end = family ? w->half_y : w->half_x, inner = half;
     if (w->circular) {
         if (!(fabs(bar) < w->half_x)) return 0;
         end = sqrt((w->half_x - bar) * (w->half_x + bar));
@@ -909,8 +906,8 @@ DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES); *least becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
     dem_vec d = dem__sub(centre, w->position);
-    double  up = dem__dot(d, w->axis[2]);
-    int     n = 0;
+    double up = dem__dot(d, w->axis[2]);
+    int n = 0;
     out[0].element = 0;
     out[0].curvature = 0.0;
     if (w->kind == DEM_PLANE || w->kind == DEM_EXIT) {
@@ -921,7 +918,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     }
     if (w->kind == DEM_CYLINDER) {
         dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
-        double  distance = dem__length(radial);
+        double distance = dem__length(radial);
         out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
         *least = out[0].gap;
         if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
@@ -933,7 +930,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     if (!(*least < limit)) return 0;
     /* only the two nearest bars of a family count: the third is at least this far away while none overlaps */
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, third = sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
-    double       bound = third;
+    double bound = third;
     for (int family = 0; family < 2; family++) {
         const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), nearest = floor(across / pitch + 0.5);
         if (!(fabs(nearest) < 1e6)) continue;
@@ -954,8 +951,8 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     double least;
     if (w->kind == DEM_SCREEN) {
         const dem_vec d = dem__sub(centre, w->position);
-        const int     family = (int)((uint32_t)element & 1u);
-        const double  index = (double)((element - family) / 2);
+        const int family = (int)((uint32_t)element & 1u);
+        const double index = (double)((element - family) / 2);
         out->gap = HUGE_VAL, out->curvature = 0.0, out->normal = w->axis[2];
         if (dem__touch_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]),
                            radius, out))
@@ -991,19 +988,20 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
 
 /* The arrays of a group: their addresses, so that growing, freeing and saving are loops. */
 typedef struct dem__array {
-    void  *address; /* of the pointer */
-    size_t size;    /* of an entry */
+    void *address; /* of the pointer */
+    size_t size;   /* of an entry */
 } dem__array;
 enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
-    int      n = 0;
-    double **doubles[] = {&w->x,    &w->y,    &w->z,    &w->vx,   &w->vy,   &w->vz,   &w->ax,   &w->ay,   &w->az,   &w->wx,  &w->wy,
-                          &w->wz,   &w->bx,   &w->by,   &w->bz,   &w->radius, &w->mass, &w->lx__, &w->ly__, &w->lz__, &w->qx__, &w->qy__,
-                          &w->qz__, &w->mx__, &w->my__, &w->mz__, &w->ox__, &w->oy__, &w->oz__, &w->fx__, &w->fy__, &w->fz__, &w->tx__,
-                          &w->ty__, &w->tz__, &w->rx__, &w->ry__, &w->rz__, &w->ux__, &w->uy__, &w->uz__, &w->ball__, &w->wall_speed__};
-    int32_t **integers[] = {&w->material, &w->group, &w->alive, &w->touching, &w->active__, &w->wall_head__, &w->adjacent_start__,
-                            &w->cell_next__, &w->remap__, &w->is_active__};
+    int n = 0;
+    double **doubles[] = {&w->x,    &w->y,    &w->z,    &w->vx,   &w->vy,   &w->vz,     &w->ax,          &w->ay,   &w->az,
+                          &w->wx,   &w->wy,   &w->wz,   &w->bx,   &w->by,   &w->bz,     &w->radius,      &w->mass, &w->lx__,
+                          &w->ly__, &w->lz__, &w->qx__, &w->qy__, &w->qz__, &w->mx__,   &w->my__,        &w->mz__, &w->ox__,
+                          &w->oy__, &w->oz__, &w->fx__, &w->fy__, &w->fz__, &w->tx__,   &w->ty__,        &w->tz__, &w->rx__,
+                          &w->ry__, &w->rz__, &w->ux__, &w->uy__, &w->uz__, &w->ball__, &w->wall_speed__};
+    int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,   &w->active__, &w->wall_head__,
+                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
@@ -1016,10 +1014,10 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 }
 
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
-    int       n = 0;
+    int n = 0;
     int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__, &w->order__,
                             &w->live_near__, &w->live_wall_next__, &w->order_spare__};
-    double  **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
+    double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
@@ -1040,7 +1038,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
     ptrdiff_t larger = *capacity + *capacity / 2 + 64;
-    size_t    total = 0;
+    size_t total = 0;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
         if ((size_t)larger > (SIZE_MAX / 4 - total) / list[k].size) return 0;
@@ -1064,7 +1062,7 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
 }
 
 static inline int dem__near_arrays(dem_world *w, dem__array *list) {
-    int       n = 0;
+    int n = 0;
     int32_t **integers[] = {&w->near_i__, &w->near_j__, &w->near_live__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
@@ -1073,7 +1071,7 @@ static inline int dem__near_arrays(dem_world *w, dem__array *list) {
 }
 
 static inline int dem__timer_arrays(dem_world *w, dem__array *list) {
-    int       n = 0;
+    int n = 0;
     int32_t **integers[] = {&w->timer_next__, &w->timer_prev__, &w->timer_due__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
@@ -1085,7 +1083,7 @@ static inline int dem__timer_arrays(dem_world *w, dem__array *list) {
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
-    int32_t  *fresh = (int32_t *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)larger * sizeof *fresh);
+    int32_t *fresh = (int32_t *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)larger * sizeof *fresh);
     if (!fresh) return 0;
     if (*array) w->def.allocator.fn(w->def.allocator.user, *array, (size_t)*capacity * sizeof **array, 0);
     *array = fresh;
@@ -1097,7 +1095,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
-#define DEM__CASE(name, text) \
+#define DEM__CASE(name, text)                                                                                                              \
     case name: return text;
         DEM_STATUSES(DEM__CASE)
 #undef DEM__CASE
@@ -1108,7 +1106,7 @@ DEM_API const char *dem_status_text(dem_status status) {
 
 DEM_API int dem_build_is_deterministic(void) {
     volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
-    double          x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
+    double x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
     return FLT_EVAL_METHOD == 0 && fused == 0.0;
 }
 
@@ -1243,7 +1241,7 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__settle(dem_world *w, ptrdiff_t i) {
-    double  tau = dem__now(w, i);
+    double tau = dem__now(w, i);
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     w->x[i] = x.x, w->y[i] = x.y, w->z[i] = x.z;
     w->vx[i] = v.x, w->vy[i] = v.y, w->vz[i] = v.z;
@@ -1258,7 +1256,7 @@ DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     return 0.5 * w->mass[i] * dem__dot(v, v);
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
-    double  tau = dem__now(w, i);
+    double tau = dem__now(w, i);
     dem_vec s = dem_vec3(w->wx[i] + tau * w->bx[i], w->wy[i] + tau * w->by[i], w->wz[i] + tau * w->bz[i]);
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
@@ -1289,13 +1287,13 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     }
     if (w->count + n + 1 > w->capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
-        int        arrays = dem__particle_arrays(w, list);
+        int arrays = dem__particle_arrays(w, list);
         if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1))
             return DEM_OUT_OF_MEMORY;
     }
     for (ptrdiff_t k = 0; k < n; k++) {
         ptrdiff_t i = w->count++;
-        double    d = diameters[k];
+        double d = diameters[k];
         w->x[i] = w->def.periodic[0] ? dem__wrapped(centres[3 * k], w->def.low.x, w->def.high.x) : centres[3 * k];
         w->y[i] = w->def.periodic[1] ? dem__wrapped(centres[3 * k + 1], w->def.low.y, w->def.high.y) : centres[3 * k + 1];
         w->z[i] = w->def.periodic[2] ? dem__wrapped(centres[3 * k + 2], w->def.low.z, w->def.high.z) : centres[3 * k + 2];
@@ -1594,8 +1592,8 @@ DEM_INLINE double dem__pair_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j, in
 
 static inline void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, dem_vec d) {
     ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
-    dem_vec   v = dem_vec3(w->ux__[i] - w->ux__[j], w->uy__[i] - w->uy__[j], w->uz__[i] - w->uz__[j]);
-    double    t = dem__time_to_touch(d, v, w->radius[i] + w->radius[j], w->ball__[i] + w->ball__[j]);
+    dem_vec v = dem_vec3(w->ux__[i] - w->ux__[j], w->uy__[i] - w->uy__[j], w->uz__[i] - w->uz__[j]);
+    double t = dem__time_to_touch(d, v, w->radius[i] + w->radius[j], w->ball__[i] + w->ball__[j]);
     dem__set_timer(w, p, step + dem__steps_until(w, t));
 }
 
@@ -1603,7 +1601,7 @@ static inline void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, dem
 static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
     if (w->live_count__ + 1 > w->live_capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
-        int        n = dem__live_arrays(w, list);
+        int n = dem__live_arrays(w, list);
         if (w->live_count__ > INT32_MAX / 2 ||
             !dem__grow_group(w, list, n, &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
             w->status = DEM_OUT_OF_MEMORY;
@@ -1621,8 +1619,8 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
 
 static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
     ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
-    dem_vec   d;
-    double    square = dem__pair_gap(w, i, j, step, &d), sum = w->radius[i] + w->radius[j];
+    dem_vec d;
+    double square = dem__pair_gap(w, i, j, step, &d), sum = w->radius[i] + w->radius[j];
     w->looks++;
     if (square < sum * sum) {
         if (dem__bear(w, i, j, 0, p)) {
@@ -1644,14 +1642,14 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
 
 /* Looks at particle i and a wall at a step at which the wall already is. */
 static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
-    int32_t   rest = e - (int32_t)w->near_count__;
+    int32_t rest = e - (int32_t)w->near_count__;
     ptrdiff_t i = rest / w->walls;
-    int       k = (int)(rest % w->walls), found;
+    int k = (int)(rest % w->walls), found;
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
-    double     tau = (double)(step - w->origin[i]) * w->dt__, least;
-    dem_vec    x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    double tau = (double)(step - w->origin[i]) * w->dt__, least;
+    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     dem__touch touch[DEM__TOUCHES];
     found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : 0.0, touch, &least);
     if (wall->kind == DEM_EXIT) {
@@ -1682,7 +1680,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
 
 /* A new reference velocity for particle i's timers, and a ball around it that holds 16 steps of the present force. */
 static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
-    double  t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
+    double t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
     dem_vec v = dem__velocity_at(w, i, tau), g = w->def.gravity;
     dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
     w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
@@ -1721,9 +1719,9 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
 /* Takes dropped particles out of the arrays, keeping the order of the others. */
 static inline void dem__compact(dem_world *w) {
     if (!w->dropped__) return;
-    ptrdiff_t  to = 0;
+    ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
-    int        n = dem__particle_arrays(w, list);
+    int n = dem__particle_arrays(w, list);
     for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? (int32_t)to++ : -1;
     int32_t *remap = w->remap__;
     for (int k = 0; k < n; k++) {
@@ -1748,9 +1746,9 @@ static inline void dem__compact(dem_world *w) {
 }
 
 typedef struct dem__grid {
-    double  low[3], inverse; /* of the cell size */
+    double low[3], inverse; /* of the cell size */
     int32_t n[3];
-    int     wraps[3];
+    int wraps[3];
 } dem__grid;
 
 DEM_INLINE int32_t dem__cell(double v, double low, double inverse, int32_t n) {
@@ -1760,9 +1758,9 @@ DEM_INLINE int32_t dem__cell(double v, double low, double inverse, int32_t n) {
 
 /* Cells no smaller than `size`, at most four a particle. */
 static inline dem__grid dem__make_grid(const dem_world *w, double size) {
-    dem__grid     g;
+    dem__grid g;
     const double *at[3] = {w->rx__, w->ry__, w->rz__}, *low = &w->def.low.x, *high = &w->def.high.x;
-    double        span[3];
+    double span[3];
     for (int a = 0; a < 3; a++) {
         double least = HUGE_VAL, most = -HUGE_VAL;
         for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -1791,7 +1789,7 @@ static inline dem__grid dem__make_grid(const dem_world *w, double size) {
 static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     if (w->near_count__ >= w->near_capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
-        int        n = dem__near_arrays(w, list);
+        int n = dem__near_arrays(w, list);
         if (w->near_count__ > INT32_MAX / 4 ||
             !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1))
             return 0;
@@ -1808,9 +1806,9 @@ static inline int dem__find_pairs(dem_world *w) {
     double largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) largest = w->radius[i] > largest ? w->radius[i] : largest;
     dem__grid g = dem__make_grid(w, 2.0 * largest + w->margin__);
-    double    scale[3], *x = w->fx__, *y = w->fy__, *z = w->fz__, *reach = w->tx__;
+    double scale[3], *x = w->fx__, *y = w->fy__, *z = w->fz__, *reach = w->tx__;
     ptrdiff_t cells = (ptrdiff_t)g.n[0] * g.n[1] * g.n[2];
-    int32_t  *start, *sorted = w->remap__;
+    int32_t *start, *sorted = w->remap__;
     for (int a = 0; a < 3; a++) scale[a] = g.wraps[a] ? g.n[a] / ((&w->def.high.x)[a] - (&w->def.low.x)[a]) : g.inverse;
     if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells + 1)) return 0;
     start = w->cells__;
@@ -1837,8 +1835,8 @@ static inline int dem__find_pairs(dem_world *w) {
         if (start[c] == start[c + 1]) continue;
         for (int code = 13; code < 27; code++) { /* 13: the cell itself */
             const int32_t step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
-            int32_t       cell[3];
-            int           outside = 0;
+            int32_t cell[3];
+            int outside = 0;
             for (int a = 0; a < 3; a++) {
                 cell[a] = at[a] + step[a];
                 if (g.wraps[a] && g.n[a] >= 3) cell[a] = cell[a] < 0 ? cell[a] + g.n[a] : (cell[a] >= g.n[a] ? cell[a] - g.n[a] : cell[a]);
@@ -1846,11 +1844,11 @@ static inline int dem__find_pairs(dem_world *w) {
             }
             if (outside) continue; /* with one or two periodic cells the plain neighbours are all there are */
             const ptrdiff_t other = ((ptrdiff_t)cell[2] * g.n[1] + cell[1]) * g.n[0] + cell[0];
-            const int32_t   end = start[other + 1];
+            const int32_t end = start[other + 1];
             for (int32_t p = start[c]; p < start[c + 1]; p++) {
                 for (int32_t q = code == 13 ? p + 1 : start[other]; q < end; q++) {
                     const dem_vec d = dem__apart(w, dem_vec3(x[p] - x[q], y[p] - y[q], z[p] - z[q]));
-                    const double  sum = reach[p] + reach[q];
+                    const double sum = reach[p] + reach[q];
                     if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
                 }
             }
@@ -1967,10 +1965,10 @@ static DEM__COLD int dem__check_list(dem_world *w) {
     int64_t due = INT64_MAX;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        double  tau = dem__now(w, i);
+        double tau = dem__now(w, i);
         dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-        double  left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->ball__[i];
-        int     steps = dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
+        double left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->ball__[i];
+        int steps = dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
         if (steps < 12) return dem__rebuild(w);
         if (w->step + steps < due) due = w->step + steps;
     }
@@ -1983,9 +1981,9 @@ static DEM__COLD int dem__check_list(dem_world *w) {
 /* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
-    dem_contact  c = *contact;
+    dem_contact c = *contact;
     dem_response r;
-    double       s[DEM_STATE_MAX];
+    double s[DEM_STATE_MAX];
     for (int k = 0; k < law->states; k++) s[k] = state[k];
     c.gap = gap < 0.0 ? gap : -DBL_MIN;
     c.closing = closing;
@@ -2042,7 +2040,7 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
         if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
-        else { /* a clipped one when the force is: follow its slope, found by a probe */
+        else {                                   /* a clipped one when the force is: follow its slope, found by a probe */
             double probe = 0.125 * (k == 0 ? h : t), gp = g, vp = v, fp = dem__flow(c, state, &gp, &vp, probe, law);
             rest = fp < f ? probe * f / (f - fp) : last;
             if (k < 2) rest *= 0.9;
@@ -2066,8 +2064,8 @@ typedef double dem__row[DEM_BLOCK];
 
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz, sum;            /* centre of i from that of j (wall: from the nearest point), r_i + r_j */
-    dem__row vx, vy, vz, ax, ay, az;     /* relative velocity in the middle of the step, relative acceleration */
+    dem__row dx, dy, dz, sum;              /* centre of i from that of j (wall: from the nearest point), r_i + r_j */
+    dem__row vx, vy, vz, ax, ay, az;       /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3], part_i, part_j; /* spins; radii */
     dem__row share, nx, ny, nz, gap, inverse;
 } dem__rows;
@@ -2154,9 +2152,9 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_res
 DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t c, dem__rows *b, int k, double half, dem__touch *touch) {
     const ptrdiff_t i = w->live_i__[c];
     const dem_wall *wall = &w->wall[-1 - w->live_j__[c]];
-    const dem_vec   x = dem_vec3(w->x[i], w->y[i], w->z[i]);
+    const dem_vec x = dem_vec3(w->x[i], w->y[i], w->z[i]);
     dem__touch_element(wall, x, w->radius[i], w->live_element__[c], touch);
-    const double  reach = w->radius[i] + touch->gap;
+    const double reach = w->radius[i] + touch->gap;
     const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
     const dem_vec a = dem__wall_acceleration(wall, point), v = dem__wall_velocity(wall, point), middle = dem__sub(v, dem__scale(half, a));
     b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
@@ -2192,12 +2190,12 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
                           dem_vec wall_speed, const dem_law *law, int features) {
     const double h = 1.0 / q->rate;
-    double       s[DEM_STATE_MAX];
-    dem__event   e;
-    dem__slots   at;
+    double s[DEM_STATE_MAX];
+    dem__event e;
+    dem__slots at;
     dem_response r;
-    double       extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
-    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < 3 * law->vectors ? 0.0 : w->live_state__[a][c];
+    double extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
+    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : w->live_state__[a][c];
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;
@@ -2205,7 +2203,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         q->closing = e.closing;
         q->dt = e.duration;
         law->force(q, s, &r);
-        for (int a = 0; a < law->states; a++) w->live_state__[a][c] = s[a];
+        for (int a = 0; a < law->history; a++) w->live_state__[a][c] = s[a];
         dem__locate(w, 0, law, features, &at);
         dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
         w->live_force__[c] = r.contact;
@@ -2251,21 +2249,27 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     }
 }
 
+#if defined(__clang__)
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpass-failed" /* at -O1 the loop stays scalar, and that is fine */
+#endif
+
 /* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
    do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. */
 DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
-    const int    turns = (features & DEM_FRICTION) != 0;
+    const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
-    dem__rows    b;
+    const void *user = w->user;
+    dem__rows b;
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
-        const int  n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        int        wall[DEM_BLOCK], walls = 0;
+        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
+        int wall[DEM_BLOCK], walls = 0;
         dem__touch touch[DEM_BLOCK];
-        dem_vec    wall_speed[DEM_BLOCK];
+        dem_vec wall_speed[DEM_BLOCK];
 
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            int             busy = w->touching[i];
+            int busy = w->touching[i];
             if (turns) b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
             if (j >= 0) {
                 dem__gather_pair(w, c, &b, k, turns);
@@ -2292,24 +2296,26 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
         }
 
         dem__slots at;
-        dem__row   before, was, ended;
+        dem__row before, was, ended;
         dem__locate(w, base, law, features, &at);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
-            dem_contact  q;
+            dem_contact q;
             dem_response r;
-            double       s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+            double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
             for (int a = 0; a < law->constants; a++) p[a] = at.constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
-            q.closing *= b.gap[k] < 0.0 ? at.predict[k] : 1.0;
+            const double predict = at.predict[k]; /* read outside the choice, or the loop does not vectorise */
+            q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
             q.mass = at.mass[k];
             q.dt = h;
             q.rate = rate;
             q.constants = p;
+            q.user = user;
             law->force(&q, s, &r);
-            for (int a = 0; a < law->states; a++) at.state[a][k] = s[a];
+            for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
             before[k] = at.force[k], was[k] = at.gap[k], ended[k] = r.ended;
             at.force[k] = r.contact;
             at.gap[k] = b.gap[k];
@@ -2334,16 +2340,17 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
         if (h > 0.0) {
             for (int k = 0, q = 0; k < n; k++) {
                 const ptrdiff_t c = base + k;
-                const int       is_wall = q < walls && wall[q] == k;
+                const int is_wall = q < walls && wall[q] == k;
                 if (w->live_event__[c]) {
                     dem_contact view;
-                    double      p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+                    double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
                     for (int a = 0; a < law->constants; a++) p[a] = w->live_constant__[a][c];
                     dem__view(&b, k, half, turns, &view, &arm_i, &arm_j);
                     view.mass = w->live_mass__[c];
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
+                    view.user = user;
                     dem__mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law,
                               features);
                 }
@@ -2353,14 +2360,18 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     }
 }
 
-#define DEM_KERNEL(name, law, features) \
-    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); } \
+#if defined(__clang__)
+#pragma clang diagnostic pop
+#endif
+
+#define DEM_KERNEL(name, law, features)                                                                                                    \
+    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }     \
     DEM__LOUD
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
-    double  tau = (double)(w->step + 1 - w->origin[i]) * w->dt__;
+    double tau = (double)(w->step + 1 - w->origin[i]) * w->dt__;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
         ptrdiff_t k = w->passed_count - 1;
@@ -2369,7 +2380,7 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
         return;
     }
     if (w->passed_count >= w->passed_capacity__) {
-        ptrdiff_t   larger = w->passed_capacity__ * 2 + 256;
+        ptrdiff_t larger = w->passed_capacity__ * 2 + 256;
         dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed,
                                                               (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
         if (!fresh) {
@@ -2380,7 +2391,7 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
         w->passed_capacity__ = larger;
     }
     /* in the order of ids, whatever the order of the looks in this step */
-    double    time = w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__;
+    double time = w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__;
     ptrdiff_t at = w->passed_count++;
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
@@ -2467,9 +2478,9 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
 }
 
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
-    dem_birth       b;
+    dem_birth b;
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
-    double          constants[DEM_CONSTANTS_MAX] = {0.0}, inertia = dem__inertia(w, i), k;
+    double constants[DEM_CONSTANTS_MAX] = {0.0}, inertia = dem__inertia(w, i), k;
     memset(&b, 0, sizeof b);
     b.def = &w->def;
     b.features = features;
@@ -2538,8 +2549,8 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
 /* Takes out contacts that ended: the last slot fills the gap, the order keeps. */
 static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
-    int        n = dem__live_arrays(w, list);
-    ptrdiff_t  kept = 0, last = w->live_count__;
+    int n = dem__live_arrays(w, list);
+    ptrdiff_t kept = 0, last = w->live_count__;
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         int32_t c = w->order__[k];
         if (!w->live_ended__[c]) {
@@ -2547,7 +2558,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
             continue;
         }
         ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
-        int32_t   near_pair = w->live_near__[c];
+        int32_t near_pair = w->live_near__[c];
         if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
         w->touching[i]--;
         if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
@@ -2595,7 +2606,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
 static inline void dem__advance(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double    tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__, back = 0.5 * h;
+        const double tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__, back = 0.5 * h;
         w->x[i] += tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] += tau * (w->vy[i] + 0.5 * tau * w->ay[i]);
         w->z[i] += tau * (w->vz[i] + 0.5 * tau * w->az[i]);
         w->vx[i] += tau * w->ax[i], w->vy[i] += tau * w->ay[i], w->vz[i] += tau * w->az[i];
@@ -2616,11 +2627,11 @@ static inline void dem__advance(dem_world *w, double h) {
 /* Sums forces and torques, always in the same order. */
 static inline int dem__gather(dem_world *w, double h, int turns) {
     double *const *out = w->live_out__;
-    int            ended = 0;
+    int ended = 0;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
-        const double  fx = out[0][c], fy = out[1][c], fz = out[2][c];
+        const double fx = out[0][c], fy = out[1][c], fz = out[2][c];
         w->fx__[i] += fx, w->fy__[i] += fy, w->fz__[i] += fz;
         if (turns) w->tx__[i] += out[3][c], w->ty__[i] += out[4][c], w->tz__[i] += out[5][c];
         if (j >= 0) {
@@ -2628,8 +2639,8 @@ static inline int dem__gather(dem_world *w, double h, int turns) {
             if (turns) w->tx__[j] += out[6][c], w->ty__[j] += out[7][c], w->tz__[j] += out[8][c];
         } else {
             dem_wall *wall = &w->wall[-1 - j];
-            dem_vec   f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
-            dem_vec   t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
+            dem_vec f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
+            dem_vec t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
         }
@@ -2660,12 +2671,12 @@ static inline void dem__gather_losses(dem_world *w) {
 /* New accelerations, and velocities corrected from predicted to final. */
 static inline int dem__kick(dem_world *w, double h) {
     const double half = 0.5 * h;
-    double       check = 0.0;
+    double check = 0.0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double    m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
+        const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
         const double ax = w->fx__[i] * m + w->def.gravity.x, ay = w->fy__[i] * m + w->def.gravity.y, az = w->fz__[i] * m + w->def.gravity.z;
-        const double    bx = w->tx__[i] * turn, by = w->ty__[i] * turn, bz = w->tz__[i] * turn;
+        const double bx = w->tx__[i] * turn, by = w->ty__[i] * turn, bz = w->tz__[i] * turn;
         w->vx[i] += half * (ax - w->ax[i]), w->vy[i] += half * (ay - w->ay[i]), w->vz[i] += half * (az - w->az[i]);
         w->wx[i] += half * (bx - w->bx[i]), w->wy[i] += half * (by - w->by[i]), w->wz[i] += half * (bz - w->bz[i]);
         w->ax[i] = ax, w->ay[i] = ay, w->az[i] = az;
@@ -2683,11 +2694,11 @@ static inline void dem__settle_events(dem_world *w, int turns) {
         if (!w->live_event__[c]) continue;
         const int32_t i = w->live_i__[c], j = w->live_j__[c];
         const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
-        const double  extra = data[5][c], along = dem__dot(f, n);
+        const double extra = data[5][c], along = dem__dot(f, n);
         const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
         for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
             const int32_t a = side ? j : i;
-            const double  m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
+            const double m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
             w->vx[a] += m * impulse.x, w->vy[a] += m * impulse.y, w->vz[a] += m * impulse.z;
             w->x[a] += m * data[4][c] * n.x, w->y[a] += m * data[4][c] * n.y, w->z[a] += m * data[4][c] * n.z;
             if (turns) {
@@ -2703,7 +2714,7 @@ static inline void dem__settle_events(dem_world *w, int turns) {
         const dem_vec d = dem__apart(w, dem_vec3(w->x[i] - w->x[j], w->y[i] - w->y[j], w->z[i] - w->z[j]));
         const dem_vec v = dem_vec3(w->vx[i] - w->vx[j], w->vy[i] - w->vy[j], w->vz[i] - w->vz[j]);
         const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-        const double  mi = 1.0 / w->mass[i], mj = 1.0 / w->mass[j];
+        const double mi = 1.0 / w->mass[i], mj = 1.0 / w->mass[j];
         w->vx[i] += mi * slower.x, w->vy[i] += mi * slower.y, w->vz[i] += mi * slower.z;
         w->vx[j] -= mj * slower.x, w->vy[j] -= mj * slower.y, w->vz[j] -= mj * slower.z;
     }
@@ -2712,11 +2723,11 @@ static inline void dem__settle_events(dem_world *w, int turns) {
 /* Active particles whose velocity left its ball, or whose flight begins, get new timers. */
 static inline int dem__watch(dem_world *w) {
     const double t = (double)w->step * w->dt__;
-    ptrdiff_t    kept = 0;
+    ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double    x = w->vx[i] - t * w->def.gravity.x - w->ux__[i], y = w->vy[i] - t * w->def.gravity.y - w->uy__[i];
-        const double    z = w->vz[i] - t * w->def.gravity.z - w->uz__[i];
+        const double x = w->vx[i] - t * w->def.gravity.x - w->ux__[i], y = w->vy[i] - t * w->def.gravity.y - w->uy__[i];
+        const double z = w->vz[i] - t * w->def.gravity.z - w->uz__[i];
         if (!w->alive[i]) {
             w->is_active__[i] = 0;
             continue;
@@ -2753,7 +2764,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
             ptrdiff_t i = e / w->walls;
-            int       k = (int)(e % w->walls);
+            int k = (int)(e % w->walls);
             if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))
                 dem__look_at_wall(w, e + (int32_t)w->near_count__, step);
         }
@@ -2785,7 +2796,7 @@ static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h
 #ifdef _OPENMP
     if (w->def.threads > 1 && w->live_count__ >= 4 * DEM_BLOCK) {
         const ptrdiff_t blocks = (w->live_count__ + DEM_BLOCK - 1) / DEM_BLOCK;
-        ptrdiff_t       b;
+        ptrdiff_t b;
 #pragma omp parallel for schedule(static) num_threads(w->def.threads)
         for (b = 0; b < blocks; b++) {
             const ptrdiff_t first = b * DEM_BLOCK, end = first + DEM_BLOCK;
@@ -2906,7 +2917,8 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->states) return DEM_BAD_ARGUMENT;
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+        return DEM_BAD_ARGUMENT;
     if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
     double remaining = (w->target__ + duration - w->time) / w->dt__;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
@@ -2921,8 +2933,8 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
               constants = law->constants > w->constants__ ? law->constants : w->constants__;
     if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__) { /* other arrays: a new block */
-        dem__array      list[DEM__ARRAYS_MAX];
-        const int       old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
+        dem__array list[DEM__ARRAYS_MAX];
+        const int old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
         const ptrdiff_t old_capacity = w->live_capacity__;
         w->states__ = law->states, w->constants__ = constants, w->ledger_on__ = ledger;
         if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__,
@@ -2940,15 +2952,16 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     return DEM_OK;
 }
 
-static const dem_law dem_law_linear = {"linear", 1, 0, 0, 8, dem_prepare_linear, dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {"linear with friction",    1,    3,   1, 8, dem_prepare_linear,
+/* name, version, states, history, vectors, constants, prepare, force, born, ended */
+static const dem_law dem_law_linear = {"linear", 1, 0, 0, 0, 8, dem_prepare_linear, dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {"linear, friction",        1,    3,   3, 1, 8, dem_prepare_linear,
                                                 dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {"linear with friction and rolling", 1,    3,   1, 8, dem_prepare_linear,
-                                               dem_force_linear_rolling,           NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 8, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin with rolling", 1,    4,   1, 8, dem_prepare_hertz,
-                                              dem_force_hertz_rolling,      NULL, NULL};
+static const dem_law dem_law_linear_rolling = {"linear, friction, rolling", 1,    3,   3, 1, 8, dem_prepare_linear,
+                                               dem_force_linear_rolling,    NULL, NULL};
+static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 0, 8, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin, rolling", 1,    4,   4, 1, 8, dem_prepare_hertz,
+                                              dem_force_hertz_rolling,  NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
 DEM_KERNEL(dem__kernel_linear_friction, dem_law_linear_friction, DEM_LINEAR | DEM_FRICTION)
@@ -2986,7 +2999,7 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    dem_vec        x = dem__at(world, i, dem__now(world, i));
+    dem_vec x = dem__at(world, i, dem__now(world, i));
     const dem_def *d = &world->def;
     if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
     if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
@@ -3058,8 +3071,8 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     dem_apertures count = {0, 0, 0};
     if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
     const dem_wall *s = &world->wall[wall];
-    const double    pitch = s->aperture + s->wire, half = 0.5 * pitch;
-    const int       nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
     for (int a = -nx; a <= nx; a++) {
         for (int b = -ny; b <= ny; b++) {
             double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
@@ -3072,7 +3085,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
         if (!(fabs(dem__dot(d, s->axis[2])) < world->radius[i])) continue;
         dem_vec normal[DEM__TOUCHES];
-        int     n = 0, holding = 0;
+        int n = 0, holding = 0;
         for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
             dem__touch touch;
             if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
@@ -3080,8 +3093,8 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;
-        const int     m = s->material < world->material[i] ? s->material : world->material[i];
-        const double  mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
         for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
@@ -3100,11 +3113,11 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 /* ---- bytes in and out: one description serves saving, loading and hashing ---- */
 
 typedef struct dem__stream {
-    unsigned char       *to;   /* saving, or NULL to count */
+    unsigned char *to;         /* saving, or NULL to count */
     const unsigned char *from; /* loading */
-    size_t               size, at;
-    uint64_t             hash;
-    int                  loading, failed;
+    size_t size, at;
+    uint64_t hash;
+    int loading, failed;
 } dem__stream;
 
 static inline void dem__u64(dem__stream *s, uint64_t *v) {
@@ -3171,7 +3184,7 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
         dem__f64(s, &d->material[a].density), dem__f64(s, &d->material[a].young_modulus), dem__f64(s, &d->material[a].poisson_ratio);
         for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
             dem_pair_def *p = &d->pair[a][b];
-            int           mode = (int)p->mode;
+            int mode = (int)p->mode;
             dem__f64(s, &p->stiffness), dem__f64(s, &p->tangential_ratio), dem__f64(s, &p->restitution), dem__f64(s, &p->friction);
             dem__f64(s, &p->rolling), dem__f64(s, &p->tangential_damping);
             dem__ints(s, &mode, 1);
@@ -3194,7 +3207,7 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 
 /* Particles present and contacts in order; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
-    double *const columns[] = {w->x, w->y, w->z, w->vx, w->vy, w->vz, w->ax, w->ay, w->az, w->wx, w->wy, w->wz,
+    double *const columns[] = {w->x,  w->y,  w->z,  w->vx,     w->vy,   w->vz,   w->ax,   w->ay,   w->az,   w->wx,   w->wy,  w->wz,
                                w->bx, w->by, w->bz, w->radius, w->mass, w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
@@ -3205,7 +3218,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
     }
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = s->loading ? (int32_t)k : w->order__[k];
-        int32_t       i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
+        int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
         if (remap && j >= 0) j = remap[j];
         dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
         if (s->loading) w->live_i__[c] = i, w->live_j__[c] = j;
@@ -3273,8 +3286,8 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     if (!world || !world->def.allocator.fn) return 0;
     for (int pass = 0; pass < 2; pass++) {
         dem_world w = *world;
-        int64_t   present = w.count - w.dropped__;
-        uint64_t  check;
+        int64_t present = w.count - w.dropped__;
+        uint64_t check;
         memset(&s, 0, sizeof s);
         s.hash = 0xcbf29ce484222325u;
         s.to = pass && buffer ? (unsigned char *)buffer : NULL;
@@ -3313,10 +3326,10 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
 }
 
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
-    dem_world  *w = world;
+    dem_world *w = world;
     dem__stream s;
-    int64_t     present = 0;
-    uint64_t    check, found = 0;
+    int64_t present = 0;
+    uint64_t check, found = 0;
     if (!w || !buffer) return DEM_BAD_ARGUMENT;
     memset(w, 0, sizeof *w);
     memset(&s, 0, sizeof s);
@@ -3337,8 +3350,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         return DEM_BAD_DATA;
     }
     dem__array list[DEM__ARRAYS_MAX];
-    ptrdiff_t  live = w->live_count__, passed = w->passed_count;
-    int        enough;
+    ptrdiff_t live = w->live_count__, passed = w->passed_count;
+    int enough;
     w->live_count__ = w->passed_count = 0;
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
                              (ptrdiff_t)present + 1);
@@ -3435,8 +3448,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 
 /* The pair (a, b) of radii and materials that is present and asks for the smallest step. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
-    dem_advice      a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
-    double          smallest[DEM_MATERIALS_MAX];
+    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
+    double smallest[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
     for (int m = 0; m < DEM_MATERIALS_MAX; m++) smallest[m] = HUGE_VAL;
@@ -3456,7 +3469,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
             for (int side = 0; side < 2; side++) { /* 0: a sphere of material q, 1: a wall of it */
                 if (side ? !is_wall : !(smallest[q] < HUGE_VAL)) continue;
                 dem_birth b;
-                double    constants[DEM_CONSTANTS_MAX];
+                double constants[DEM_CONSTANTS_MAX];
                 double mass_q =
                     side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
                 memset(&b, 0, sizeof b);

@@ -29,7 +29,7 @@ DEM_INLINE void counted_force(const dem_contact *c, double *state, dem_response 
     evaluations++;
     dem_law_linear_friction.force(c, state, r);
 }
-static const dem_law counted_law = {"counted", 1, 3, 1, 8, dem_prepare_linear, counted_force, NULL, NULL};
+static const dem_law counted_law = {"counted", 1, 3, 3, 1, 8, dem_prepare_linear, counted_force, NULL, NULL};
 DEM_KERNEL(counted_kernel, counted_law, DEM_LINEAR | DEM_FRICTION)
 
 /* A force whose contact part is declared 0 has no beginning and no end for the kernel: plain predicted Verlet at dem.h's own cost. */
@@ -41,14 +41,14 @@ static double unresolved_prepare(const dem_birth *birth, double *constants) {
     dem_law_linear_friction.prepare(birth, constants);
     return 0.0;
 }
-static const dem_law unresolved_law = {"unresolved", 1, 3, 1, 8, unresolved_prepare, unresolved_force, NULL, NULL};
+static const dem_law unresolved_law = {"unresolved", 1, 3, 3, 1, 8, unresolved_prepare, unresolved_force, NULL, NULL};
 DEM_KERNEL(unresolved_kernel, unresolved_law, DEM_LINEAR | DEM_FRICTION)
 
 DEM_INLINE void counted_unresolved_force(const dem_contact *c, double *state, dem_response *r) {
     evaluations++;
     unresolved_force(c, state, r);
 }
-static const dem_law counted_unresolved_law = {"counted, unresolved", 1, 3, 1, 8, unresolved_prepare, counted_unresolved_force, NULL, NULL};
+static const dem_law counted_unresolved_law = {"counted, unresolved", 1, 3, 3, 1, 8, unresolved_prepare, counted_unresolved_force, NULL, NULL};
 DEM_KERNEL(counted_unresolved_kernel, counted_unresolved_law, DEM_LINEAR | DEM_FRICTION)
 
 /* ---- integrators as others have them ---- */

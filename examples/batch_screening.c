@@ -17,18 +17,18 @@ enum { SMALL, NEAR_MESH, LARGE, CLASSES, UNDERSIZE = 2 };
 static const double class_diameter[CLASSES] = {0.005, 0.007, 0.010};
 static const char *const class_name[CLASSES] = {"small (5 mm)", "near-mesh (7 mm)", "large (10 mm)"};
 static const double GLASS = 2534.1, WATER = 1000.0; /* [kg/m3] */
-static const double SAMPLE = 0.1, WATCH = 0.02; /* between points of the curves, between looks at the layers [s] */
+static const double SAMPLE = 0.1, WATCH = 0.02;     /* between points of the curves, between looks at the layers [s] */
 
 /* ---- input ---- */
 
 typedef struct settings {
-    double amplitude, frequency;                                    /* set amplitude [m], [Hz] */
-    double time, dt_ratio;                                          /* [s]; contact time over time step */
-    double mass, screen_diameter, drop, outlet_delay, exit_depth;   /* [kg], [m], [m], [s], [m] */
-    double vertical, sideways;                                      /* share of the set amplitude */
-    double moisture;                                                /* mass of liquid over mass of particles [-] */
-    int    profile, restitution, seeds, case_number, laws;
-    bool   frames, energy;
+    double amplitude, frequency;                                  /* set amplitude [m], [Hz] */
+    double time, dt_ratio;                                        /* [s]; contact time over time step */
+    double mass, screen_diameter, drop, outlet_delay, exit_depth; /* [kg], [m], [m], [s], [m] */
+    double vertical, sideways;                                    /* share of the set amplitude */
+    double moisture;                                              /* mass of liquid over mass of particles [-] */
+    int profile, restitution, seeds, case_number, laws;
+    bool frames, energy;
 } settings;
 
 static void choose_case(settings *s, int number) {
@@ -61,9 +61,9 @@ static double random_share(uint64_t *state) {
 }
 
 typedef struct batch {
-    int     n;
+    int n;
     double *centre, *diameter; /* [n][3], [n] */
-    int    *group;             /* [n] */
+    int *group;                /* [n] */
 } batch;
 
 static void free_batch(batch *b) {
@@ -102,7 +102,7 @@ static int mix_batch(batch *b, const settings *s, uint64_t *random) {
 /* Loose layers over the floor of the bin, z = 0. */
 static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
     const double pitch = 0.0104;
-    const int    reach = (int)(radius / pitch) + 1;
+    const int reach = (int)(radius / pitch) + 1;
     for (int layer = 0, i = 0; i < b->n; layer++) {
         const int before = i;
         for (int p = -reach; p <= reach; p++) {
@@ -122,8 +122,8 @@ static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
 
 /* Lets the batch come to rest for a time, with little restitution and a stiffness of choice. */
 static dem_status settle(batch *b, const settings *s, double stiffness, double time) {
-    int       glass, steel;
-    dem_def   def = define(s, &glass, &steel);
+    int glass, steel;
+    dem_def def = define(s, &glass, &steel);
     dem_world world;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? steel : glass);
@@ -134,8 +134,10 @@ static dem_status settle(batch *b, const settings *s, double stiffness, double t
     dem_status status = dem_init(&world, &def, NULL);
     if (status == DEM_OK) status = dem_add_spheres(&world, b->n, b->centre, b->diameter, glass, 0);
     if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_BAD_ARGUMENT;
-    if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0) status = DEM_BAD_ARGUMENT;
-    for (double t = 0.0; t < time && status == DEM_OK && !common_interrupted(); t += 0.01) status = dem_run(&world, 0.01, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+    if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0)
+        status = DEM_BAD_ARGUMENT;
+    for (double t = 0.0; t < time && status == DEM_OK && !common_interrupted(); t += 0.01)
+        status = dem_run(&world, 0.01, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
         const dem_vec x = dem_position(&world, i);
         b->centre[3 * i] = x.x, b->centre[3 * i + 1] = x.y, b->centre[3 * i + 2] = x.z;
@@ -154,11 +156,11 @@ static dem_status fill_bin(batch *b, const settings *s, uint64_t *random) {
 
 /* The screen, its side wall, and the plane below at which passage counts; the batch at rest, `drop` above the bars. */
 static dem_status build(dem_world *world, const batch *b, const settings *s, int *deck) {
-    int     glass, steel;
+    int glass, steel;
     dem_def def = define(s, &glass, &steel);
     def.dt = 1e-6;
     const char *field;
-    dem_status  status = dem_init(world, &def, &field);
+    dem_status status = dem_init(world, &def, &field);
     if (status != DEM_OK) return status;
     dem_screen screen = dem_default_screen();
     screen.half_x = 0.5 * s->screen_diameter;
@@ -183,43 +185,64 @@ static dem_status build(dem_world *world, const batch *b, const settings *s, int
 
 typedef struct result {
     dem_status status;
-    int        samples;            /* points of the curves */
-    double    *retained[UNDERSIZE]; /* [samples], share of the class's mass */
-    double    *free_share, *occupied_share;
-    double     top_time[UNDERSIZE]; /* mean time in the top layer [s] */
-    double     dt, energy_error;
-    double     liquid_error, bridges_mean, liquid_passed;
-    int64_t    steps, particle_steps, contact_steps, formations, ruptures;
-    uint64_t   hash, failed_id;
-    dem_wall   deck;
+    int samples;                 /* points of the curves */
+    double *retained[UNDERSIZE]; /* [samples], share of the class's mass */
+    double *free_share, *occupied_share;
+    double top_time[UNDERSIZE]; /* mean time in the top layer [s] */
+    double dt, energy_error;
+    double liquid_error, bridges_mean, liquid_passed;
+    int64_t steps, particle_steps, contact_steps, formations, ruptures;
+    uint64_t hash, failed_id;
+    dem_wall deck;
 } result;
 
-/* Which particles have entered the bottom layer: no other centre in the vertical cylinder of its own diameter below it. */
-static void watch_layers(const dem_world *world, double *entered, double time, double reach, int *head, int *next, int cells, dem_vec *at) {
-    const double size = 2.0 * reach / cells;
-    for (int c = 0; c < cells * cells; c++) head[c] = -1;
+/* Which undersize particles are in the top layer: the body of another stands in their way down to the mesh. Notes the time. */
+typedef struct layers {
+    int cells, *head, *next;
+    double reach, *last_top; /* half width of the map [m]; by id: when last seen in the top layer [s] */
+    dem_vec *at;
+} layers;
+
+static int layer_cell(const layers *l, double v) {
+    return (int)fmin(fmax((v + l->reach) / (2.0 * l->reach) * l->cells, 0.0), l->cells - 1.0);
+}
+
+static void watch_layers(layers *l, const dem_world *world, double time) {
+    for (int c = 0; c < l->cells * l->cells; c++) l->head[c] = -1;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
-        at[i] = dem_position(world, i);
-        const int x = (int)fmin(fmax((at[i].x + reach) / size, 0), cells - 1), y = (int)fmin(fmax((at[i].y + reach) / size, 0), cells - 1);
-        next[i] = head[y * cells + x];
-        head[y * cells + x] = (int)i;
+        l->at[i] = dem_position(world, i);
+        int *head = &l->head[layer_cell(l, l->at[i].y) * l->cells + layer_cell(l, l->at[i].x)];
+        l->next[i] = *head;
+        *head = (int)i;
     }
     for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->group[i] >= UNDERSIZE || entered[world->id[i]] >= 0.0) continue;
-        const int    x = (int)fmin(fmax((at[i].x + reach) / size, 0), cells - 1), y = (int)fmin(fmax((at[i].y + reach) / size, 0), cells - 1);
-        const double square = world->radius[i] * world->radius[i];
-        int          covered = 0;
-        for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < cells; cy++) {
-            for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < cells; cx++) {
-                for (int k = head[cy * cells + cx]; k >= 0 && !covered; k = next[k]) {
-                    const double dx = at[k].x - at[i].x, dy = at[k].y - at[i].y;
-                    covered = k != (int)i && at[k].z < at[i].z && at[k].z > 0.0 && dx * dx + dy * dy < square;
+        if (!world->alive[i] || world->group[i] >= UNDERSIZE) continue;
+        const int x = layer_cell(l, l->at[i].x), y = layer_cell(l, l->at[i].y);
+        bool covered = false;
+        for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < l->cells; cy++) {
+            for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < l->cells; cx++) {
+                for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
+                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y, sum = world->radius[i] + world->radius[k];
+                    covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
                 }
             }
         }
-        if (!covered) entered[world->id[i]] = time;
+        if (covered) l->last_top[world->id[i]] = time;
     }
+}
+
+static void free_layers(layers *l) { free(l->head), free(l->next), free(l->last_top), free(l->at); }
+
+static int make_layers(layers *l, int n, double reach) {
+    memset(l, 0, sizeof *l);
+    l->cells = (int)fmin(fmax(2.0 * reach / 0.0115, 1.0), 1000.0); /* a cell is wider than two bodies can reach */
+    l->reach = reach;
+    l->head = malloc((size_t)(l->cells * l->cells) * sizeof *l->head);
+    l->next = malloc(((size_t)n + 1) * sizeof *l->next);
+    l->last_top = calloc((size_t)n + 1, sizeof *l->last_top);
+    l->at = malloc(((size_t)n + 1) * sizeof *l->at);
+    return l->head && l->next && l->last_top && l->at ? 0 : -1;
 }
 
 /* Mass of a class, particles and their liquid, that has not reached the outlet's end at a time, over the mass at the start. */
@@ -239,8 +262,8 @@ static double retained(const dem_world *world, const batch *b, const wet_scene *
 
 static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
     const ptrdiff_t n = world->count;
-    double         *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer);
-    int            *group = malloc((size_t)(n + 1) * sizeof *group), m = 0;
+    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer);
+    int *group = malloc((size_t)(n + 1) * sizeof *group), m = 0;
     if (buffer && group) {
         double *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
         for (ptrdiff_t i = 0; i < n; i++) {
@@ -261,24 +284,26 @@ static void write_frame(const dem_world *world, const char *folder, pvd *series,
 /* ---- one run ---- */
 
 typedef struct study {
-    settings  set;
-    uint64_t  seed;
-    result   *results; /* [seeds] */
+    settings set;
+    settings *variants; /* [variants]; the first is `set` */
+    int variant_count;
+    uint64_t seed;
+    result *results; /* [variants][seeds] */
     progress *bar;
-    pvd      *series;
+    pvd *series;
     const char *out;
 } study;
 
 static int run_seed(int index, void *user) {
-    study          *st = user;
-    const settings *s = &st->set;
-    result         *r = &st->results[index];
-    uint64_t        random = st->seed + (uint64_t)index;
-    batch           b;
-    dem_world       world;
-    wet_scene      *wet = NULL;
-    double          film = 0.0, glass = 0.0, area = 0.0; /* thickness [m], mass [kg], surface [m2] */
-    int             deck = 0, looks = 0;
+    study *st = user;
+    const settings *s = &st->variants[index / st->set.seeds];
+    result *r = &st->results[index];
+    uint64_t random = st->seed + (uint64_t)(index % st->set.seeds);
+    batch b;
+    dem_world world;
+    wet_scene *wet = NULL;
+    double film = 0.0, glass = 0.0, area = 0.0; /* thickness [m], mass [kg], surface [m2] */
+    int deck = 0, looks = 0;
     memset(&b, 0, sizeof b);
     memset(&world, 0, sizeof world);
     r->status = mix_batch(&b, s, &random) ? DEM_OUT_OF_MEMORY : fill_bin(&b, s, &random);
@@ -291,31 +316,29 @@ static int run_seed(int index, void *user) {
         film = s->moisture * glass / WATER / area;
         wet = malloc(sizeof *wet);
         if (!wet) r->status = DEM_OUT_OF_MEMORY;
-        else if (wet_init(wet, b.n, b.group, b.diameter, class_diameter, s->moisture, glass, deck, &world, s->laws == 1) != BRIDGE_OK) r->status = DEM_BAD_ARGUMENT;
+        else if (wet_init(wet, b.n, b.group, b.diameter, class_diameter, s->moisture, glass, deck, &world, s->laws == 1) != BRIDGE_OK)
+            r->status = DEM_BAD_ARGUMENT;
         world.user = wet;
     }
 
-    const int n = b.n, cells = 24, features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
-    double   *entered = malloc((size_t)(n + 1) * sizeof *entered);
-    int      *head = malloc((size_t)(cells * cells) * sizeof *head), *next = malloc((size_t)(n + 1) * sizeof *next);
-    dem_vec  *at = malloc((size_t)(n + 1) * sizeof *at);
-    if (r->status == DEM_OK && !(entered && head && next && at)) r->status = DEM_OUT_OF_MEMORY;
-    const int    watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
-    const double arrival = sqrt(2.0 * s->drop / 9.81), reach = 0.5 * s->screen_diameter;
-    for (int i = 0; i < n && r->status == DEM_OK; i++) entered[i] = -1.0;
+    const int n = b.n, features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
+    const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
+    const double arrival = sqrt(2.0 * s->drop / 9.81);
+    layers bed;
+    if (make_layers(&bed, n, 0.5 * s->screen_diameter) && r->status == DEM_OK) r->status = DEM_OUT_OF_MEMORY;
     for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
         const double time = k * WATCH;
         if (k > 0) r->status = wet ? wet_run(&world, WATCH) : dem_run(&world, WATCH, features);
-        if (time >= arrival) watch_layers(&world, entered, time, reach, head, next, cells, at);
+        if (time >= arrival && r->status == DEM_OK) watch_layers(&bed, &world, time);
         if (k % every == 0) {
-            const int           sample = k / every;
+            const int sample = k / every;
             const dem_apertures holes = dem_count_apertures(&world, deck);
             for (int c = 0; c < UNDERSIZE; c++) r->retained[c][sample] = retained(&world, &b, wet, film, c, time, s->outlet_delay);
             r->free_share[sample] = holes.total ? (double)holes.free / holes.total : 1.0;
             r->occupied_share[sample] = holes.total ? (double)holes.occupied / holes.total : 0.0;
             r->samples = sample + 1;
             if (wet) {
-                int          bridges;
+                int bridges;
                 const double total = wet_total(wet, &world, &bridges);
                 r->liquid_error = fmax(r->liquid_error, fabs(total / wet->initial - 1.0));
                 r->bridges_mean += bridges;
@@ -327,15 +350,15 @@ static int run_seed(int index, void *user) {
     }
     if (r->status == DEM_OK) {
         double sum[UNDERSIZE] = {0.0, 0.0};
-        int    count[UNDERSIZE] = {0, 0};
-        for (ptrdiff_t k = 0; k < world.passed_count; k++) {
-            if (entered[world.passed[k].id] < 0.0) entered[world.passed[k].id] = world.passed[k].time;
-        }
-        for (int i = 0; i < n; i++) {
+        int count[UNDERSIZE] = {0, 0};
+        for (int i = 0; i < n; i++) { /* the bottom layer from the next look on, unless it passed before; never in it: to the end */
             if (b.group[i] >= UNDERSIZE) continue;
-            const double until = entered[i] >= 0.0 ? entered[i] : s->time;
-            sum[b.group[i]] += fmax(until - arrival, 0.0);
+            sum[b.group[i]] += fmin(fmax(bed.last_top[i] + WATCH - arrival, 0.0), s->time);
             count[b.group[i]]++;
+        }
+        for (ptrdiff_t k = 0; k < world.passed_count; k++) {
+            const dem_passed *p = &world.passed[k];
+            if (p->group < UNDERSIZE && p->time < bed.last_top[p->id] + WATCH) sum[p->group] -= bed.last_top[p->id] + WATCH - p->time;
         }
         for (int c = 0; c < UNDERSIZE; c++) r->top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
         const dem_energy_ledger e = dem_energy(&world);
@@ -352,7 +375,7 @@ static int run_seed(int index, void *user) {
         }
     }
     r->failed_id = world.failed_id;
-    free(entered), free(head), free(next), free(at);
+    free_layers(&bed);
     if (wet) wet_free(wet);
     free(wet);
     free_batch(&b);
@@ -381,17 +404,19 @@ static void average(const result *r, int seeds, int samples, size_t curve, doubl
 
 /* Two-sided 95 % quantile of Student's t; the tabulated values of any textbook. */
 static double student(int freedom) {
-    static const double t[] = {0, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
-                               2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
+    static const double t[] = {0,     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+                               2.201, 2.179,  2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080,
+                               2.074, 2.069,  2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
     return freedom < 1 ? 0.0 : freedom <= 30 ? t[freedom] : 1.96 + 2.4 / freedom;
 }
 
 static void draw(const study *st, int samples, const double *time, double *const *mean, double *const *sd) {
     const settings *s = &st->set;
-    char            title[120];
-    double         *low = malloc((size_t)samples * 2 * sizeof *low), *high = low ? low + samples : NULL;
+    char title[120];
+    double *low = malloc((size_t)samples * 2 * sizeof *low), *high = low ? low + samples : NULL;
     if (!low) return;
-    snprintf(title, sizeof title, "Batch screening: A = %.2g mm, f = %.3g Hz, moisture %.3g %%, %d seed%s", 1e3 * s->amplitude, s->frequency, 100.0 * s->moisture, s->seeds, s->seeds > 1 ? "s" : "");
+    snprintf(title, sizeof title, "Batch screening: A = %.2g mm, f = %.3g Hz, moisture %.3g %%, %d seed%s", 1e3 * s->amplitude,
+             s->frequency, 100.0 * s->moisture, s->seeds, s->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, 1, 1);
     plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
     plot_range_y(figure, 0.0, 1.02);
@@ -405,7 +430,7 @@ static void draw(const study *st, int samples, const double *time, double *const
     }
     if (s->case_number == 5 && s->moisture == 0.0) { /* numbers in the text of section 5.1 */
         const double at[] = {5.0, 10.0}, small[] = {0.13, 0.015}, near_mesh[] = {0.20, 0.10};
-        const int    n = s->time >= 10.0 ? 2 : s->time >= 5.0 ? 1 : 0;
+        const int n = s->time >= 10.0 ? 2 : s->time >= 5.0 ? 1 : 0;
         if (n) plot_points(figure, "paper, small", at, small, n), plot_style(figure, 0, 0);
         if (n) plot_points(figure, "paper, near-mesh", at, near_mesh, n), plot_style(figure, 0, 1);
     }
@@ -421,8 +446,9 @@ static void draw(const study *st, int samples, const double *time, double *const
 
 static void report(const program *self, const study *st, int samples, double wall) {
     const settings *s = &st->set;
-    const result   *r = st->results;
-    double *time = malloc((size_t)samples * 9 * sizeof *time), *mean[4], *sd[4], top[UNDERSIZE] = {0, 0}, error = 0.0, steps = 0, particle_steps = 0, contact_steps = 0;
+    const result *r = st->results;
+    double *time = malloc((size_t)samples * 9 * sizeof *time), *mean[4], *sd[4], top[UNDERSIZE] = {0, 0}, error = 0.0, steps = 0,
+           particle_steps = 0, contact_steps = 0;
     if (!time) {
         common_fail("out of memory");
         return;
@@ -440,7 +466,8 @@ static void report(const program *self, const study *st, int samples, double wal
     }
 
     const double t = s->seeds > 1 ? student(s->seeds - 1) / sqrt((double)s->seeds) : 0.0;
-    table        rows = table_begin(s->seeds > 1 ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free" : "time [s]|small retained|near-mesh retained|apertures free");
+    table rows = table_begin(s->seeds > 1 ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
+                                          : "time [s]|small retained|near-mesh retained|apertures free");
     for (int k = 0; k < samples; k += (int)(fmax(1.0, floor(s->time / 10.0 + 0.5)) / SAMPLE + 0.5)) {
         table_cell(&rows, "%.1f", time[k]);
         for (int c = 0; c < UNDERSIZE; c++) {
@@ -451,13 +478,19 @@ static void report(const program *self, const study *st, int samples, double wal
     }
     table_end(&rows);
     common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", top[SMALL], top[NEAR_MESH]);
-    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps in %.1f s\n", steps, 1e6 * r[0].dt, particle_steps, contact_steps, wall);
-    if (s->moisture > 0.0) common_print("liquid conserved to %.1e; %.0f bridges on average, %lld ruptures (first seed)\n", r[0].liquid_error, r[0].bridges_mean, (long long)r[0].ruptures);
+    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps in %.1f s\n", steps, 1e6 * r[0].dt, particle_steps,
+                 contact_steps, wall);
+    if (s->moisture > 0.0)
+        common_print("liquid conserved to %.1e; %.0f bridges on average, %lld ruptures (first seed)\n", r[0].liquid_error,
+                     r[0].bridges_mean, (long long)r[0].ruptures);
     else if (s->energy) common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", error);
 
     draw(st, samples, time, mean, sd);
-    csv *curves = csv_open(st->out, "retained.csv", "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,occupied_fraction");
-    for (int k = 0; k < samples; k++) csv_row(curves, (const double[]){time[k], mean[0][k], sd[0][k], mean[1][k], sd[1][k], mean[2][k], mean[3][k]}, 7);
+    csv *curves =
+        csv_open(st->out, "retained.csv",
+                 "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,occupied_fraction");
+    for (int k = 0; k < samples; k++)
+        csv_row(curves, (const double[]){time[k], mean[0][k], sd[0][k], mean[1][k], sd[1][k], mean[2][k], mean[3][k]}, 7);
     csv_close(curves);
 
     json *j = json_open(self->json);
@@ -508,9 +541,10 @@ static void report(const program *self, const study *st, int samples, double wal
 }
 
 static int make_results(study *st, int samples) {
-    st->results = calloc((size_t)st->set.seeds, sizeof *st->results);
+    const int runs = st->variant_count * st->set.seeds;
+    st->results = calloc((size_t)runs, sizeof *st->results);
     if (!st->results) return -1;
-    for (int q = 0; q < st->set.seeds; q++) {
+    for (int q = 0; q < runs; q++) {
         double *block = calloc((size_t)samples, 4 * sizeof *block);
         if (!block) return -1;
         for (int c = 0; c < UNDERSIZE; c++) st->results[q].retained[c] = block + (size_t)c * (size_t)samples;
@@ -520,13 +554,69 @@ static int make_results(study *st, int samples) {
     return 0;
 }
 
+/* ---- sensitivity: what the paper leaves open, one thing at a time ---- */
+
+enum { VARIANTS = 13 };
+static const char *const variant_name[VARIANTS] = {"default",        "deck 185 mm",   "deck 195 mm",  "deck 200 mm", "drop 10 mm",
+                                                   "drop 60 mm",     "outlet 0.25 s", "outlet 1.0 s", "round bars",  "no sideways",
+                                                   "vertical 1.0 A", "naive damping", "half step"};
+
+static void vary(const settings *base, settings *all) {
+    for (int k = 0; k < VARIANTS; k++) all[k] = *base;
+    all[1].screen_diameter = 0.185, all[2].screen_diameter = 0.195, all[3].screen_diameter = 0.200;
+    all[4].drop = 0.010, all[5].drop = 0.060;
+    all[6].outlet_delay = 0.25, all[7].outlet_delay = 1.0;
+    all[8].profile = 1;
+    all[9].sideways = 0.0, all[10].vertical = 1.0;
+    all[11].restitution = 1;
+    all[12].dt_ratio = 2.0 * base->dt_ratio;
+}
+
+static void report_sensitivity(const program *self, const study *st) {
+    const int seeds = st->set.seeds;
+    const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
+    const char *heading[2] = {"after 5 s", "after 10 s"};
+    plot *figure = plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
+    csv *rows = csv_open(st->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
+    table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
+    for (int w = 0; w < 2; w++) {
+        double mean[UNDERSIZE][VARIANTS], sd[UNDERSIZE][VARIANTS];
+        for (int v = 0; v < VARIANTS; v++) {
+            for (int c = 0; c < UNDERSIZE; c++) {
+                double sum = 0.0, square = 0.0;
+                for (int q = 0; q < seeds; q++) sum += st->results[v * seeds + q].retained[c][(int)(when[w] / SAMPLE + 0.5)] / seeds;
+                for (int q = 0; q < seeds; q++) {
+                    const double d = st->results[v * seeds + q].retained[c][(int)(when[w] / SAMPLE + 0.5)] - sum;
+                    square += d * d;
+                }
+                mean[c][v] = sum, sd[c][v] = seeds > 1 ? sqrt(square / (seeds - 1)) : 0.0;
+            }
+            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", variant_name[v], when[w], mean[0][v], sd[0][v], mean[1][v], sd[1][v], seeds);
+            table_cell(&t, "%s", variant_name[v]), table_cell(&t, "%.0f", when[w]);
+            for (int c = 0; c < UNDERSIZE; c++) table_cell(&t, "%.3f", mean[c][v]), table_cell(&t, "%.3f", sd[c][v]);
+        }
+        plot_panel(figure, w, 0, "", "fraction retained [-]");
+        plot_title(figure, heading[w]);
+        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], variant_name, mean[c], VARIANTS);
+        plot_horizontal(figure, "paper, small", paper[w][SMALL]);
+        plot_horizontal(figure, "paper, near-mesh", paper[w][NEAR_MESH]);
+    }
+    plot_panel_size(figure, 980, 300);
+    table_end(&t);
+    csv_close(rows);
+    plot_write(figure, st->out, "sensitivity.svg");
+    (void)self;
+}
+
 int main(int argc, char **argv) {
-    study     st = {0};
+    study st = {0};
     settings *s = &st.set;
-    double    amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
-    bool      no_frames = false, no_energy = false;
-    int       number = 5;
-    s->time = 20.0, s->dt_ratio = 20.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1, s->seeds = 1;
+    settings variants[VARIANTS];
+    double amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
+    bool no_frames = false, no_energy = false, sensitivity = false;
+    int number = 5;
+    s->time = 20.0, s->dt_ratio = 20.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1,
+    s->seeds = 1;
     option options[] = {
         option_int("case", "N", &number, 1, 27, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
         option_double("amplitude-mm", "MM", &amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
@@ -540,45 +630,61 @@ int main(int argc, char **argv) {
         option_double("outlet-delay", "S", &s->outlet_delay, 0.0, 10.0, "time from the screen to the end of the outlet [s]"),
         option_double("sideways", "SHARE", &s->sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
         option_double("vertical", "SHARE", &s->vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
-        option_positive("mass", "KG", &s->mass, 1000.0, "mass of the batch [kg]"),
+        option_double("mass", "KG", &s->mass, 0.005, 1000.0, "mass of the batch [kg]"),
         option_choice("profile", &s->profile, "semicircle|round", "section of the bars"),
         option_choice("restitution", &s->restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
         option_double("steps-per-contact", "N", &s->dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &no_frames, "no .vtp series"),
         option_flag("no-energy", &no_energy, "no energy ledger"),
+        option_flag("sensitivity", &sensitivity, "vary what the paper leaves open, one thing at a time, --seeds runs each; 10 s"),
     };
-    program self = program_start("batch_screening", "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).", options,
-                                 sizeof options / sizeof *options, argc, argv);
-    if (options[0].given && (options[1].given || options[2].given)) program_refuse(&self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+    program self =
+        program_start("batch_screening",
+                      "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
+                      options, sizeof options / sizeof *options, argc, argv);
+    if (options[0].given && (options[1].given || options[2].given))
+        program_refuse(&self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
     choose_case(s, number);
     if (options[1].given || options[2].given) s->case_number = 0, s->amplitude = 1e-3 * amplitude_mm, s->frequency = frequency_hz;
     if (options[3].given) s->moisture = moisture, s->case_number = 0;
     if (self.quick && !options[5].given) s->time = 0.5;
+    if (self.quick) s->mass = fmin(s->mass, 0.3);
     s->screen_diameter = 1e-3 * diameter_mm;
     s->drop = 1e-3 * drop_mm;
     s->energy = !no_energy;
     s->frames = !no_frames;
     st.seed = self.seed * 1000003u;
     st.out = self.out;
+    if (sensitivity) s->time = 10.0, s->frames = s->energy = false;
+    variants[0] = *s;
+    if (sensitivity) vary(s, variants);
+    st.variants = variants;
+    st.variant_count = sensitivity ? VARIANTS : 1;
 
-    progress     bar;
-    const int    samples = (int)(s->time / SAMPLE + 1e-9) + 1;
+    const int runs = st.variant_count * s->seeds;
+    progress bar;
+    const int samples = (int)(s->time / SAMPLE + 1e-9) + 1;
     const double started = machine_seconds();
     if (make_results(&st, samples)) {
         common_fail("out of memory for %d seeds of %d samples", s->seeds, samples);
         return common_exit_status();
     }
     if (s->frames) st.series = pvd_open(self.out, "particles.pvd");
-    progress_begin(&bar, "screening", s->time * s->seeds);
+    progress_begin(&bar, "screening", s->time * runs);
     st.bar = &bar;
-    jobs_run(s->seeds, self.threads, run_seed, &st);
+    jobs_run(runs, self.threads, run_seed, &st);
     progress_end(&bar);
     if (st.series) pvd_close(st.series);
-    for (int q = 0; q < s->seeds && !common_interrupted(); q++) {
-        if (st.results[q].status != DEM_OK) common_fail("seed %d: %s (particle %llu)", q + 1, dem_status_text(st.results[q].status), (unsigned long long)st.results[q].failed_id);
+    for (int q = 0; q < runs && !common_interrupted(); q++) {
+        if (st.results[q].status != DEM_OK)
+            common_fail("run %d: %s (particle %llu)", q + 1, dem_status_text(st.results[q].status),
+                        (unsigned long long)st.results[q].failed_id);
     }
-    if (!common_interrupted() && common_exit_status() == 0) report(&self, &st, samples, machine_seconds() - started);
-    for (int q = 0; q < s->seeds; q++) free(st.results[q].retained[0]);
+    if (!common_interrupted() && common_exit_status() == 0) {
+        if (sensitivity) report_sensitivity(&self, &st);
+        else report(&self, &st, samples, machine_seconds() - started);
+    }
+    for (int q = 0; q < runs; q++) free(st.results[q].retained[0]);
     free(st.results);
     return common_exit_status();
 }

@@ -12,21 +12,21 @@
 #include "liquid_bridge.h"
 
 enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES, WET_BRIDGE = 3, WET_STATES = WET_BRIDGE + sizeof(bridge) / sizeof(double) };
-/* constants behind those of the dry law */
-enum { WET_TENSION = 8, WET_VISCOSITY, WET_ROUGHNESS, WET_ANGLE_I, WET_ANGLE_J, WET_IS_WALL, WET_CONSTANTS };
+/* constants behind those of the dry law, for the printed equations only */
+enum { WET_ANGLE_I = 8, WET_ANGLE_J, WET_IS_WALL, WET_CONSTANTS };
 
 typedef struct wet_scene {
     bridge_liquid liquid;
-    double        angle[2];                           /* contact angle of particles, of walls [rad] */
-    bool          printed;                            /* eqs 12-18 as printed */
-    bridge_pair   kind[WET_CLASSES][WET_CLASSES + 1]; /* classes a <= b; last column: wall and wire */
-    bridge_films  films;
-    const int    *group; /* class of particle by id */
-    int           deck;  /* wall index of the screen */
-    double        patch, pitch, height, wall_radius, wire;
-    int           around, up, bars; /* patches of the side wall; bars of a family, patches of a bar */
-    long long     formations, ruptures;
-    double        initial; /* liquid at the start [m3] */
+    double angle[2];                                /* contact angle of particles, of walls [rad] */
+    bool printed;                                   /* eqs 12-18 as printed */
+    bridge_pair kind[WET_CLASSES][WET_CLASSES + 1]; /* classes a <= b; last column: wall and wire */
+    bridge_films films;
+    const int *group; /* class of particle by id */
+    int deck;         /* wall index of the screen */
+    double patch, pitch, height, wall_radius, wire;
+    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar */
+    long long formations, ruptures;
+    double initial; /* liquid at the start [m3] */
     bridge_status status;
 } wet_scene;
 
@@ -34,17 +34,18 @@ typedef struct wet_scene {
 
 DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
     const bool touching = c->gap < 0.0;
-    bridge     b;
+    bridge b;
     dem_force_linear_rolling(c, state, r);
     memcpy(&b, state + WET_BRIDGE, sizeof b);
     if (!(b.volume > 0.0)) return;
-    const double       *p = c->constants;
-    const bridge_liquid liquid = {p[WET_TENSION], p[WET_VISCOSITY], p[WET_ROUGHNESS]};
-    bridge_forces       f;
+    const double *p = c->constants;
+    const bridge_liquid liquid = ((const wet_scene *)c->user)->liquid;
+    bridge_forces f;
     if (printed) {
         const double s = touching ? 0.0 : c->gap, rs = 0.5 * b.radius, sv = bridge_viscous_gap(s, rs, liquid.roughness);
-        f.normal = p[WET_IS_WALL] > 0.0 ? bridge_printed_force_wall(s, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
-                                        : bridge_printed_force(s, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
+        f.normal = p[WET_IS_WALL] > 0.0
+                       ? bridge_printed_force_wall(s, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
+                       : bridge_printed_force(s, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
         f.normal -= bridge_drag_normal(sv, b.volume, rs, liquid.viscosity) * c->closing;
         f.tangential = bridge_printed_drag_translation(sv, rs, liquid.viscosity);
         f.spin = bridge_printed_drag_spin(sv, rs, liquid.viscosity);
@@ -60,10 +61,7 @@ DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_respo
 
 static double wet_prepare(const dem_birth *b, double *constants) {
     const wet_scene *s = b->user;
-    const double     stiffness = dem_prepare_linear(b, constants);
-    constants[WET_TENSION] = s->liquid.surface_tension;
-    constants[WET_VISCOSITY] = s->liquid.viscosity;
-    constants[WET_ROUGHNESS] = s->liquid.roughness;
+    const double stiffness = dem_prepare_linear(b, constants);
     constants[WET_ANGLE_I] = s->angle[0];
     constants[WET_ANGLE_J] = s->angle[b->radius_j > 0.0 ? 0 : 1];
     constants[WET_IS_WALL] = b->radius_j > 0.0 ? 0.0 : 1.0;
@@ -74,10 +72,10 @@ static double wet_prepare(const dem_birth *b, double *constants) {
 
 /* Which film patch of the walls a contact draws from: 5 mm squares of the side wall, one pitch of a bar. */
 static size_t wet_patch(const wet_scene *s, const dem_world *w, const dem_contact_info *c) {
-    const int       wall = (int)(-1 - c->j);
-    const dem_vec   at = dem_position(w, c->i), origin = w->wall[wall].position;
-    const double    x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
-    const int       side = s->around * s->up;
+    const int wall = (int)(-1 - c->j);
+    const dem_vec at = dem_position(w, c->i), origin = w->wall[wall].position;
+    const double x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
+    const int side = s->around * s->up;
     if (wall != s->deck) {
         const int a = (int)((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around), u = (int)(z / s->patch) + 2;
         return (size_t)((a < 0 ? 0 : a >= s->around ? s->around - 1 : a) + s->around * (u < 0 ? 0 : u >= s->up ? s->up - 1 : u));
@@ -93,7 +91,7 @@ static bridge_partner wet_partner(const wet_scene *s, const dem_contact_info *c)
 }
 
 static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
-    wet_scene      *s = user;
+    wet_scene *s = user;
     bridge_contact *wanted = malloc((size_t)n * sizeof *wanted);
     if (!wanted) {
         s->status = BRIDGE_INVALID;
@@ -101,25 +99,26 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
     }
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_contact_info c = dem_get_slot(w, slots[k]);
-        const int              a = s->group[w->id[c.i]], b = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
-        bridge_contact        *q = &wanted[k];
+        const int a = s->group[w->id[c.i]], b = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
+        bridge_contact *q = &wanted[k];
         memset(q, 0, sizeof *q);
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
         q->partner = wet_partner(s, &c);
         q->radius_i = w->radius[c.i];
         q->radius_j = c.j >= 0 ? w->radius[c.j] : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
-        bridge_volume_range(&s->kind[a < b ? a : b][a < b ? b : a], q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min, &q->volume_max);
+        bridge_volume_range(&s->kind[a < b ? a : b][a < b ? b : a], q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
+                            &q->volume_max);
     }
     if (bridge_allocate(&s->films, wanted, (size_t)n) != BRIDGE_OK) s->status = BRIDGE_INVALID;
     for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
         const bridge_contact *q = &wanted[k];
         if (!(q->given_i + q->given_j > 0.0)) continue;
         dem_contact_info c = dem_get_slot(w, slots[k]);
-        bridge           b;
-        const int        ka = s->group[w->id[c.i]], kb = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
+        bridge b;
+        const int ka = s->group[w->id[c.i]], kb = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
         const bridge_pair *kind = &s->kind[ka < kb ? ka : kb][ka < kb ? kb : ka];
-        const double       other = c.j >= 0 ? q->radius_j : (double)INFINITY;
+        const double other = c.j >= 0 ? q->radius_j : (double)INFINITY;
         s->status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b)
                                : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b);
         memcpy(c.state + WET_BRIDGE, &b, sizeof b);
@@ -130,9 +129,9 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
 }
 
 static void wet_ended(dem_world *w, int32_t slot, void *user) {
-    wet_scene             *s = user;
+    wet_scene *s = user;
     const dem_contact_info c = dem_get_slot(w, slot);
-    bridge                 b;
+    bridge b;
     memcpy(&b, c.state + WET_BRIDGE, sizeof b);
     if (!(b.volume > 0.0)) return;
     const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
@@ -140,15 +139,18 @@ static void wet_ended(dem_world *w, int32_t slot, void *user) {
     s->ruptures++;
 }
 
-static const dem_law wet_law = {"linear, friction, rolling, bridges", 1, WET_STATES, 1, WET_CONSTANTS, wet_prepare, wet_force, wet_born, wet_ended};
-static const dem_law wet_law_printed = {"the same, eqs 12-18 as printed", 1, WET_STATES, 1, WET_CONSTANTS, wet_prepare, wet_force_printed, wet_born, wet_ended};
+static const dem_law wet_law = {
+    "linear, friction, rolling, bridges", 1, WET_STATES, 3, 1, 8, dem_prepare_linear, wet_force, wet_born, wet_ended};
+static const dem_law wet_law_printed = {
+    "the same, eqs 12-18 as printed", 1, WET_STATES, 3, 1, WET_CONSTANTS, wet_prepare, wet_force_printed, wet_born, wet_ended};
 DEM_KERNEL(wet_kernel, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(wet_kernel_printed, wet_law_printed, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 
 static inline dem_status wet_run(dem_world *w, double duration) {
     const wet_scene *s = w->user;
-    const int        features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-    dem_status status = s->printed ? dem_run_law(w, duration, &wet_law_printed, wet_kernel_printed, features) : dem_run_law(w, duration, &wet_law, wet_kernel, features);
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
+    dem_status status = s->printed ? dem_run_law(w, duration, &wet_law_printed, wet_kernel_printed, features)
+                                   : dem_run_law(w, duration, &wet_law, wet_kernel, features);
     return status == DEM_OK && s->status != BRIDGE_OK ? DEM_BAD_ARGUMENT : status;
 }
 
@@ -166,8 +168,8 @@ static inline double wet_total(const wet_scene *s, const dem_world *w, int *brid
 
 /* A scene of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls.
    Free with wet_free. */
-static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter, double moisture,
-                                     double particle_mass, int deck, const dem_world *w, bool printed) {
+static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter,
+                                     double moisture, double particle_mass, int deck, const dem_world *w, bool printed) {
     double area = 0.0, *block;
     memset(s, 0, sizeof *s);
     s->group = group;
@@ -198,7 +200,7 @@ static inline bridge_status wet_init(wet_scene *s, int n, const int *group, cons
     block = calloc(2 * ((size_t)n + patches) + patches, sizeof *block);
     if (!block) return BRIDGE_INVALID;
     bridge_films *f = &s->films;
-    double       *patch_area = block + 2 * ((size_t)n + patches);
+    double *patch_area = block + 2 * ((size_t)n + patches);
     f->particle = block, f->n_particles = (size_t)n;
     f->patch = block + n, f->n_patches = patches;
     f->scratch = block + (size_t)n + patches;

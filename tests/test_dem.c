@@ -289,7 +289,7 @@ DEM_INLINE void force_sticky(const dem_contact *c, double *state, dem_response *
     dem_force_linear_friction(c, state, r);
     r->normal -= c->constants[8]; /* the pull holds the pair together; friction counts the contact's part alone */
 }
-static const dem_law law_sticky = {"linear with attraction", 1, 3, 1, 9, prepare_sticky, force_sticky, NULL, NULL};
+static const dem_law law_sticky = {"linear with attraction", 1, 3, 3, 1, 9, prepare_sticky, force_sticky, NULL, NULL};
 DEM_KERNEL(kernel_sticky, law_sticky, DEM_LINEAR | DEM_FRICTION)
 
 static void test_rigid_rotation_is_no_slip(void **state) {

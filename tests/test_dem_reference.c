@@ -207,7 +207,7 @@ DEM_INLINE void force_half(const dem_contact *c, double *state, dem_response *r)
     double scale = p[3] * force / (sqrt(square) + 1e-300);
     for (int a = 0; a < 3; a++) state[a] *= scale < 1.0 ? scale : 1.0, r->tangential[a] = -state[a];
 }
-static const dem_law law_half = {"half of Mindlin", 1, 3, 1, 8, prepare_half, force_half, NULL, NULL};
+static const dem_law law_half = {"half of Mindlin", 1, 3, 3, 1, 8, prepare_half, force_half, NULL, NULL};
 DEM_KERNEL(kernel_half, law_half, DEM_FRICTION)
 
 /* The curve of the fifth test cannot come from the law of the fourth: it is, to 0.5 % of full scale, that of half the tangential
