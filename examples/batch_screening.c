@@ -415,8 +415,10 @@ static void draw(const study *st, int samples, const double *time, double *const
     char title[120];
     double *low = malloc((size_t)samples * 2 * sizeof *low), *high = low ? low + samples : NULL;
     if (!low) return;
-    snprintf(title, sizeof title, "Batch screening: A = %.2g mm, f = %.3g Hz, moisture %.3g %%, %d seed%s", 1e3 * s->amplitude,
-             s->frequency, 100.0 * s->moisture, s->seeds, s->seeds > 1 ? "s" : "");
+    char moisture[32] = "dry";
+    if (s->moisture > 0.0) snprintf(moisture, sizeof moisture, "%.3g %% water", 100.0 * s->moisture);
+    snprintf(title, sizeof title, "%.3g mm, %.3g Hz, %s, %d seed%s", 1e3 * s->amplitude, s->frequency, moisture, s->seeds,
+             s->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, 1, 1);
     plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
     plot_range_y(figure, 0.0, 1.02);

@@ -198,7 +198,7 @@ static outcome collide(const scene *s, const bridge_pair *pair, double volume, d
         if (printed) bridge_form_printed(pair, pair->def.radius_i, pair->def.radius_j, volume, 0.0, 0, &b);
         else b = formed(pair, volume);
     }
-    for (long step = 0; step < 20000000; step++) {
+    for (long step = 0; step < 20000000 && !common_interrupted(); step++) {
         bool opening = gap > 0.0;
         double dt = contact_dt;
         if (opening) { /* the bridge alone: steps that resolve its layer at contact, its length, and the drag */
