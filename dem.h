@@ -25,9 +25,10 @@
              velocity, inverse mass 0); everything after that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Predicted velocity Verlet, with the first and last step of a contact resolved in time: second order in dt with damping.
-             A pair is not looked at before it can touch. Neither skips anything: results do not depend on it, bit for bit.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. About 250 bytes a
-             sphere, 60 a near pair, 300 a contact. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+             A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 400 bytes a sphere and
+             12 more for every wall, 32 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
+             growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Not here  non-spherical particles, fluids, heat, files, printing. */
@@ -260,7 +261,7 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    int ended;            /* 1: the contact is over and its state may be dropped */
+    double ended;         /* 1: the contact is over and its state may be dropped; else 0 (a double, to keep vectors of one kind) */
 } dem_response;
 
 /* Everything that a law may need when a contact is born. */
@@ -686,7 +687,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     force = force > p[DEM__FLOOR] ? force : p[DEM__FLOOR];
     force = c->gap < 0.0 ? force : 0.0;
     r->normal = r->contact = force;
-    r->ended = !(c->gap < 0.0);
+    r->ended = c->gap < 0.0 ? 0.0 : 1.0;
     r->elastic = c->gap < 0.0 ? 0.5 * spring * -c->gap : 0.0;
     r->normal_power = c->gap < 0.0 ? (force - spring) * c->closing : 0.0;
     r->slide_loss = 0.0;
@@ -749,7 +750,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
     double force = spring + damping * c->closing;
     r->normal = r->contact = force;
-    r->ended = !(c->gap < 0.0);
+    r->ended = c->gap < 0.0 ? 0.0 : 1.0;
     r->elastic = 0.4 * spring * overlap;
     r->normal_power = damping * c->closing * c->closing;
     r->slide_loss = 0.0;
@@ -2139,8 +2140,9 @@ DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_cont
 }
 
 /* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
-DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_response *r, double h, int idle) {
-    at->loss[0][c] = idle ? at->elastic[c] - r->elastic : 0.5 * h * (at->power[0][c] + r->normal_power);
+DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_response *r, double h, double contact_before) {
+    const double unloaded = at->elastic[c] - r->elastic, damped = 0.5 * h * (at->power[0][c] + r->normal_power);
+    at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
     at->loss[1][c] = r->slide_loss;
     at->loss[2][c] = 0.5 * h * (at->power[1][c] + r->rolling_power);
     at->power[0][c] = r->normal_power;
@@ -2215,7 +2217,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
                 const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
                 r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
             }
-            dem__put_losses(&at, c, &r, 0.0, 0);
+            dem__put_losses(&at, c, &r, 0.0, 1.0);
         }
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
@@ -2231,7 +2233,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
                 w->live_ended__[c] = 0;
                 start = r.contact;
                 extra -= 0.5 * h * start;
-                if (features & DEM_ENERGY) dem__put_losses(&at, c, &r, 0.0, 0);
+                if (features & DEM_ENERGY) dem__put_losses(&at, c, &r, 0.0, 1.0);
             }
         }
     }
@@ -2320,7 +2322,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             at.force[k] = r.contact;
             at.gap[k] = b.gap[k];
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
-            if (features & DEM_ENERGY) dem__put_losses(&at, k, &r, h, before[k] == 0.0 && r.contact == 0.0);
+            if (features & DEM_ENERGY) dem__put_losses(&at, k, &r, h, before[k]);
         }
         for (int k = 0; k < n; k++) {
             const int began_or_ended = (before[k] == 0.0) != (at.force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);

@@ -32,29 +32,30 @@ typedef struct wet_scene {
 
 /* ---- laws: what the kernel inlines ---- */
 
+/* Without branches, so that the kernel's loop vectorises: what a dry contact computes is not used. */
 DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
-    const bool touching = c->gap < 0.0;
-    bridge b;
-    dem_force_linear_rolling(c, state, r);
-    memcpy(&b, state + WET_BRIDGE, sizeof b);
-    if (!(b.volume > 0.0)) return;
-    const double *p = c->constants;
+    const double *s = state + WET_BRIDGE, *p = c->constants;
     const bridge_liquid liquid = ((const wet_scene *)c->user)->liquid;
+    const bridge b = {s[0], s[1], s[2], s[3], s[4], {s[5], s[6], s[7], s[8], s[9], s[10], s[11]}};
     bridge_forces f;
+    dem_force_linear_rolling(c, state, r);
     if (printed) {
-        const double s = touching ? 0.0 : c->gap, rs = 0.5 * b.radius, sv = bridge_viscous_gap(s, rs, liquid.roughness);
+        const double gap = c->gap > 0.0 ? c->gap : 0.0, rs = 0.5 * b.radius, sv = bridge_viscous_gap(gap, rs, liquid.roughness);
         f.normal = p[WET_IS_WALL] > 0.0
-                       ? bridge_printed_force_wall(s, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
-                       : bridge_printed_force(s, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
+                       ? bridge_printed_force_wall(gap, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
+                       : bridge_printed_force(gap, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
         f.normal -= bridge_drag_normal(sv, b.volume, rs, liquid.viscosity) * c->closing;
         f.tangential = bridge_printed_drag_translation(sv, rs, liquid.viscosity);
         f.spin = bridge_printed_drag_spin(sv, rs, liquid.viscosity);
     } else {
         f = bridge_evaluate(&b, &liquid, c->gap, -c->closing);
     }
-    r->normal -= f.normal;
-    for (int a = 0; a < 3; a++) r->tangential[a] -= f.tangential * c->translation[a] + f.spin * (c->slip[a] - c->translation[a]);
-    r->ended = !touching && bridge_is_ruptured(&b, &liquid, c->gap, -c->closing);
+    const double pull = b.volume > 0.0 ? f.normal : 0.0, drag = b.volume > 0.0 ? f.tangential : 0.0, turn = b.volume > 0.0 ? f.spin : 0.0;
+    r->normal -= pull;
+    for (int a = 0; a < 3; a++) r->tangential[a] -= drag * c->translation[a] + turn * (c->slip[a] - c->translation[a]);
+    /* a bridge holds until dynamic rupture; what is dry ends with the overlap, as the dry law said */
+    const double broken = bridge_is_ruptured(&b, &liquid, c->gap, -c->closing) ? 1.0 : 0.0;
+    r->ended = b.volume > 0.0 ? broken : r->ended;
 }
 DEM_INLINE void wet_force(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, false); }
 DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, true); }
