@@ -505,7 +505,7 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
-#define RIDDLE_LN2_HI 0.6931471803691238 /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
+#define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
 #define RIDDLE_LN2_LO 1.9082149292705877e-10
 
 /* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
@@ -645,9 +645,13 @@ static inline double riddle_atan2(double y, double x) {
     return riddle_atan(y / x) + (x < 0.0 ? (y < 0.0 ? -RIDDLE_PI : RIDDLE_PI) : 0.0);
 }
 
-static inline double riddle_acos(double x) { return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN; }
+static inline double riddle_acos(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(sqrt((1.0 - x) * (1.0 + x)), x) : (double)NAN;
+}
 
-static inline double riddle_asin(double x) { return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN; }
+static inline double riddle_asin(double x) {
+    return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
+}
 #endif /* RIDDLE_PORTABLE_MATH */
 /* <<portable-math */
 
