@@ -463,8 +463,10 @@ typedef struct classifier_circuit_def {
 CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
-   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless
+   stated; NaN outside the domain. */
+/* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
@@ -616,6 +618,7 @@ static inline double riddle_asin(double x) {
     return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
 }
 #endif /* RIDDLE_PORTABLE_MATH */
+/* clang-format on */
 /* <<portable-math */
 /* clang-format on */
 

@@ -500,8 +500,10 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 /* Duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
-   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless
+   stated; NaN outside the domain. */
+/* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
@@ -653,6 +655,7 @@ static inline double riddle_asin(double x) {
     return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
 }
 #endif /* RIDDLE_PORTABLE_MATH */
+/* clang-format on */
 /* <<portable-math */
 
 /* ------------------------------------------------------------------------------------------------- >>laws */

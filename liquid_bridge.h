@@ -365,8 +365,10 @@ BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
 BRIDGE_API double bridge_films_total(const bridge_films *films);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
-   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless
+   stated; NaN outside the domain. */
+/* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
@@ -518,6 +520,7 @@ static inline double riddle_asin(double x) {
     return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
 }
 #endif /* RIDDLE_PORTABLE_MATH */
+/* clang-format on */
 /* <<portable-math */
 /* clang-format on */
 

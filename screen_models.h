@@ -259,8 +259,8 @@ typedef struct screen_fit_options {
     const double *start;                /* [parameters] replaces the first random start; not owned; null: none (default) */
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
-    double data_error;     /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
-    double shrink; /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
+    double data_error; /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
+    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
                       cases do not drive exponents far for a small gain; 0 (default): the plain minimum; 3e-4 is a mild choice */
     double data_tolerance; /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01 */
     uint32_t cookie;
@@ -348,8 +348,10 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
                                         screen_separation *out);
 
 /* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in
-   every Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless
+   stated; NaN outside the domain. */
+/* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
 #define RIDDLE_PI 3.14159265358979323846
@@ -501,6 +503,7 @@ static inline double riddle_asin(double x) {
     return fabs(x) <= 1.0 ? riddle_atan2(x, sqrt((1.0 - x) * (1.0 + x))) : (double)NAN;
 }
 #endif /* RIDDLE_PORTABLE_MATH */
+/* clang-format on */
 /* <<portable-math */
 
 /* >>laws. NaN outside the domain that each comment gives. */
