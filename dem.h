@@ -2819,7 +2819,7 @@ static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    ptrdiff_t born_from = w->live_count__;
+    ptrdiff_t old = 0;
     if (w->stale__) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) { /* contacts with walls that were taken away */
             if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
@@ -2837,7 +2837,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
     if (w->fresh__) {
         int skip = w->def.skip;
         w->def.skip = 0; /* everything, once; the timers stay */
-        ptrdiff_t old = w->live_count__;
+        old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
             if (!w->near_live__[p]) dem__look_at_pair(w, p, w->step);
         }
@@ -2850,7 +2850,6 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         }
         w->def.skip = skip;
         if (w->status != DEM_OK) return dem__undo_look(w);
-        born_from = old;
         dem__admit_born(w, 0.0);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
             if (w->live_near__[c] >= 0) dem__stop_timer(w, w->live_near__[c]);
@@ -2862,7 +2861,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
     w->features__ = features;
     w->law__ = law;
     if (w->fresh__) {
-        if (law->born && w->live_count__ > born_from) law->born(w, w->order_spare__, w->live_count__ - born_from, w->user);
+        if (law->born && w->live_count__ > old) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
         dem__advance(w, 0.0);
         dem__call_kernel(w, kernel, 0.0);
         int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
@@ -3168,9 +3167,6 @@ static inline void dem__i32(dem__stream *s, int32_t *v) {
     *v = (int32_t)wide;
 }
 
-static inline void dem__doubles(dem__stream *s, double *v, size_t n) {
-    for (size_t k = 0; k < n; k++) dem__f64(s, &v[k]);
-}
 static inline void dem__vecs(dem__stream *s, dem_vec *v, size_t n) {
     for (size_t k = 0; k < n; k++) dem__f64(s, &v[k].x), dem__f64(s, &v[k].y), dem__f64(s, &v[k].z);
 }

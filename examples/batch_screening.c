@@ -191,7 +191,7 @@ typedef struct result {
     double top_time[UNDERSIZE]; /* mean time in the top layer [s] */
     double dt, energy_error;
     double liquid_error, bridges_mean, liquid_passed;
-    int64_t steps, particle_steps, contact_steps, formations, ruptures;
+    int64_t steps, particle_steps, contact_steps, ruptures;
     uint64_t hash, failed_id;
     dem_wall deck;
 } result;
@@ -370,7 +370,7 @@ static int run_seed(int index, void *user) {
         r->hash = dem_hash(&world);
         if (wet) {
             r->bridges_mean /= looks;
-            r->formations = wet->formations, r->ruptures = wet->ruptures;
+            r->ruptures = wet->ruptures;
             for (ptrdiff_t k = 0; k < world.passed_count; k++) r->liquid_passed += WATER * wet->films.particle[world.passed[k].id];
         }
     }
@@ -574,7 +574,7 @@ static void vary(const settings *base, settings *all) {
     all[12].dt_ratio = 2.0 * base->dt_ratio;
 }
 
-static void report_sensitivity(const program *self, const study *st) {
+static void report_sensitivity(const study *st) {
     const int seeds = st->set.seeds;
     const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
     const char *heading[2] = {"after 5 s", "after 10 s"};
@@ -607,7 +607,6 @@ static void report_sensitivity(const program *self, const study *st) {
     table_end(&t);
     csv_close(rows);
     plot_write(figure, st->out, "sensitivity.svg");
-    (void)self;
 }
 
 int main(int argc, char **argv) {
@@ -683,7 +682,7 @@ int main(int argc, char **argv) {
                         (unsigned long long)st.results[q].failed_id);
     }
     if (!common_interrupted() && common_exit_status() == 0) {
-        if (sensitivity) report_sensitivity(&self, &st);
+        if (sensitivity) report_sensitivity(&st);
         else report(&self, &st, samples, machine_seconds() - started);
     }
     for (int q = 0; q < runs; q++) free(st.results[q].retained[0]);

@@ -23,9 +23,9 @@ typedef struct wet_scene {
     bridge_films films;
     const int *group; /* class of particle by id */
     int deck;         /* wall index of the screen */
-    double patch, pitch, height, wall_radius, wire;
+    double patch, pitch, wall_radius, wire;
     int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar */
-    long long formations, ruptures;
+    long long ruptures;
     double initial; /* liquid at the start [m3] */
     bridge_status status;
 } wet_scene;
@@ -91,6 +91,13 @@ static bridge_partner wet_partner(const wet_scene *s, const dem_contact_info *c)
     return c->j >= 0 ? BRIDGE_SPHERE : -1 - c->j == s->deck ? BRIDGE_WIRE : BRIDGE_WALL;
 }
 
+/* The prepared kind of a contact's pair; swapped: the contact's i is the kind's j. */
+static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const dem_contact_info *c, int *swapped) {
+    const int a = s->group[w->id[c->i]], b = c->j >= 0 ? s->group[w->id[c->j]] : WET_WALL;
+    *swapped = a > b;
+    return &s->kind[a < b ? a : b][a < b ? b : a];
+}
+
 static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
     wet_scene *s = user;
     bridge_contact *wanted = malloc((size_t)n * sizeof *wanted);
@@ -100,7 +107,7 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
     }
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_contact_info c = dem_get_slot(w, slots[k]);
-        const int a = s->group[w->id[c.i]], b = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
+        int swapped;
         bridge_contact *q = &wanted[k];
         memset(q, 0, sizeof *q);
         q->i = (size_t)w->id[c.i];
@@ -108,7 +115,7 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         q->partner = wet_partner(s, &c);
         q->radius_i = w->radius[c.i];
         q->radius_j = c.j >= 0 ? w->radius[c.j] : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
-        bridge_volume_range(&s->kind[a < b ? a : b][a < b ? b : a], q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
+        bridge_volume_range(wet_kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
                             &q->volume_max);
     }
     if (bridge_allocate(&s->films, wanted, (size_t)n) != BRIDGE_OK) s->status = BRIDGE_INVALID;
@@ -117,14 +124,13 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         if (!(q->given_i + q->given_j > 0.0)) continue;
         dem_contact_info c = dem_get_slot(w, slots[k]);
         bridge b;
-        const int ka = s->group[w->id[c.i]], kb = c.j >= 0 ? s->group[w->id[c.j]] : WET_WALL;
-        const bridge_pair *kind = &s->kind[ka < kb ? ka : kb][ka < kb ? kb : ka];
+        int swapped;
+        const bridge_pair *kind = wet_kind(s, w, &c, &swapped);
         const double other = c.j >= 0 ? q->radius_j : (double)INFINITY;
-        s->status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b)
-                               : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, ka > kb, &b);
+        s->status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b)
+                               : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b);
         memcpy(c.state + WET_BRIDGE, &b, sizeof b);
         dem_set_slot_state(w, slots[k], c.state);
-        s->formations++;
     }
     free(wanted);
 }
