@@ -99,15 +99,22 @@ static int mix_batch(batch *b, const settings *s, uint64_t *random) {
 
 /* ---- state ---- */
 
-/* Loose layers over the floor of the bin, z = 0. */
+/* Mass of the batch [kg]. */
+static double batch_mass(const batch *b) {
+    double mass = 0.0;
+    for (int i = 0; i < b->n; i++) mass += GLASS * RIDDLE_PI / 6.0 * b->diameter[i] * b->diameter[i] * b->diameter[i];
+    return mass;
+}
+
+/* Places in random order on a grid over the floor of the bin, z = 0, whose solid fraction is 0.4: the large ones overlap. */
 static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
-    const double pitch = 0.0104;
+    const double pitch = cbrt(batch_mass(b) / GLASS / b->n / 0.4);
     const int reach = (int)(radius / pitch) + 1;
     for (int layer = 0, i = 0; i < b->n; layer++) {
         const int before = i;
         for (int p = -reach; p <= reach; p++) {
             for (int q = -reach; q <= reach && i < b->n; q++) {
-                const double x = pitch * p, y = pitch * q, jitter = 0.35 * (pitch - b->diameter[i]);
+                const double x = pitch * p, y = pitch * q, jitter = 0.3 * pitch;
                 if (sqrt(x * x + y * y) + 0.5 * pitch > radius) continue;
                 b->centre[3 * i] = x + jitter * (2.0 * random_share(random) - 1.0);
                 b->centre[3 * i + 1] = y + jitter * (2.0 * random_share(random) - 1.0);
@@ -120,24 +127,53 @@ static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
     return DEM_OK;
 }
 
-/* Lets the batch come to rest for a time, with little restitution and a stiffness of choice. */
-static dem_status settle(batch *b, const settings *s, double stiffness, double time) {
+/* Root of the mean square velocity, by mass [m/s]. */
+static double rms_speed(const dem_world *world) {
+    double mass = 0.0, sum = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        const dem_vec v = dem_velocity(world, i);
+        mass += world->mass[i];
+        sum += world->mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
+    }
+    return mass > 0.0 ? sqrt(sum / mass) : 0.0;
+}
+
+/* Lets the batch come to rest on the floor, slower than `quiet` [m/s], with little restitution and a stiffness at which the bed's weight
+   makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft spheres are swollen by twice that share, so that the true ones
+   just do not overlap; what does at the start is pushed apart without gaining speed. */
+static dem_status settle(batch *b, const settings *s, double overlap, double friction, double quiet) {
+    enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
+    const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
     int glass, steel;
     dem_def def = define(s, &glass, &steel);
+    const double stiffness = fmin(fmax(pressure * class_diameter[SMALL] / overlap, 200.0), dem_pair(&def, glass, glass)->stiffness);
     dem_world world;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? steel : glass);
-        pair->restitution = 0.3;
+        pair->restitution = 0.3, pair->mode = DEM_CLIPPED;
+        pair->friction *= friction, pair->rolling *= friction;
         pair->stiffness = stiffness;
     }
-    def.dt = 4e-6 * sqrt(1e5 / stiffness);
     dem_status status = dem_init(&world, &def, NULL);
-    if (status == DEM_OK) status = dem_add_spheres(&world, b->n, b->centre, b->diameter, glass, 0);
+    for (int i = 0; i < b->n && status == DEM_OK; i++) {
+        const double diameter = (1.0 + 2.0 * overlap) * b->diameter[i];
+        status = dem_add_spheres(&world, 1, &b->centre[3 * i], &diameter, glass, 0);
+    }
     if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_BAD_ARGUMENT;
     if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0)
         status = DEM_BAD_ARGUMENT;
-    for (double t = 0.0; t < time && status == DEM_OK && !common_interrupted(); t += 0.01)
-        status = dem_run(&world, 0.01, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+    const double dt = dem_advise(&world, DEM_LINEAR, 1.0).contact / STEPS_PER_CONTACT;
+    if (status == DEM_OK) status = dem_set_time_step(&world, dt);
+    for (int push = 0; push < PUSHES && status == DEM_OK; push++) {
+        status = dem_run(&world, PUSH_STEPS * dt, features);
+        for (int i = 0; i < b->n && status == DEM_OK; i++) status = dem_set_motion(&world, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0));
+    }
+    double speed = HUGE_VAL;
+    while (speed > quiet && world.time < 1.0 && status == DEM_OK && !common_interrupted()) {
+        status = dem_run(&world, 0.005, features);
+        speed = rms_speed(&world);
+    }
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
         const dem_vec x = dem_position(&world, i);
         b->centre[3 * i] = x.x, b->centre[3 * i + 1] = x.y, b->centre[3 * i + 2] = x.z;
@@ -146,11 +182,13 @@ static dem_status settle(batch *b, const settings *s, double stiffness, double t
     return status;
 }
 
-/* The batch at rest in the bin: soft spheres settle in large steps, then the overlaps relax to the true stiffness. */
+/* The batch at rest in the bin, from soft spheres in large steps to the true ones. Half the friction at first makes up for the fall of a
+   batch that is poured: the solid fraction is that of one that fell from 0.1 m. */
 static dem_status fill_bin(batch *b, const settings *s, uint64_t *random) {
     dem_status status = stack_layers(b, 0.5 * s->screen_diameter, random);
-    if (status == DEM_OK) status = settle(b, s, 5e3, 0.5);
-    if (status == DEM_OK) status = settle(b, s, 1e5, 0.03);
+    if (status == DEM_OK) status = settle(b, s, 5e-3, 0.5, 0.02);
+    if (status == DEM_OK) status = settle(b, s, 2.5e-4, 1.0, 0.01);
+    if (status == DEM_OK) status = settle(b, s, 0.0, 1.0, 0.01);
     return status;
 }
 
