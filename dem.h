@@ -109,7 +109,7 @@ extern "C" {
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
     X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts present")
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -352,15 +352,16 @@ typedef struct dem_world {
     size_t particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
     double *mx__, *my__, *mz__, *ox__, *oy__, *oz__; /* velocity and spin in the middle of the step, of active particles */
     double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__; /* sums of forces and torques */
-    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* external force [N] and torque [N m] */
+    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* load: force [N] and torque [N m] that do not change in a step */
+    double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
     double *rx__, *ry__, *rz__;                      /* position when the list was built */
     double *ux__, *uy__, *uz__, *ball__;             /* velocity in the falling frame when timers were set, and how far it may stray */
     double *wall_speed__;                            /* speed that the timers of walls count on */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__;
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__; /* link_loaded: its load has a part of links */
 
     /* near pairs, and timers of pairs and of particles with walls */
     ptrdiff_t near_count__, near_capacity__, timer_capacity__, adjacent_capacity__, cells_capacity__;
-    int32_t *near_i__, *near_j__, *near_live__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
+    int32_t *near_i__, *near_j__, *near_live__, *near_linked__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
     int32_t *timer_next__, *timer_prev__, *timer_due__;
     int32_t wheel__[DEM_WHEEL];
 
@@ -373,6 +374,18 @@ typedef struct dem_world {
     double *live_out__[9];                                     /* force on i, torque on i, torque on j */
     double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+
+    /* links, in the order of their making; each stands in the lists of its bodies */
+    const dem_law *link_law__;
+    dem_kernel_fn link_kernel__;
+    double link_interval__, link_near__;
+    int links_on__, link_stride__, link_states__;
+    ptrdiff_t link_count__, link_capacity__;
+    void *link_block__;
+    size_t link_bytes__;
+    int32_t *link_i__, *link_j__, *link_element__, *link_next_i__, *link_next_j__;
+    double *link_state__[DEM_STATE_MAX], *link_out__[9], *link_gap__;
+    uint8_t *link_ended__;
 } dem_world;
 
 /* ------------------------------------------------------------------------------------------ >>declarations */
@@ -451,6 +464,19 @@ typedef struct dem_advice {
 /* speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
+/* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
+
+/* The law of links and the kernel that DEM_LINK_KERNEL made from it; before the first link, and again after dem_load. Of a dem_law, a
+   link uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
+   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between.
+   near: gap below which linked bodies are in contact for the law of contacts too [m] >= 0, at most 0.01 * skin * smallest diameter;
+   what grows fast near contact (lubrication) belongs there. DEM_LAW_MISMATCH if there are links with another number of states. */
+DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near);
+/* Links particle i with j (particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
+   Links follow a particle's leaving: ended is called, and the link is gone. */
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
+DEM_API ptrdiff_t dem_link_count(const dem_world *world);
+
 /* ---- reading ---- */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
@@ -466,6 +492,10 @@ typedef struct dem_contact_info {
     int element;                 /* of a wall: the bar */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
+/* Link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
+/* The link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 /* For hooks of laws: the contact in a slot, and its state. */
 DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot);
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state);
@@ -1004,12 +1034,12 @@ enum { DEM__ARRAYS_MAX = 80 };
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     double **doubles[] = {&w->x,    &w->y,    &w->z,    &w->vx,   &w->vy,   &w->vz,     &w->ax,          &w->ay,   &w->az,
-                          &w->wx,   &w->wy,   &w->wz,   &w->bx,   &w->by,   &w->bz,     &w->radius,      &w->mass, &w->lx__,
+                          &w->wx,   &w->wy,   &w->wz,   &w->bx,   &w->by,   &w->bz,     &w->radius,      &w->mass, &w->lx__, &w->ex__, &w->ey__, &w->ez__, &w->etx__, &w->ety__, &w->etz__,
                           &w->ly__, &w->lz__, &w->qx__, &w->qy__, &w->qz__, &w->mx__,   &w->my__,        &w->mz__, &w->ox__,
                           &w->oy__, &w->oz__, &w->fx__, &w->fy__, &w->fz__, &w->tx__,   &w->ty__,        &w->tz__, &w->rx__,
                           &w->ry__, &w->rz__, &w->ux__, &w->uy__, &w->uz__, &w->ball__, &w->wall_speed__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,   &w->active__, &w->wall_head__,
-                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__};
+                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
@@ -1071,10 +1101,21 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
 
 static inline int dem__near_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    int32_t **integers[] = {&w->near_i__, &w->near_j__, &w->near_live__};
+    int32_t **integers[] = {&w->near_i__, &w->near_j__, &w->near_live__, &w->near_linked__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
+    return n;
+}
+
+static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    int n = 0;
+    int32_t **integers[] = {&w->link_i__, &w->link_j__, &w->link_element__, &w->link_next_i__, &w->link_next_j__};
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    for (int k = 0; k < w->link_states__; k++, n++) list[n].address = &w->link_state__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &w->link_out__[k], list[n].size = sizeof(double);
+    list[n].address = &w->link_gap__, list[n++].size = sizeof(double);
+    list[n].address = &w->link_ended__, list[n++].size = 1;
     return n;
 }
 
@@ -1222,6 +1263,7 @@ DEM_API void dem_free(dem_world *world) {
     if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
     if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
     if (world->near_block__) a.fn(a.user, world->near_block__, world->near_bytes__, 0);
+    if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
     if (world->timer_block__) a.fn(a.user, world->timer_block__, world->timer_bytes__, 0);
     if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
     if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
@@ -1255,6 +1297,13 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
     w->vx[i] = v.x, w->vy[i] = v.y, w->vz[i] = v.z;
     w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
     w->origin[i] = w->step;
+}
+
+/* Puts a stored position back into the periodic box. */
+DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    if (w->def.periodic[0]) w->x[i] = dem__wrapped(w->x[i], w->def.low.x, w->def.high.x);
+    if (w->def.periodic[1]) w->y[i] = dem__wrapped(w->y[i], w->def.low.y, w->def.high.y);
+    if (w->def.periodic[2]) w->z[i] = dem__wrapped(w->z[i], w->def.low.z, w->def.high.z);
 }
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->mass[i] * w->radius[i] * w->radius[i]; }
@@ -1307,6 +1356,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         w->z[i] = w->def.periodic[2] ? dem__wrapped(centres[3 * k + 2], w->def.low.z, w->def.high.z) : centres[3 * k + 2];
         w->vx[i] = w->vy[i] = w->vz[i] = w->wx[i] = w->wy[i] = w->wz[i] = 0.0;
         w->lx__[i] = w->ly__[i] = w->lz__[i] = w->qx__[i] = w->qy__[i] = w->qz__[i] = 0.0;
+        w->ex__[i] = w->ey__[i] = w->ez__[i] = w->etx__[i] = w->ety__[i] = w->etz__[i] = 0.0;
         w->radius[i] = 0.5 * d;
         w->mass[i] = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
         w->origin[i] = w->step;
@@ -1315,7 +1365,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         w->group[i] = group;
         w->alive[i] = 1;
         w->touching[i] = w->is_active__[i] = 0;
-        w->wall_head__[i] = -1;
+        w->wall_head__[i] = w->link_head__[i] = -1;
+        w->link_loaded__[i] = 0;
         w->ball__[i] = w->ux__[i] = w->uy__[i] = w->uz__[i] = 0.0;
         dem__free_acceleration(w, i);
         if (w->ledger_on__) {
@@ -1327,6 +1378,12 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
+/* Steps between two evaluations of the links. */
+static inline void dem__set_stride(dem_world *w) {
+    const double n = floor(w->link_interval__ / w->dt__);
+    if (w->link_law__) w->link_stride__ = n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
+}
+
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
@@ -1334,12 +1391,13 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->start_time__ = w->time;
     w->start_step__ = w->step;
     w->def.dt = w->dt__ = dt;
+    dem__set_stride(w);
     w->stale__ = w->fresh__ = 1;
     return DEM_OK;
 }
 
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    return w->lx__[i] != 0.0 || w->ly__[i] != 0.0 || w->lz__[i] != 0.0 || w->qx__[i] != 0.0 || w->qy__[i] != 0.0 || w->qz__[i] != 0.0;
+    return w->ex__[i] != 0.0 || w->ey__[i] != 0.0 || w->ez__[i] != 0.0 || w->etx__[i] != 0.0 || w->ety__[i] != 0.0 || w->etz__[i] != 0.0;
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
@@ -1360,12 +1418,16 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
     dem__settle(w, i);
-    double m = 1.0 / w->mass[i], inertia = 1.0 / dem__inertia(w, i);
-    w->ax[i] += (force.x - w->lx__[i]) * m, w->ay[i] += (force.y - w->ly__[i]) * m, w->az[i] += (force.z - w->lz__[i]) * m;
-    w->bx[i] += (torque.x - w->qx__[i]) * inertia, w->by[i] += (torque.y - w->qy__[i]) * inertia,
-        w->bz[i] += (torque.z - w->qz__[i]) * inertia;
-    w->lx__[i] = force.x, w->ly__[i] = force.y, w->lz__[i] = force.z;
-    w->qx__[i] = torque.x, w->qy__[i] = torque.y, w->qz__[i] = torque.z;
+    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
+    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
+    double *const rate[] = {w->ax, w->ay, w->az, w->bx, w->by, w->bz};
+    const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    for (int a = 0; a < 6; a++) {
+        const double change = wanted[a] - external[a][i];
+        rate[a][i] += change / (a < 3 ? w->mass[i] : dem__inertia(w, i));
+        load[a][i] = !w->link_loaded__[i] ? wanted[a] : load[a][i] + change;
+        external[a][i] = wanted[a];
+    }
     if (!w->touching[i]) dem__free_acceleration(w, i);
     if (!w->is_active__[i]) { /* a loaded particle is no free flight: it takes steps */
         w->is_active__[i] = 1;
@@ -1598,10 +1660,16 @@ DEM_INLINE double dem__pair_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j, in
     return dem__dot(*d, *d);
 }
 
+/* Distance of centres at which a near pair becomes a contact. */
+DEM_INLINE double dem__contact_distance(const dem_world *w, int32_t p) {
+    const double sum = w->radius[w->near_i__[p]] + w->radius[w->near_j__[p]];
+    return w->near_linked__[p] ? sum + w->link_near__ : sum;
+}
+
 static inline void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, dem_vec d) {
     ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
     dem_vec v = dem_vec3(w->ux__[i] - w->ux__[j], w->uy__[i] - w->uy__[j], w->uz__[i] - w->uz__[j]);
-    double t = dem__time_to_touch(d, v, w->radius[i] + w->radius[j], w->ball__[i] + w->ball__[j]);
+    double t = dem__time_to_touch(d, v, dem__contact_distance(w, p), w->ball__[i] + w->ball__[j]);
     dem__set_timer(w, p, step + dem__steps_until(w, t));
 }
 
@@ -1628,7 +1696,7 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
 static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
     ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
     dem_vec d;
-    double square = dem__pair_gap(w, i, j, step, &d), sum = w->radius[i] + w->radius[j];
+    double square = dem__pair_gap(w, i, j, step, &d), sum = dem__contact_distance(w, p);
     w->looks++;
     if (square < sum * sum) {
         if (dem__bear(w, i, j, 0, p)) {
@@ -1646,6 +1714,17 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
+/* The link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    int32_t k = w->link_head__[i];
+    while (k >= 0) {
+        const int first = w->link_i__[k] == i;
+        if ((first ? w->link_j__[k] : w->link_i__[k]) == j && (j >= 0 || w->link_element__[k] == element)) return k;
+        k = first ? w->link_next_i__[k] : w->link_next_j__[k];
+    }
+    return -1;
+}
+
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
 
 /* Looks at particle i and a wall at a step at which the wall already is. */
@@ -1659,7 +1738,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     double tau = (double)(step - w->origin[i]) * w->dt__, least;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     dem__touch touch[DEM__TOUCHES];
-    found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : 0.0, touch, &least);
+    found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : w->link_near__, touch, &least);
     if (wall->kind == DEM_EXIT) {
         if (least < 0.0) {
             dem__drop(w, i, k);
@@ -1669,10 +1748,11 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
         least = w->reach__;
         for (int q = 0; q < found; q++) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
-            if (touch[q].gap < 0.0) {
+            const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
+            if (touch[q].gap < (linked ? w->link_near__ : 0.0)) {
                 if (!dem__bear(w, i, -1 - k, touch[q].element, wall->kind == DEM_SCREEN ? -1 : e)) return;
                 if (wall->kind != DEM_SCREEN) return; /* one contact is all there can be */
-            } else least = touch[q].gap < least ? touch[q].gap : least;
+            } else least = touch[q].gap - w->link_near__ < least ? touch[q].gap - w->link_near__ : least;
         }
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
@@ -1686,6 +1766,11 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     dem__set_timer(w, e, step + dem__steps_until(w, dem__time_to_cover(least, speed, w->fall__)));
 }
 
+/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    return (double)w->link_stride__ * w->dt__ / w->mass[i] * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
+}
+
 /* A new reference velocity for particle i's timers, and a ball around it that holds 16 steps of the present force. */
 static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     double t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
@@ -1693,6 +1778,7 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
     w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
     w->ball__[i] = w->slack__ + 16.0 * w->dt__ * dem__length(a);
+    if (w->link_head__[i] >= 0) w->ball__[i] += 2.0 * dem__link_drift(w, i);
     double speed = dem__length(v);
     if (!(speed * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
@@ -1744,6 +1830,10 @@ static inline void dem__compact(dem_world *w) {
     for (ptrdiff_t c = 0; c < w->live_count__; c++) {
         w->live_i__[c] = remap[w->live_i__[c]];
         if (w->live_j__[c] >= 0) w->live_j__[c] = remap[w->live_j__[c]];
+    }
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        w->link_i__[k] = remap[w->link_i__[k]];
+        if (w->link_j__[k] >= 0) w->link_j__[k] = remap[w->link_j__[k]];
     }
     w->count = to;
     w->dropped__ = 0;
@@ -1804,6 +1894,7 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     }
     w->near_i__[w->near_count__] = i < j ? i : j;
     w->near_j__[w->near_count__] = i < j ? j : i;
+    w->near_linked__[w->near_count__] = 0;
     w->near_live__[w->near_count__++] = 0;
     return 1;
 }
@@ -1883,8 +1974,18 @@ static inline int dem__find_adjacent(dem_world *w) {
     return 1;
 }
 
+/* The near pair of two particles, or -1. */
+static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
+    if (w->stale__) return -1;
+    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
+        const int32_t p = w->adjacent__[a];
+        if (w->near_i__[p] + w->near_j__[p] == i + j) return p; /* one of them is i */
+    }
+    return -1;
+}
+
 /* Which near pair, or wall timer, a live contact is. */
-static inline void dem__link_contacts(dem_world *w) {
+static inline void dem__find_contacts(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
     for (int32_t c = 0; c < (int32_t)w->live_count__; c++) {
         int32_t i = w->live_i__[c], j = w->live_j__[c];
@@ -1896,15 +1997,25 @@ static inline void dem__link_contacts(dem_world *w) {
             if (w->wall[k].kind != DEM_SCREEN) w->live_near__[c] = (int32_t)w->near_count__ + i * w->walls + k;
             continue;
         }
-        for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-            int32_t p = w->adjacent__[a];
-            if (w->near_i__[p] == i && w->near_j__[p] == j) {
-                w->live_near__[c] = p;
-                w->near_live__[p] = 1;
-                break;
-            }
-        }
+        w->live_near__[c] = dem__near_pair(w, i, j);
+        if (w->live_near__[c] >= 0) w->near_live__[w->live_near__[c]] = 1;
     }
+}
+
+DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
+    const int32_t i = w->link_i__[k], j = w->link_j__[k];
+    w->link_next_i__[k] = w->link_head__[i];
+    w->link_head__[i] = k;
+    if (j < 0) return;
+    const int32_t p = dem__near_pair(w, i, j);
+    w->link_next_j__[k] = w->link_head__[j];
+    w->link_head__[j] = k;
+    if (p >= 0) w->near_linked__[p] = 1;
+}
+
+static inline void dem__find_links(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) w->link_head__[i] = -1;
+    for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
 }
 
 /* Builds everything that is about who is near whom. */
@@ -1932,6 +2043,10 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
+    if (!(w->link_near__ <= 0.01 * w->margin__) && w->link_count__ > 0) {
+        w->status = DEM_BAD_DEFINITION;
+        return 0;
+    }
     ptrdiff_t timers = w->near_count__ + w->count * w->walls;
     if (timers > INT32_MAX / 2) {
         w->status = DEM_TOO_MANY;
@@ -1944,9 +2059,10 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
     }
     for (int b = 0; b < DEM_WHEEL; b++) w->wheel__[b] = -1;
     for (ptrdiff_t e = 0; e < timers; e++) w->timer_due__[e] = -1;
-    dem__link_contacts(w);
-    w->next_check__ = INT64_MAX;
     w->stale__ = 0;
+    dem__find_contacts(w);
+    dem__find_links(w);
+    w->next_check__ = INT64_MAX;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_speed__[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__aim(w, i, w->step);
@@ -2157,12 +2273,12 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_res
     at->elastic[c] = r->elastic;
 }
 
-/* Wall contact c: where, and how fast the wall is there. Fills row k; returns the wall's velocity at the point. */
-DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t c, dem__rows *b, int k, double half, dem__touch *touch) {
-    const ptrdiff_t i = w->live_i__[c];
-    const dem_wall *wall = &w->wall[-1 - w->live_j__[c]];
+/* Particle i at an element of a wall: where, and how fast the wall is there. Fills row k; returns the wall's velocity at the point. */
+DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, dem__rows *b, int k, double half,
+                                    dem__touch *touch) {
+    const dem_wall *wall = &w->wall[number];
     const dem_vec x = dem_vec3(w->x[i], w->y[i], w->z[i]);
-    dem__touch_element(wall, x, w->radius[i], w->live_element__[c], touch);
+    dem__touch_element(wall, x, w->radius[i], element, touch);
     const double reach = w->radius[i] + touch->gap;
     const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
     const dem_vec a = dem__wall_acceleration(wall, point), v = dem__wall_velocity(wall, point), middle = dem__sub(v, dem__scale(half, a));
@@ -2175,8 +2291,7 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t c, dem__rows *
     return v;
 }
 
-DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t c, dem__rows *b, int k, int turns) {
-    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
     b->dx[k] = w->x[i] - w->x[j], b->dy[k] = w->y[i] - w->y[j], b->dz[k] = w->z[i] - w->z[j];
     b->part_i[k] = w->radius[i], b->part_j[k] = w->radius[j];
     b->sum[k] = b->part_i[k] + b->part_j[k];
@@ -2192,6 +2307,24 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
         double d = row[k];
         d = d > half ? d - length : d;
         row[k] = d < -half ? d + length : d;
+    }
+}
+
+/* Nearest images, normals and gaps of a block in which rows wall[0 .. walls-1] are walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, int n, const int *wall, const dem__touch *touch, int walls) {
+    if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
+    if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
+    if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
+    for (int k = 0; k < n; k++) {
+        const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
+        b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
+        b->inverse[k] = inverse;
+        b->gap[k] = distance - b->sum[k];
+    }
+    for (int q = 0; q < walls; q++) {
+        const int k = wall[q];
+        b->nx[k] = touch[q].normal.x, b->ny[k] = touch[q].normal.y, b->nz[k] = touch[q].normal.z;
+        b->gap[k] = touch[q].gap;
     }
 }
 
@@ -2281,28 +2414,15 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             int busy = w->touching[i];
             if (turns) b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
             if (j >= 0) {
-                dem__gather_pair(w, c, &b, k, turns);
+                dem__gather_pair(w, i, j, &b, k, turns);
                 busy = busy > w->touching[j] ? busy : w->touching[j];
             } else {
-                wall_speed[walls] = dem__gather_wall(w, c, &b, k, half, &touch[walls]);
+                wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], &b, k, half, &touch[walls]);
                 wall[walls++] = k;
             }
             b.share[k] = busy > 1 ? 1.0 / (double)busy : 1.0;
         }
-        if (w->def.periodic[0]) dem__wrap_row(b.dx, n, w->def.high.x - w->def.low.x);
-        if (w->def.periodic[1]) dem__wrap_row(b.dy, n, w->def.high.y - w->def.low.y);
-        if (w->def.periodic[2]) dem__wrap_row(b.dz, n, w->def.high.z - w->def.low.z);
-        for (int k = 0; k < n; k++) {
-            const double distance = sqrt(b.dx[k] * b.dx[k] + b.dy[k] * b.dy[k] + b.dz[k] * b.dz[k]), inverse = 1.0 / distance;
-            b.nx[k] = b.dx[k] * inverse, b.ny[k] = b.dy[k] * inverse, b.nz[k] = b.dz[k] * inverse;
-            b.inverse[k] = inverse;
-            b.gap[k] = distance - b.sum[k];
-        }
-        for (int q = 0; q < walls; q++) {
-            const int k = wall[q];
-            b.nx[k] = touch[q].normal.x, b.ny[k] = touch[q].normal.y, b.nz[k] = touch[q].normal.z;
-            b.gap[k] = touch[q].gap;
-        }
+        dem__complete_rows(w, &b, n, wall, touch, walls);
 
         dem__slots at;
         dem__row before, was, ended;
@@ -2373,6 +2493,59 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 #pragma clang diagnostic pop
 #endif
 
+/* The links in slots first .. end-1, from where everything is now. */
+DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
+    const double h = w->kernel_dt__;
+    const void *user = w->user;
+    dem__rows b;
+    for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
+        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
+        int wall[DEM_BLOCK], walls = 0;
+        dem__touch touch[DEM_BLOCK];
+        for (int k = 0; k < n; k++) {
+            const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c];
+            b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
+            b.share[k] = 1.0;
+            if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
+            else {
+                dem__gather_wall(w, i, -1 - j, w->link_element__[c], &b, k, 0.0, &touch[walls]);
+                wall[walls++] = k;
+            }
+        }
+        dem__complete_rows(w, &b, n, wall, touch, walls);
+
+        dem__slots at;
+        for (int a = 0; a < law->states; a++) at.state[a] = w->link_state__[a] + base;
+        for (int a = 0; a < 9; a++) at.out[a] = w->link_out__[a] + base;
+        dem__row ended;
+        DEM__INDEPENDENT
+        for (int k = 0; k < n; k++) {
+            dem_contact q;
+            dem_response r;
+            double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
+            for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
+            for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
+            dem__view(&b, k, 0.0, 1, &q, &arm_i, &arm_j);
+            q.mass = 0.0;
+            q.dt = h;
+            q.rate = 1.0 / h;
+            q.constants = NULL;
+            q.user = user;
+            law->force(&q, s, &r);
+            for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
+            ended[k] = r.ended;
+            dem__put_force(&at, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
+        }
+        for (int k = 0; k < n; k++) {
+            w->link_gap__[base + k] = b.gap[k];
+            w->link_ended__[base + k] = ended[k] != 0.0;
+        }
+    }
+}
+
+#define DEM_LINK_KERNEL(name, law)                                                                                                         \
+    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_link_kernel(world, first, end, &(law)); }           \
+    DEM__LOUD
 #define DEM_KERNEL(name, law, features)                                                                                                    \
     DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }     \
     DEM__LOUD
@@ -2415,12 +2588,42 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
     w->leaving__ = 1;
 }
 
+static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
+    int32_t *at = &w->link_head__[i];
+    while (*at != k) at = w->link_i__[*at] == i ? &w->link_next_i__[*at] : &w->link_next_j__[*at];
+    *at = replacement >= 0 ? replacement : w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k];
+}
+
+/* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
+static inline void dem__cut_link(dem_world *w, int32_t k) {
+    const int32_t i = w->link_i__[k], j = w->link_j__[k], last = (int32_t)w->link_count__ - 1;
+    if (w->link_law__ && w->link_law__->ended) w->link_law__->ended(w, k, w->user);
+    dem__unlist_link(w, k, i, -1);
+    if (j >= 0) {
+        const int32_t p = dem__near_pair(w, i, j);
+        if (p >= 0) w->near_linked__[p] = 0;
+        dem__unlist_link(w, k, j, -1);
+    }
+    w->link_count__ = last;
+    if (k == last) return;
+    dem__unlist_link(w, last, w->link_i__[last], k);
+    if (w->link_j__[last] >= 0) dem__unlist_link(w, last, w->link_j__[last], k);
+    dem__array list[DEM__ARRAYS_MAX];
+    const int n = dem__link_arrays(w, list);
+    for (int a = 0; a < n; a++) {
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
+    }
+}
+
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
 static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     if (w->ledger_on__) {
         w->ledger__.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
         w->ledger__.removed_potential += dem__potential(w, i);
     }
+    while (w->link_head__[i] >= 0) dem__cut_link(w, w->link_head__[i]);
     w->alive[i] = 0;
     w->dropped__++;
     if (w->stale__) return;
@@ -2446,6 +2649,49 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     for (ptrdiff_t k = 0; k < w->active_count__; k++) { /* whoever touched nothing else is in flight */
         if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
     }
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
+        return DEM_BAD_ARGUMENT;
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+        return DEM_BAD_ARGUMENT;
+    if (w->link_count__ > 0 && law->states != w->link_states__) return DEM_LAW_MISMATCH;
+    w->links_on__ = 1;
+    w->link_law__ = law;
+    w->link_kernel__ = kernel;
+    w->link_interval__ = interval;
+    if (w->link_near__ != near) w->stale__ = 1;
+    w->link_near__ = near;
+    if (law->states != w->link_states__) { /* other arrays: a new block when there is a link */
+        if (w->link_block__) w->def.allocator.fn(w->def.allocator.user, w->link_block__, w->link_bytes__, 0);
+        w->link_block__ = NULL;
+        w->link_capacity__ = 0;
+        w->link_states__ = law->states;
+    }
+    dem__set_stride(w);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !w->link_law__ || (!state && w->link_states__ > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+    if (w->link_count__ + 1 > w->link_capacity__) {
+        dem__array list[DEM__ARRAYS_MAX];
+        if (w->link_count__ > INT32_MAX / 2 || !dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
+                                                                &w->link_capacity__, w->link_count__ + 1))
+            return DEM_OUT_OF_MEMORY;
+    }
+    const int32_t k = (int32_t)w->link_count__++;
+    w->link_i__[k] = (int32_t)i, w->link_j__[k] = (int32_t)j, w->link_element__[k] = element;
+    for (int a = 0; a < w->link_states__; a++) w->link_state__[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->link_out__[a][k] = 0.0;
+    w->link_gap__[k] = 0.0;
+    w->link_ended__[k] = 0;
+    dem__list_link(w, k);
     return DEM_OK;
 }
 
@@ -2625,11 +2871,7 @@ static inline void dem__advance(dem_world *w, double h) {
         w->fx__[i] = w->lx__[i], w->fy__[i] = w->ly__[i], w->fz__[i] = w->lz__[i];
         w->tx__[i] = w->qx__[i], w->ty__[i] = w->qy__[i], w->tz__[i] = w->qz__[i];
         w->origin[i] = w->step + (h > 0.0);
-        if (w->has_periodic__) {
-            if (w->def.periodic[0]) w->x[i] = dem__wrapped(w->x[i], w->def.low.x, w->def.high.x);
-            if (w->def.periodic[1]) w->y[i] = dem__wrapped(w->y[i], w->def.low.y, w->def.high.y);
-            if (w->def.periodic[2]) w->z[i] = dem__wrapped(w->z[i], w->def.low.z, w->def.high.z);
-        }
+        if (w->has_periodic__) dem__wrap(w, i);
     }
 }
 
@@ -2672,8 +2914,8 @@ static inline void dem__gather_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        l->external_work += w->dt__ * (w->lx__[i] * w->mx__[i] + w->ly__[i] * w->my__[i] + w->lz__[i] * w->mz__[i]);
-        l->external_work += w->dt__ * (w->qx__[i] * w->ox__[i] + w->qy__[i] * w->oy__[i] + w->qz__[i] * w->oz__[i]);
+        l->external_work += w->dt__ * (w->ex__[i] * w->mx__[i] + w->ey__[i] * w->my__[i] + w->ez__[i] * w->mz__[i]);
+        l->external_work += w->dt__ * (w->etx__[i] * w->ox__[i] + w->ety__[i] * w->oy__[i] + w->etz__[i] * w->oz__[i]);
     }
 }
 
@@ -2729,19 +2971,24 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     }
 }
 
+/* Of a particle settled now: how far its velocity is from the one that its timers count on. */
+DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
+    const double t = (double)w->step * w->dt__;
+    return dem_vec3(w->vx[i] - t * w->def.gravity.x - w->ux__[i], w->vy[i] - t * w->def.gravity.y - w->uy__[i],
+                    w->vz[i] - t * w->def.gravity.z - w->uz__[i]);
+}
+
 /* Active particles whose velocity left its ball, or whose flight begins, get new timers. */
 static inline int dem__watch(dem_world *w) {
-    const double t = (double)w->step * w->dt__;
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double x = w->vx[i] - t * w->def.gravity.x - w->ux__[i], y = w->vy[i] - t * w->def.gravity.y - w->uy__[i];
-        const double z = w->vz[i] - t * w->def.gravity.z - w->uz__[i];
+        const dem_vec d = dem__stray(w, i);
         if (!w->alive[i]) {
             w->is_active__[i] = 0;
             continue;
         }
-        if (!w->stale__ && (!(x * x + y * y + z * z < w->ball__[i] * w->ball__[i]) || w->touching[i] == 0)) dem__restart(w, i, w->step);
+        if (!w->stale__ && (!(dem__dot(d, d) < w->ball__[i] * w->ball__[i]) || w->touching[i] == 0)) dem__restart(w, i, w->step);
         if (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i))) w->active__[kept++] = (int32_t)i;
         else w->is_active__[i] = 0;
     }
@@ -2800,21 +3047,21 @@ static DEM__COLD int dem__undo_look(dem_world *w) {
     return 0;
 }
 
-static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, double h) {
+static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count, double h) {
     w->kernel_dt__ = h;
 #ifdef _OPENMP
-    if (w->def.threads > 1 && w->live_count__ >= 4 * DEM_BLOCK) {
-        const ptrdiff_t blocks = (w->live_count__ + DEM_BLOCK - 1) / DEM_BLOCK;
+    if (w->def.threads > 1 && count >= 4 * DEM_BLOCK) {
+        const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
         ptrdiff_t b;
 #pragma omp parallel for schedule(static) num_threads(w->def.threads)
         for (b = 0; b < blocks; b++) {
             const ptrdiff_t first = b * DEM_BLOCK, end = first + DEM_BLOCK;
-            kernel(w, first, end < w->live_count__ ? end : w->live_count__);
+            kernel(w, first, end < count ? end : count);
         }
         return;
     }
 #endif
-    if (w->live_count__ > 0) kernel(w, 0, w->live_count__);
+    if (count > 0) kernel(w, 0, count);
 }
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
@@ -2863,7 +3110,7 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
     if (w->fresh__) {
         if (law->born && w->live_count__ > old) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
         dem__advance(w, 0.0);
-        dem__call_kernel(w, kernel, 0.0);
+        dem__call_kernel(w, kernel, w->live_count__, 0.0);
         int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         if (ended) dem__bury(w, w->step);
@@ -2878,6 +3125,51 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         w->ledger__.start_potential = now.potential;
     }
     return 1;
+}
+
+/* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
+   get what the mean of the old force and the new one would have made. */
+static inline void dem__step_links(dem_world *w) {
+    const double h = (double)w->link_stride__ * w->dt__;
+    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
+    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
+    double *const velocity[] = {w->vx, w->vy, w->vz, w->wx, w->wy, w->wz}, *const rate[] = {w->ax, w->ay, w->az, w->bx, w->by, w->bz};
+    double *const old[] = {w->fx__, w->fy__, w->fz__, w->tx__, w->ty__, w->tz__}, *const *out = w->link_out__;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
+        dem__settle(w, i);
+        dem__wrap(w, i);
+        w->mx__[i] = w->vx[i], w->my__[i] = w->vy[i], w->mz__[i] = w->vz[i];
+        w->ox__[i] = w->wx[i], w->oy__[i] = w->wy[i], w->oz__[i] = w->wz[i];
+        for (int a = 0; a < 6; a++) old[a][i] = load[a][i], load[a][i] = external[a][i];
+    }
+    dem__call_kernel(w, w->link_kernel__, w->link_count__, h);
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k];
+        if (w->link_ended__[k]) continue;
+        for (int a = 0; a < 6; a++) load[a][i] += out[a][k];
+        if (j < 0) continue;
+        for (int a = 0; a < 3; a++) load[a][j] -= out[a][k];
+        for (int a = 3; a < 6; a++) load[a][j] += out[3 + a][k];
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
+        const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
+        w->link_loaded__[i] = w->link_head__[i] >= 0;
+        for (int a = 0; a < 6; a++) {
+            const double change = (load[a][i] - old[a][i]) * (a < 3 ? m : turn);
+            velocity[a][i] += 0.5 * h * change;
+            rate[a][i] += change;
+        }
+        if (w->stale__) continue;
+        const dem_vec stray = dem__stray(w, i);
+        const double left = w->ball__[i] - dem__link_drift(w, i);
+        if (!(left > 0.0 && dem__dot(stray, stray) < left * left)) dem__restart(w, i, w->step);
+    }
+    for (int32_t k = 0; k < (int32_t)w->link_count__;) {
+        if (w->link_ended__[k]) dem__cut_link(w, k);
+        else k++;
+    }
 }
 
 static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
@@ -2896,7 +3188,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         for (ptrdiff_t c = old; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
         if (law->born) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
     } else dem__advance(w, w->dt__);
-    dem__call_kernel(w, kernel, w->dt__);
+    dem__call_kernel(w, kernel, w->live_count__, w->dt__);
     int ended = dem__gather(w, w->dt__, turns);
     const int finite = dem__kick(w, w->dt__);
     dem__settle_events(w, turns);
@@ -2918,6 +3210,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     }
     if (ended) dem__bury(w, w->step);
     dem__watch(w);
+    if (w->link_stride__ > 0 && w->step % w->link_stride__ == 0) dem__step_links(w);
     return w->status == DEM_OK;
 }
 
@@ -2938,6 +3231,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
             return DEM_BAD_DEFINITION;
     }
     if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;
+    if (w->link_count__ > 0 && !w->link_law__) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
     const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
               constants = law->constants > w->constants__ ? law->constants : w->constants__;
     if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__) { /* other arrays: a new block */
@@ -3068,6 +3362,26 @@ DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot) {
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
     if (!world || !state || slot < 0 || slot >= world->live_count__) return;
     for (int a = 0; a < world->states__; a++) world->live_state__[a][slot] = state[a];
+}
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->link_count__ : 0; }
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || k < 0 || k >= world->link_count__) return info;
+    info.i = world->link_i__[k];
+    info.j = world->link_j__[k];
+    info.element = world->link_element__[k];
+    info.gap = world->link_gap__[k];
+    info.force = dem_vec3(world->link_out__[0][k], world->link_out__[1][k], world->link_out__[2][k]);
+    for (int a = 0; a < world->link_states__; a++) info.state[a] = world->link_state__[a][k];
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
@@ -3214,12 +3528,25 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
     double *const columns[] = {w->x,  w->y,  w->z,  w->vx,     w->vy,   w->vz,   w->ax,   w->ay,   w->az,   w->wx,   w->wy,  w->wz,
                                w->bx, w->by, w->bz, w->radius, w->mass, w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
+    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) dem__f64(s, &columns[k][i]);
         dem__i64(s, &w->origin[i]);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
+        for (int a = 0; a < 6; a++) {
+            if (w->links_on__) dem__f64(s, &external[a][i]);
+            else if (s->loading) external[a][i] = columns[17 + a][i];
+        }
+        if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
+    }
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        int32_t i = remap ? remap[w->link_i__[k]] : w->link_i__[k], j = w->link_j__[k];
+        if (remap && j >= 0) j = remap[j];
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->link_element__[k]);
+        if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
+        for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
     }
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = s->loading ? (int32_t)k : w->order__[k];
@@ -3263,19 +3590,23 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
     dem__u64(s, &w->next_id__);
     dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
-    int *flags[] = {&w->walls, &w->fresh__, &w->ledger_on__, &w->ledger_started__, &w->loads_on__, &w->states__};
+    int *flags[] = {&w->walls, &w->fresh__, &w->ledger_on__, &w->ledger_started__, &w->loads_on__, &w->states__, &w->links_on__, &w->link_states__};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
     if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
+    if (w->link_states__ < 0 || w->link_states__ > DEM_STATE_MAX) s->failed = 1;
+    dem__f64(s, &w->link_interval__), dem__f64(s, &w->link_near__);
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
     dem_energy_ledger *l = &w->ledger__;
     double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss,    &l->wall_work,       &l->external_work,    &l->added,
                       &l->removed,     &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
-    int64_t live = w->live_count__, passed = w->passed_count;
-    dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed);
+    int64_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
+    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->link_near__) || !dem__not_negative(w->link_interval__)) s->failed = 1;
     if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
     w->live_count__ = (ptrdiff_t)live;
     w->passed_count = (ptrdiff_t)passed;
+    w->link_count__ = (ptrdiff_t)links;
 }
 
 static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
@@ -3322,6 +3653,10 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         if (w->origin[i] != w->step || (j >= 0 && w->origin[j] != w->step)) return 0;
         if (c > 0 && !dem__before(w, (int32_t)c - 1, (int32_t)c)) return 0;
     }
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        const int32_t i = w->link_i__[k], j = w->link_j__[k];
+        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || i == j) return 0;
+    }
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
         if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_EXIT) return 0;
@@ -3350,18 +3685,20 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     dem__stream_head(&s, w, &present);
     const size_t per_particle = 27 * 8, per_contact = 14 * 8;
     if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact ||
-        (size_t)w->passed_count > size / 80) {
+        (size_t)w->passed_count > size / 80 || (size_t)w->link_count__ > size / 24) {
         memset(w, 0, sizeof *w);
         return DEM_BAD_DATA;
     }
     dem__array list[DEM__ARRAYS_MAX];
-    ptrdiff_t live = w->live_count__, passed = w->passed_count;
+    ptrdiff_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
     int enough;
-    w->live_count__ = w->passed_count = 0;
+    w->live_count__ = w->passed_count = w->link_count__ = 0;
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
                              (ptrdiff_t)present + 1);
     enough =
         enough && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, live + 1);
+    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
+                                                      &w->link_capacity__, links));
     if (enough && passed > 0) {
         w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         enough = w->passed != NULL;
@@ -3374,7 +3711,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->count = (ptrdiff_t)present;
     w->live_count__ = live;
     w->passed_count = passed;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = -1;
+    w->link_count__ = links;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = w->link_head__[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
     check = s.hash;
@@ -3386,6 +3724,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->dt__ = w->def.dt;
     w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     w->stale__ = 1;
+    dem__find_links(w);
     for (ptrdiff_t c = 0; c < live; c++) {
         w->order__[c] = (int32_t)c;
         dem__activate(w, w->live_i__[c]);

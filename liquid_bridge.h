@@ -138,6 +138,12 @@ typedef struct bridge_forces {
     double spin; /* resistance to the rotation part n x (ai wi + aj wj) of the slip [N s/m]; equal to `tangential` in bridge_evaluate */
 } bridge_forces;
 
+/* Viscous resistances of a bridge [N s/m], >= 0. */
+typedef struct bridge_resistances {
+    double normal;     /* to separation and approach */
+    double tangential; /* to slip, its translation and its rotation part alike */
+} bridge_resistances;
+
 /* One Young-Laplace solution. */
 typedef struct bridge_shape {
     double force;                /* attraction [N], the same at every section of the liquid */
@@ -294,6 +300,8 @@ BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 /* Capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture, X falls
    on. */
 static inline double bridge_attraction(const bridge *b, double gap);
+/* Normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone; width 0: none. */
+static inline bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap);
 /* Everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to 2e-5). */
 static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
 /* 1 if the gap is beyond the dynamic rupture distance (eq 20). */
@@ -781,9 +789,7 @@ static inline double bridge_attraction(const bridge *b, double gap) {
     return sum * a / (h * (h + s));
 }
 
-static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
-    bridge_forces f = {bridge_attraction(b, gap), 0.0, 0.0};
-    if (!(b->volume > 0.0 && liquid->viscosity > 0.0)) return f;
+static inline bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap) {
     double s = (gap > 0.0 ? gap : 0.0) + liquid->roughness * 0.5 * b->radius, a = b->width * b->width;
     double h = sqrt(s * s + a), d = h * (h + s), inverse = 1.0 / (d * s), x = a * s * inverse,
            scale = RIDDLE_PI * liquid->viscosity * b->radius;
@@ -791,8 +797,16 @@ static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid
     double p = sqrt(s * s * (h + s) * inverse);
     double numerator = 6.3827022621613418 + p * (477.44372830592164 + p * (3601.5670170765813 + p * 2818.6395609047166));
     double denominator = 1.0 + p * (129.69017714253422 + p * (1829.7796093208002 + p * (3971.2137371759904 + p * 972.48453376442603)));
-    f.normal += 1.5 * scale * b->radius * x * x * d * inverse * velocity;
-    f.tangential = f.spin = 2.0 * scale * (1.0 - p) * numerator / denominator;
+    bridge_resistances r = {1.5 * scale * b->radius * x * x * d * inverse, 2.0 * scale * (1.0 - p) * numerator / denominator};
+    return r;
+}
+
+static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
+    bridge_forces f = {bridge_attraction(b, gap), 0.0, 0.0};
+    if (!(b->volume > 0.0 && liquid->viscosity > 0.0)) return f;
+    bridge_resistances r = bridge_resistance(b, liquid, gap);
+    f.normal += r.normal * velocity;
+    f.tangential = f.spin = r.tangential;
     return f;
 }
 

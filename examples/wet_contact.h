@@ -1,6 +1,7 @@
-/* wet_contact.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and a liquid bridge on it.
-   A bridge forms when two bodies touch, and holds until its gap is beyond dynamic rupture; meanwhile the contact lives at a distance.
-   Its twelve numbers stand behind the friction history in the contact's state; films and books are the scene's. */
+/* wet_contact.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and liquid bridges.
+   A bridge forms when two bodies touch and is a link until its gap is beyond dynamic rupture: capillary force and viscous resistance
+   change little in 0.1 ms, so that links are evaluated once in many steps. What changes faster, the part of the resistance that grows
+   as 1/S below `near`, belongs to the contact. Films and books are the scene's. */
 #ifndef WET_CONTACT_H
 #define WET_CONTACT_H
 
@@ -11,9 +12,12 @@
 #include "dem.h"
 #include "liquid_bridge.h"
 
-enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES, WET_BRIDGE = 3, WET_STATES = WET_BRIDGE + sizeof(bridge) / sizeof(double) };
-/* constants behind those of the dry law, for the printed equations only */
-enum { WET_ANGLE_I = 8, WET_ANGLE_J, WET_IS_WALL, WET_CONSTANTS };
+/* State of a contact behind its friction history: the bridge's width and radius (0: dry), and the resistances that the link has. */
+enum { WET_WIDTH = 3, WET_RADIUS, WET_LINK_NORMAL, WET_LINK_TANGENTIAL, WET_LINK_SPIN, WET_STATES };
+/* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
+enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
+enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES };
+static const double WET_INTERVAL = 1e-4, WET_NEAR = 1e-5; /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
@@ -30,44 +34,58 @@ typedef struct wet_scene {
     bridge_status status;
 } wet_scene;
 
-/* ---- laws: what the kernel inlines ---- */
+/* ---- laws: what the kernels inline; without branches, so that their loops vectorise ---- */
 
-/* Without branches, so that the kernel's loop vectorises: what a dry contact computes is not used. */
+/* Normal, translation and spin resistance at a gap [N s/m]. */
+DEM_INLINE void wet_resistance(const bridge *b, const bridge_liquid *liquid, double gap, bool printed, double *resistance) {
+    const bridge_resistances r = bridge_resistance(b, liquid, gap);
+    const double rs = 0.5 * b->radius, sv = bridge_viscous_gap(gap, rs, liquid->roughness);
+    resistance[0] = r.normal;
+    resistance[1] = printed ? bridge_printed_drag_translation(sv, rs, liquid->viscosity) : r.tangential;
+    resistance[2] = printed ? bridge_printed_drag_spin(sv, rs, liquid->viscosity) : r.tangential;
+}
+
+DEM_INLINE void wet_resist(const dem_contact *c, const double *resistance, dem_response *r) {
+    r->normal += resistance[0] * c->closing;
+    for (int a = 0; a < 3; a++) r->tangential[a] -= resistance[1] * c->translation[a] + resistance[2] * (c->slip[a] - c->translation[a]);
+}
+
+DEM_INLINE void wet_contact_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
+    const bridge_liquid liquid = ((const wet_scene *)c->user)->liquid;
+    const double radius = state[WET_RADIUS] > 0.0 ? state[WET_RADIUS] : 1.0, share = state[WET_RADIUS] > 0.0 ? 1.0 : 0.0;
+    const double gap = c->gap < WET_NEAR ? c->gap : WET_NEAR;
+    const bridge b = {0.0, state[WET_WIDTH], 0.0, radius, 0.0, {0.0}};
+    double resistance[3];
+    dem_force_linear_rolling(c, state, r);
+    wet_resistance(&b, &liquid, gap, printed, resistance);
+    for (int a = 0; a < 3; a++) resistance[a] = share * (resistance[a] - state[WET_LINK_NORMAL + a]);
+    wet_resist(c, resistance, r);
+    /* what is linked is in contact as long as it is near; what is dry ends with the overlap, as the dry law said */
+    const double far = c->gap < WET_NEAR ? 0.0 : 1.0;
+    r->ended = share > 0.0 ? far : r->ended;
+}
+DEM_INLINE void wet_force(const dem_contact *c, double *state, dem_response *r) { wet_contact_force(c, state, r, false); }
+DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_contact_force(c, state, r, true); }
+
 DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
-    const double *s = state + WET_BRIDGE, *p = c->constants;
+    const double *s = state;
     const bridge_liquid liquid = ((const wet_scene *)c->user)->liquid;
     const bridge b = {s[0], s[1], s[2], s[3], s[4], {s[5], s[6], s[7], s[8], s[9], s[10], s[11]}};
-    bridge_forces f;
-    dem_force_linear_rolling(c, state, r);
-    if (printed) {
-        const double gap = c->gap > 0.0 ? c->gap : 0.0, rs = 0.5 * b.radius, sv = bridge_viscous_gap(gap, rs, liquid.roughness);
-        f.normal = p[WET_IS_WALL] > 0.0
-                       ? bridge_printed_force_wall(gap, b.volume, rs, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension)
-                       : bridge_printed_force(gap, b.volume, b.radius, p[WET_ANGLE_I], p[WET_ANGLE_J], liquid.surface_tension);
-        f.normal -= bridge_drag_normal(sv, b.volume, rs, liquid.viscosity) * c->closing;
-        f.tangential = bridge_printed_drag_translation(sv, rs, liquid.viscosity);
-        f.spin = bridge_printed_drag_spin(sv, rs, liquid.viscosity);
-    } else {
-        f = bridge_evaluate(&b, &liquid, c->gap, -c->closing);
-    }
-    const double pull = b.volume > 0.0 ? f.normal : 0.0, drag = b.volume > 0.0 ? f.tangential : 0.0, turn = b.volume > 0.0 ? f.spin : 0.0;
-    r->normal -= pull;
-    for (int a = 0; a < 3; a++) r->tangential[a] -= drag * c->translation[a] + turn * (c->slip[a] - c->translation[a]);
-    /* a bridge holds until dynamic rupture; what is dry ends with the overlap, as the dry law said */
-    const double broken = bridge_is_ruptured(&b, &liquid, c->gap, -c->closing) ? 1.0 : 0.0;
-    r->ended = b.volume > 0.0 ? broken : r->ended;
+    const double gap = c->gap > 0.0 ? c->gap : 0.0;
+    double resistance[3], pull;
+    if (printed)
+        pull = s[WET_IS_WALL] > 0.0
+                   ? bridge_printed_force_wall(gap, b.volume, 0.5 * b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension)
+                   : bridge_printed_force(gap, b.volume, b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension);
+    else pull = bridge_attraction(&b, c->gap);
+    wet_resistance(&b, &liquid, c->gap > WET_NEAR ? c->gap : WET_NEAR, printed, resistance);
+    r->normal = -pull;
+    r->tangential[0] = r->tangential[1] = r->tangential[2] = 0.0;
+    wet_resist(c, resistance, r);
+    r->ended = bridge_is_ruptured(&b, &liquid, c->gap, -c->closing) ? 1.0 : 0.0;
 }
-DEM_INLINE void wet_force(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, false); }
-DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, true); }
-
-static double wet_prepare(const dem_birth *b, double *constants) {
-    const wet_scene *s = b->user;
-    const double stiffness = dem_prepare_linear(b, constants);
-    constants[WET_ANGLE_I] = s->angle[0];
-    constants[WET_ANGLE_J] = s->angle[b->radius_j > 0.0 ? 0 : 1];
-    constants[WET_IS_WALL] = b->radius_j > 0.0 ? 0.0 : 1.0;
-    return stiffness;
-}
+DEM_INLINE void wet_link_force(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, false); }
+DEM_INLINE void wet_link_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_bridge_force(c, state, r, true); }
 
 /* ---- books ---- */
 
@@ -98,17 +116,53 @@ static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const
     return &s->kind[a < b ? a : b][a < b ? b : a];
 }
 
+/* What the contact in a slot needs to know of its bridge. */
+static void wet_tell_contact(const wet_scene *s, dem_world *w, int32_t slot, const bridge *b) {
+    dem_contact_info c = dem_get_slot(w, slot);
+    c.state[WET_WIDTH] = b->width;
+    c.state[WET_RADIUS] = b->radius;
+    wet_resistance(b, &s->liquid, WET_NEAR, s->printed, c.state + WET_LINK_NORMAL);
+    dem_set_slot_state(w, slot, c.state);
+}
+
+static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const bridge_contact *q) {
+    const dem_contact_info c = dem_get_slot(w, slot);
+    double state[WET_LINK_STATES];
+    bridge b;
+    int swapped;
+    const bridge_pair *kind = wet_kind(s, w, &c, &swapped);
+    const double other = c.j >= 0 ? q->radius_j : (double)INFINITY;
+    const bridge_status status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b)
+                                            : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b);
+    if (status != BRIDGE_OK) return status;
+    memcpy(state, &b, sizeof b);
+    state[WET_ANGLE_I] = s->angle[0];
+    state[WET_ANGLE_J] = s->angle[c.j < 0];
+    state[WET_IS_WALL] = c.j < 0;
+    if (dem_add_link(w, c.i, c.j, c.element, state) != DEM_OK) return BRIDGE_INVALID;
+    wet_tell_contact(s, w, slot, &b);
+    return BRIDGE_OK;
+}
+
+/* New contacts: between bodies that a bridge joins already, or asking for one. */
 static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
     wet_scene *s = user;
     bridge_contact *wanted = malloc((size_t)n * sizeof *wanted);
-    if (!wanted) {
-        s->status = BRIDGE_INVALID;
-        return;
-    }
-    for (ptrdiff_t k = 0; k < n; k++) {
+    int32_t *asking = malloc((size_t)n * sizeof *asking);
+    size_t count = 0;
+    if (!wanted || !asking) s->status = BRIDGE_INVALID;
+    for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
         const dem_contact_info c = dem_get_slot(w, slots[k]);
+        const ptrdiff_t link = dem_find_link(w, c.i, c.j, c.element);
         int swapped;
-        bridge_contact *q = &wanted[k];
+        if (link >= 0) {
+            bridge b;
+            memcpy(&b, dem_get_link(w, link).state, sizeof b);
+            wet_tell_contact(s, w, slots[k], &b);
+            continue;
+        }
+        bridge_contact *q = &wanted[count];
+        asking[count++] = slots[k];
         memset(q, 0, sizeof *q);
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
@@ -118,40 +172,35 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         bridge_volume_range(wet_kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
                             &q->volume_max);
     }
-    if (bridge_allocate(&s->films, wanted, (size_t)n) != BRIDGE_OK) s->status = BRIDGE_INVALID;
-    for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
-        const bridge_contact *q = &wanted[k];
-        if (!(q->given_i + q->given_j > 0.0)) continue;
-        dem_contact_info c = dem_get_slot(w, slots[k]);
-        bridge b;
-        int swapped;
-        const bridge_pair *kind = wet_kind(s, w, &c, &swapped);
-        const double other = c.j >= 0 ? q->radius_j : (double)INFINITY;
-        s->status = s->printed ? bridge_form_printed(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b)
-                               : bridge_form(kind, q->radius_i, other, q->given_i, q->given_j, swapped, &b);
-        memcpy(c.state + WET_BRIDGE, &b, sizeof b);
-        dem_set_slot_state(w, slots[k], c.state);
+    if (count > 0 && bridge_allocate(&s->films, wanted, count) != BRIDGE_OK) s->status = BRIDGE_INVALID;
+    for (size_t k = 0; k < count && s->status == BRIDGE_OK; k++) {
+        if (wanted[k].given_i + wanted[k].given_j > 0.0) s->status = wet_link(s, w, asking[k], &wanted[k]);
     }
     free(wanted);
+    free(asking);
 }
 
 static void wet_ended(dem_world *w, int32_t slot, void *user) {
     wet_scene *s = user;
-    const dem_contact_info c = dem_get_slot(w, slot);
+    const dem_contact_info c = dem_get_link(w, slot);
     bridge b;
-    memcpy(&b, c.state + WET_BRIDGE, sizeof b);
-    if (!(b.volume > 0.0)) return;
+    memcpy(&b, c.state, sizeof b);
     const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
     if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet_partner(s, &c)) != BRIDGE_OK) s->status = BRIDGE_INVALID;
     s->ruptures++;
 }
 
 static const dem_law wet_law = {
-    "linear, friction, rolling, bridges", 1, WET_STATES, 3, 1, 8, dem_prepare_linear, wet_force, wet_born, wet_ended};
+    "linear, friction, rolling, lubrication", 2, WET_STATES, 3, 1, 8, dem_prepare_linear, wet_force, wet_born, NULL};
 static const dem_law wet_law_printed = {
-    "the same, eqs 12-18 as printed", 1, WET_STATES, 3, 1, WET_CONSTANTS, wet_prepare, wet_force_printed, wet_born, wet_ended};
+    "the same, eqs 12-18 as printed", 2, WET_STATES, 3, 1, 8, dem_prepare_linear, wet_force_printed, wet_born, NULL};
+static const dem_law wet_bridges = {"liquid bridges", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet_link_force, NULL, wet_ended};
+static const dem_law wet_bridges_printed = {
+    "liquid bridges, eqs 12-18 as printed", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet_link_force_printed, NULL, wet_ended};
 DEM_KERNEL(wet_kernel, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(wet_kernel_printed, wet_law_printed, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_LINK_KERNEL(wet_link_kernel, wet_bridges)
+DEM_LINK_KERNEL(wet_link_kernel_printed, wet_bridges_printed)
 
 static inline dem_status wet_run(dem_world *w, double duration) {
     const wet_scene *s = w->user;
@@ -164,19 +213,16 @@ static inline dem_status wet_run(dem_world *w, double duration) {
 /* Liquid in films and bridges [m3]; number of bridges. */
 static inline double wet_total(const wet_scene *s, const dem_world *w, int *bridges) {
     double volume = 0.0;
-    *bridges = 0;
-    for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
-        const dem_contact_info c = dem_get_contact(w, k);
-        volume += c.state[WET_BRIDGE]; /* multiples of the quantum: exact in any order */
-        *bridges += c.state[WET_BRIDGE] > 0.0;
-    }
+    *bridges = (int)dem_link_count(w);
+    for (ptrdiff_t k = 0; k < dem_link_count(w); k++)
+        volume += dem_get_link(w, k).state[0]; /* multiples of the quantum: exact in any order */
     return volume + bridge_films_total(&s->films);
 }
 
 /* A scene of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls.
    Free with wet_free. */
 static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter,
-                                     double moisture, double particle_mass, int deck, const dem_world *w, bool printed) {
+                                     double moisture, double particle_mass, int deck, dem_world *w, bool printed) {
     double area = 0.0, *block;
     memset(s, 0, sizeof *s);
     s->group = group;
@@ -218,7 +264,10 @@ static inline bridge_status wet_init(wet_scene *s, int n, const int *group, cons
     f->quantum = bridge_quantum(volume > 0.0 ? volume : 1e-6);
     for (int i = 0; i < n; i++) f->particle[i] = bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, f->quantum);
     s->initial = bridge_films_total(f);
-    return BRIDGE_OK;
+    return dem_set_links(w, printed ? &wet_bridges_printed : &wet_bridges, printed ? wet_link_kernel_printed : wet_link_kernel,
+                         WET_INTERVAL, WET_NEAR) == DEM_OK
+               ? BRIDGE_OK
+               : BRIDGE_INVALID;
 }
 
 static inline void wet_free(wet_scene *s) {
