@@ -350,14 +350,15 @@ typedef struct dem_world {
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
     void *particle_block__, *live_block__, *near_block__, *timer_block__;
     size_t particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
-    double *mx__, *my__, *mz__, *ox__, *oy__, *oz__; /* velocity and spin in the middle of the step, of active particles */
-    double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__; /* sums of forces and torques */
-    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__; /* load: force [N] and torque [N m] that do not change in a step */
+    double *mx__, *my__, *mz__, *ox__, *oy__, *oz__;    /* velocity and spin in the middle of the step, of active particles */
+    double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__;    /* sums of forces and torques */
+    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
-    double *rx__, *ry__, *rz__;                      /* position when the list was built */
-    double *ux__, *uy__, *uz__, *ball__;             /* velocity in the falling frame when timers were set, and how far it may stray */
-    double *wall_speed__;                            /* speed that the timers of walls count on */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__; /* link_loaded: its load has a part of links */
+    double *rx__, *ry__, *rz__;                         /* position when the list was built */
+    double *ux__, *uy__, *uz__, *ball__;                /* velocity in the falling frame when timers were set, and how far it may stray */
+    double *wall_speed__;                               /* speed that the timers of walls count on */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__,
+        *link_loaded__; /* link_loaded: its load has a part of links */
 
     /* near pairs, and timers of pairs and of particles with walls */
     ptrdiff_t near_count__, near_capacity__, timer_capacity__, adjacent_capacity__, cells_capacity__;
@@ -1033,12 +1034,12 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->x,    &w->y,    &w->z,    &w->vx,   &w->vy,   &w->vz,     &w->ax,          &w->ay,   &w->az,
-                          &w->wx,   &w->wy,   &w->wz,   &w->bx,   &w->by,   &w->bz,     &w->radius,      &w->mass, &w->lx__, &w->ex__, &w->ey__, &w->ez__, &w->etx__, &w->ety__, &w->etz__,
-                          &w->ly__, &w->lz__, &w->qx__, &w->qy__, &w->qz__, &w->mx__,   &w->my__,        &w->mz__, &w->ox__,
-                          &w->oy__, &w->oz__, &w->fx__, &w->fy__, &w->fz__, &w->tx__,   &w->ty__,        &w->tz__, &w->rx__,
-                          &w->ry__, &w->rz__, &w->ux__, &w->uy__, &w->uz__, &w->ball__, &w->wall_speed__};
-    int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,   &w->active__, &w->wall_head__,
+    double **doubles[] = {&w->x,    &w->y,     &w->z,     &w->vx,    &w->vy,   &w->vz,     &w->ax,   &w->ay,     &w->az,          &w->wx,
+                          &w->wy,   &w->wz,    &w->bx,    &w->by,    &w->bz,   &w->radius, &w->mass, &w->lx__,   &w->ex__,        &w->ey__,
+                          &w->ez__, &w->etx__, &w->ety__, &w->etz__, &w->ly__, &w->lz__,   &w->qx__, &w->qy__,   &w->qz__,        &w->mx__,
+                          &w->my__, &w->mz__,  &w->ox__,  &w->oy__,  &w->oz__, &w->fx__,   &w->fy__, &w->fz__,   &w->tx__,        &w->ty__,
+                          &w->tz__, &w->rx__,  &w->ry__,  &w->rz__,  &w->ux__, &w->uy__,   &w->uz__, &w->ball__, &w->wall_speed__};
+    int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -2544,7 +2545,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 }
 
 #define DEM_LINK_KERNEL(name, law)                                                                                                         \
-    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_link_kernel(world, first, end, &(law)); }           \
+    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_link_kernel(world, first, end, &(law)); }          \
     DEM__LOUD
 #define DEM_KERNEL(name, law, features)                                                                                                    \
     DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }     \
@@ -3590,7 +3591,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
     dem__u64(s, &w->next_id__);
     dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
-    int *flags[] = {&w->walls, &w->fresh__, &w->ledger_on__, &w->ledger_started__, &w->loads_on__, &w->states__, &w->links_on__, &w->link_states__};
+    int *flags[] = {&w->walls,      &w->fresh__,  &w->ledger_on__, &w->ledger_started__,
+                    &w->loads_on__, &w->states__, &w->links_on__,  &w->link_states__};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
     if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
     if (w->link_states__ < 0 || w->link_states__ > DEM_STATE_MAX) s->failed = 1;

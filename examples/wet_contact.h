@@ -17,7 +17,7 @@ enum { WET_WIDTH = 3, WET_RADIUS, WET_LINK_NORMAL, WET_LINK_TANGENTIAL, WET_LINK
 /* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
 enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
 enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES };
-static const double WET_INTERVAL = 1e-4, WET_NEAR = 1e-5; /* between evaluations of links [s]; gap [m] */
+static const double WET_INTERVAL = 1e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
