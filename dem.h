@@ -1844,45 +1844,72 @@ static inline void dem__compact(dem_world *w) {
     }
 }
 
+/* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
-    double low[3], inverse; /* of the cell size */
-    int32_t n[3];
-    int wraps[3];
+    double low[3], inverse[3]; /* corner, 1 / cell size by axis */
+    double widest;             /* radius of its largest sphere */
+    int32_t n[3], wraps[3];
+    ptrdiff_t count, first; /* spheres; its first cell in the common list */
 } dem__grid;
 
-DEM_INLINE int32_t dem__cell(double v, double low, double inverse, int32_t n) {
-    double c = floor((v - low) * inverse);
-    return c > 0.0 ? (c < (double)n ? (int32_t)c : n - 1) : 0;
+#define DEM__CLASS 2.5         /* between 2 and 3 the time is the same: fewer levels, but more spheres in a cell */
+enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
+
+/* Where the bulk of the points lies: four standard deviations each way from the mean, within their bounds. Points outside are put into
+   the cells at the border, so that a few that have gone astray do not make all cells large. */
+static inline void dem__bulk(const double *v, ptrdiff_t n, double *low, double *high) {
+    double least = HUGE_VAL, most = -HUGE_VAL, sum = 0.0, square = 0.0;
+    for (ptrdiff_t i = 0; i < n; i++) {
+        least = v[i] < least ? v[i] : least;
+        most = v[i] > most ? v[i] : most;
+    }
+    for (ptrdiff_t i = 0; i < n; i++) sum += v[i] - least, square += (v[i] - least) * (v[i] - least);
+    const double mean = sum / (double)n, reach = 4.0 * sqrt(fabs(square / (double)n - mean * mean));
+    *low = mean - reach > 0.0 ? least + (mean - reach) : least;
+    *high = least + mean + reach < most ? least + mean + reach : most;
 }
 
-/* Cells no smaller than `size`, at most four a particle. */
-static inline dem__grid dem__make_grid(const dem_world *w, double size) {
-    dem__grid g;
-    const double *at[3] = {w->rx__, w->ry__, w->rz__}, *low = &w->def.low.x, *high = &w->def.high.x;
+/* Cells no smaller than `size` over a box, at most four a sphere. */
+static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, const double *low, const double *high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
-        double least = HUGE_VAL, most = -HUGE_VAL;
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            least = at[a][i] < least ? at[a][i] : least;
-            most = at[a][i] > most ? at[a][i] : most;
-        }
-        g.wraps[a] = w->def.periodic[a];
-        g.low[a] = g.wraps[a] ? low[a] : least;
-        span[a] = g.wraps[a] ? high[a] - low[a] : most - least;
+        const double *from = w->def.periodic[a] ? &w->def.low.x : low, *to = w->def.periodic[a] ? &w->def.high.x : high;
+        g->wraps[a] = w->def.periodic[a];
+        g->low[a] = from[a];
+        span[a] = to[a] - from[a];
     }
-    for (;;) {
+    for (;; size *= 1.26) {
         double cells = 1.0;
         for (int a = 0; a < 3; a++) cells *= floor(span[a] / size) + 1.0;
-        if (cells <= 4.0 * (double)w->count + 64.0) break;
-        size *= 1.26;
+        if (cells <= 4.0 * (double)g->count + 64.0) break;
     }
-    g.inverse = 1.0 / size;
     for (int a = 0; a < 3; a++) {
-        double n = floor(span[a] / size);
-        g.n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: whole cells, each a little larger, by the scale below */
-        if (!g.wraps[a]) g.n[a]++;
+        const double n = floor(span[a] / size);
+        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: whole cells, each a little larger */
+        g->inverse[a] = g->wraps[a] ? g->n[a] / span[a] : 1.0 / size;
+        if (!g->wraps[a]) g->n[a]++;
     }
-    return g;
+}
+
+/* The cells of an axis that [v - reach, v + reach] meets: from *first, so many, to be wrapped; each at most once. */
+DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
+    const double low = floor((v - reach - g->low[a]) * g->inverse[a]), high = floor((v + reach - g->low[a]) * g->inverse[a]);
+    const double last = (double)(g->n[a] - 1);
+    *first = 0;
+    if (g->wraps[a]) {
+        if (!(high - low < last)) return g->n[a];
+        *first = (int32_t)low; /* v itself is in the box, or by rounding at its upper end */
+        *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
+        return (int32_t)(high - low) + 1;
+    }
+    *first = (int32_t)(low > 0.0 ? (low < last ? low : last) : 0.0);
+    return (int32_t)(high > 0.0 ? (high < last ? high : last) : 0.0) - *first + 1;
+}
+
+DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, double x, double y, double z) {
+    int32_t cx, cy, cz;
+    dem__cells(g, 0, x, 0.0, &cx), dem__cells(g, 1, y, 0.0, &cy), dem__cells(g, 2, z, 0.0, &cz);
+    return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
 static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
@@ -1900,23 +1927,70 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     return 1;
 }
 
-/* Finds the near pairs: gap below margin. Particles sorted by cell, each cell against itself and 13 neighbours. Returns 0 when out of
-   memory. The sums of forces serve as scratch: a step begins with clearing them. */
+/* The near pairs of sphere p of the sorted list with those after it on one level. */
+static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t p) {
+    const double *x = w->fx__, *y = w->fy__, *z = w->fz__, *extent = w->tx__;
+    const int32_t *sorted = w->remap__;
+    const double reach = extent[p] + g->widest + 0.5 * w->margin__;
+    int32_t first[3], cells[3];
+    cells[0] = dem__cells(g, 0, x[p], reach, &first[0]);
+    cells[1] = dem__cells(g, 1, y[p], reach, &first[1]);
+    cells[2] = dem__cells(g, 2, z[p], reach, &first[2]);
+    const int32_t before = cells[0] < g->n[0] - first[0] ? cells[0] : g->n[0] - first[0]; /* cells of a row before it wraps */
+    for (int32_t cz = 0; cz < cells[2]; cz++) {
+        const int32_t iz = first[2] + cz < g->n[2] ? first[2] + cz : first[2] + cz - g->n[2];
+        for (int32_t cy = 0; cy < cells[1]; cy++) {
+            const int32_t iy = first[1] + cy < g->n[1] ? first[1] + cy : first[1] + cy - g->n[1];
+            const int32_t *row = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
+            for (int part = 0; part < 2; part++) { /* neighbours in a row of cells are neighbours in the list */
+                const int32_t end = part ? row[cells[0] - before] : row[first[0] + before];
+                int32_t q = part ? row[0] : row[first[0]];
+                for (q = q > p ? q : p + 1; q < end; q++) {
+                    const dem_vec d = dem__apart(w, dem_vec3(x[p] - x[q], y[p] - y[q], z[p] - z[q]));
+                    const double sum = extent[p] + extent[q];
+                    if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Finds the near pairs: gap below margin. Spheres are sorted by size class, then by cell; each looks at the cells around it on its own
+   level and the coarser ones, and there at those after it in the list. Returns 0 when out of memory. The sums of forces serve as
+   scratch: a step begins with clearing them. */
 static inline int dem__find_pairs(dem_world *w) {
-    double largest = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) largest = w->radius[i] > largest ? w->radius[i] : largest;
-    dem__grid g = dem__make_grid(w, 2.0 * largest + w->margin__);
-    double scale[3], *x = w->fx__, *y = w->fy__, *z = w->fz__, *reach = w->tx__;
-    ptrdiff_t cells = (ptrdiff_t)g.n[0] * g.n[1] * g.n[2];
-    int32_t *start, *sorted = w->remap__;
-    for (int a = 0; a < 3; a++) scale[a] = g.wraps[a] ? g.n[a] / ((&w->def.high.x)[a] - (&w->def.low.x)[a]) : g.inverse;
+    dem__grid grid[DEM__LEVELS_MAX];
+    double smallest = HUGE_VAL, low[3], high[3];
+    const double *at[3] = {w->rx__, w->ry__, w->rz__};
+    int32_t *sorted = w->remap__;
+    ptrdiff_t cells = 0;
+    w->near_count__ = 0;
+    if (w->count == 0) return 1;
+    memset(grid, 0, sizeof grid);
+    for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->radius[i] < smallest ? w->radius[i] : smallest;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double r = w->radius[i];
+        int level = 0;
+        for (double bound = DEM__CLASS * smallest; r >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
+        grid[level].widest = r > grid[level].widest ? r : grid[level].widest;
+        grid[level].count++;
+        sorted[i] = level;
+    }
+    for (int a = 0; a < 3; a++) dem__bulk(at[a], w->count, &low[a], &high[a]);
+    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
+        dem__grid *g = &grid[level];
+        if (g->count == 0) continue;
+        dem__make_grid(w, g, 2.0 * g->widest + w->margin__, low, high);
+        g->first = cells;
+        cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
+    }
     if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells + 1)) return 0;
-    start = w->cells__;
+    int32_t *start = w->cells__;
     for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        int32_t cx = dem__cell(w->rx__[i], g.low[0], scale[0], g.n[0]), cy = dem__cell(w->ry__[i], g.low[1], scale[1], g.n[1]);
-        int32_t c = (dem__cell(w->rz__[i], g.low[2], scale[2], g.n[2]) * g.n[1] + cy) * g.n[0] + cx;
-        w->cell_next__[i] = c;
+        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->rx__[i], w->ry__[i], w->rz__[i]);
+        w->cell_next__[i] = (int32_t)c;
         start[c]++;
     }
     for (ptrdiff_t c = 0, sum = 0; c <= cells; c++) {
@@ -1924,33 +1998,15 @@ static inline int dem__find_pairs(dem_world *w) {
         start[c] = (int32_t)sum;
     }
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
-        int32_t k = --start[w->cell_next__[i]];
+        const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
-        x[k] = w->rx__[i], y[k] = w->ry__[i], z[k] = w->rz__[i];
-        reach[k] = w->radius[i] + 0.5 * w->margin__;
+        w->fx__[k] = w->rx__[i], w->fy__[k] = w->ry__[i], w->fz__[k] = w->rz__[i];
+        w->tx__[k] = w->radius[i] + 0.5 * w->margin__;
     }
-    w->near_count__ = 0;
-    for (ptrdiff_t c = 0; c < cells; c++) {
-        const int32_t at[3] = {(int32_t)(c % g.n[0]), (int32_t)(c / g.n[0] % g.n[1]), (int32_t)(c / g.n[0] / g.n[1])};
-        if (start[c] == start[c + 1]) continue;
-        for (int code = 13; code < 27; code++) { /* 13: the cell itself */
-            const int32_t step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
-            int32_t cell[3];
-            int outside = 0;
-            for (int a = 0; a < 3; a++) {
-                cell[a] = at[a] + step[a];
-                if (g.wraps[a] && g.n[a] >= 3) cell[a] = cell[a] < 0 ? cell[a] + g.n[a] : (cell[a] >= g.n[a] ? cell[a] - g.n[a] : cell[a]);
-                outside |= cell[a] < 0 || cell[a] >= g.n[a];
-            }
-            if (outside) continue; /* with one or two periodic cells the plain neighbours are all there are */
-            const ptrdiff_t other = ((ptrdiff_t)cell[2] * g.n[1] + cell[1]) * g.n[0] + cell[0];
-            const int32_t end = start[other + 1];
-            for (int32_t p = start[c]; p < start[c + 1]; p++) {
-                for (int32_t q = code == 13 ? p + 1 : start[other]; q < end; q++) {
-                    const dem_vec d = dem__apart(w, dem_vec3(x[p] - x[q], y[p] - y[q], z[p] - z[q]));
-                    const double sum = reach[p] + reach[q];
-                    if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
-                }
+    for (int level = 0, p = 0; level < DEM__LEVELS_MAX; level++) {
+        for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
+            for (int other = level; other < DEM__LEVELS_MAX; other++) {
+                if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], start, p)) return 0;
             }
         }
     }
