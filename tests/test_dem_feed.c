@@ -1,0 +1,619 @@
+/* dem.h: near pairs of any size, sizes drawn from distributions, filling, feeding and removing. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "dem_scenes.h"
+#include "failing_allocator.h"
+
+static const double nan_ = (double)NAN, inf = (double)INFINITY;
+
+static void near_relative(double got, double wanted, double tolerance, const char *what) {
+    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
+        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
+}
+static void near_absolute(double got, double wanted, double tolerance, const char *what) {
+    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
+}
+static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
+
+static dem_def plain_def(const dem_allocator *allocator) {
+    dem_def def = dem_default_def();
+    dem_add_material(&def, 2500.0, 1e7, 0.2);
+    dem_pair(&def, 0, 0)->stiffness = 1e3; /* 1 mm spheres: contacts of 22 steps */
+    def.dt = 1e-5;
+    if (allocator) def.allocator = *allocator;
+    return def;
+}
+static dem_world plain_world(void) {
+    dem_world w;
+    dem_def def = plain_def(NULL);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    return w;
+}
+
+/* ---- near pairs ---- */
+
+static double closest_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    double square = 0.0;
+    const dem_vec a = dem_position(w, i), b = dem_position(w, j);
+    for (int k = 0; k < 3; k++) {
+        const double length = (&w->def.high.x)[k] - (&w->def.low.x)[k];
+        double d = (&a.x)[k] - (&b.x)[k];
+        if (w->def.periodic[k]) d -= length * floor(d / length + 0.5);
+        square += d * d;
+    }
+    return sqrt(square) - w->radius[i] - w->radius[j];
+}
+
+/* The list of the header against all pairs: none missing, none twice, none that is far. */
+static void list_equals_brute_force(dem_world *w, const char *what) {
+    assert_int_equal(dem_run(w, 0.0, DEM_LINEAR), DEM_OK);
+    const ptrdiff_t n = w->count;
+    unsigned char *listed = calloc((size_t)(n * n), 1);
+    assert_non_null(listed);
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) {
+        unsigned char *at = &listed[w->near_i__[p] * n + w->near_j__[p]];
+        assert_true(w->near_i__[p] < w->near_j__[p]);
+        if (*at) fail_msg("%s: pair %d %d stands twice", what, w->near_i__[p], w->near_j__[p]);
+        *at = 1;
+    }
+    ptrdiff_t near_pairs = 0;
+    for (ptrdiff_t i = 0; i < n; i++) {
+        for (ptrdiff_t j = i + 1; j < n; j++) {
+            const double gap = closest_gap(w, i, j) - w->margin__;
+            near_pairs += gap < 0.0;
+            if (fabs(gap) > 1e-12 && (gap < 0.0) != listed[i * n + j])
+                fail_msg("%s: pair %d %d, %g over the margin, is %s", what, (int)i, (int)j, gap, gap < 0.0 ? "missing" : "listed");
+        }
+    }
+    assert_true(near_pairs > 0);
+    free(listed);
+}
+
+static void test_near_pairs_of_any_size(void **state) {
+    (void)state;
+    static const double ratios[] = {1.0, 1.5, 3.0, 20.0, 1000.0, 3e7};
+    scene_random r = {11};
+    for (int k = 0; k < 6 * 8; k++) {
+        const double ratio = ratios[k / 8];
+        const int periodic = k % 8, stray = k % 8 == 0 || k % 8 == 5;
+        dem_def def = plain_def(NULL);
+        dem_world w;
+        char what[80];
+        for (int a = 0; a < 3; a++) def.periodic[a] = periodic >> a & 1;
+        def.low = v3(-0.03, 0.01, -1.0);
+        def.high = v3(k % 3 ? 0.03 : 0.053, 0.05, -0.95);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        for (int i = 0; i < 600; i++) {
+            const double d = 0.008 * riddle_exp(-riddle_log(ratio) * scene_uniform(&r));
+            dem_vec x = def.low;
+            for (int a = 0; a < 3; a++) (&x.x)[a] += ((&def.high.x)[a] - (&def.low.x)[a]) * scene_uniform(&r);
+            if (i == 0) x = def.high; /* the corner belongs to the other side */
+            if (stray && i == 7) x = v3(1e6, -3e7, 1e12);
+            assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);
+        }
+        snprintf(what, sizeof what, "1 : %g, periodic %d", ratio, periodic);
+        list_equals_brute_force(&w, what);
+        dem_free(&w);
+    }
+}
+
+/* Hundreds in one place besides one far away: cells stay small enough (the list would take seconds if one held all). */
+static void test_strays_do_not_spoil_the_cells(void **state) {
+    (void)state;
+    scene_random r = {3};
+    dem_world w = plain_world();
+    for (int i = 0; i < 30000; i++) {
+        const double d = 1e-3, far = i % 10000 == 0 ? 1e9 : 1.0;
+        const dem_vec x = v3(0.05 * scene_uniform(&r), 0.05 * scene_uniform(&r), far * 0.05 * scene_uniform(&r));
+        assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);
+    }
+    assert_int_equal(dem_run(&w, 0.0, DEM_LINEAR), DEM_OK);
+    double expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * 1.35e-3 * 1.35e-3 * 1.35e-3 / (0.05 * 0.05 * 0.05);
+    near_relative((double)w.near_count__, expected, 0.1, "near pairs of random points");
+    dem_free(&w);
+}
+
+/* ---- sizes ---- */
+
+typedef struct moments {
+    double mean, mean_log, deviation_log, least, most;
+} moments;
+
+static moments draw_many(const dem_sizes *s, int n) {
+    moments m = {0.0, 0.0, 0.0, inf, 0.0};
+    uint64_t random = 5;
+    for (int k = 0; k < n; k++) {
+        const double d = dem_draw_size(s, &random);
+        if (!(d > 0.0)) fail_msg("drew %g", d);
+        m.mean += d / n;
+        m.mean_log += log(d) / n;
+        m.deviation_log += log(d) * log(d) / n;
+        m.least = d < m.least ? d : m.least;
+        m.most = d > m.most ? d : m.most;
+    }
+    m.deviation_log = sqrt(m.deviation_log - m.mean_log * m.mean_log);
+    return m;
+}
+
+/* Largest distance between the drawn distribution by number and its integral, found by Simpson's rule from the density by mass. */
+static double distance_to(const dem_sizes *s, double (*density)(const dem_sizes *s, double d), int n) {
+    enum { BINS = 400 };
+    double whole = 0.0, so_far = 0.0, count[BINS] = {0.0}, part[BINS], worst = 0.0;
+    const double low = log(s->smallest), width = (log(s->largest) - low) / BINS;
+    uint64_t random = 99;
+    for (int k = 0; k < n; k++) {
+        const double d = dem_draw_size(s, &random);
+        assert_true(d >= s->smallest && d <= s->largest);
+        const int bin = (int)((log(d) - low) / width);
+        count[bin < BINS ? bin : BINS - 1] += 1.0 / n;
+    }
+    for (int b = 0; b < BINS; b++) {
+        part[b] = 0.0;
+        for (int q = 0; q <= 8; q++) {
+            const double d = exp(low + (b + q / 8.0) * width), weight = q == 0 || q == 8 ? 1.0 : (q % 2 ? 4.0 : 2.0);
+            part[b] += weight * density(s, d) * d / (s->by_mass ? d * d * d : 1.0);
+        }
+        whole += part[b];
+    }
+    double drawn = 0.0;
+    for (int b = 0; b < BINS; b++) {
+        so_far += part[b] / whole, drawn += count[b];
+        worst = fmax(worst, fabs(so_far - drawn));
+    }
+    return worst;
+}
+static double flat(const dem_sizes *s, double d) { return (void)s, (void)d, 1.0; }
+static double lognormal(const dem_sizes *s, double d) {
+    const double u = log(d / s->scale) / s->spread;
+    return exp(-0.5 * u * u) / d;
+}
+static double rosin_rammler(const dem_sizes *s, double d) {
+    return pow(d / s->scale, s->spread - 1.0) * exp(-pow(d / s->scale, s->spread));
+}
+
+static void test_sizes(void **state) {
+    (void)state;
+    const int n = 100000;
+    const double kolmogorov = 1.95 / sqrt(n); /* exceeded once in a thousand */
+    for (int by_mass = 0; by_mass < 2; by_mass++) {
+        const dem_sizes uniform = dem_uniform_sizes(1e-3, 20e-3, by_mass), narrow = dem_uniform_sizes(1e-3, 1e-3, by_mass);
+        assert_true(distance_to(&uniform, flat, n) < kolmogorov);
+        assert_true(draw_many(&narrow, 10).most == 1e-3);
+        static const double spread[] = {0.02, 0.4, 1.5}, exponent[] = {0.7, 1.2, 3.0, 12.0};
+        for (int k = 0; k < 3; k++) {
+            const dem_sizes s = dem_lognormal_sizes(2e-3, spread[k], 0.4e-3, 9e-3, by_mass);
+            assert_true(distance_to(&s, lognormal, n) < kolmogorov);
+        }
+        for (int k = 0; k < 4; k++) {
+            const dem_sizes s = dem_rosin_rammler_sizes(2e-3, exponent[k], 0.3e-3, 8e-3, by_mass);
+            assert_true(distance_to(&s, rosin_rammler, n) < kolmogorov);
+        }
+    }
+    /* Hatch & Choate 1929: lognormal by mass with median D is lognormal by number with median D exp(-3 s^2) and the same s */
+    const dem_sizes wide = dem_lognormal_sizes(1e-3, 0.3, 1e-5, 1e-1, 1);
+    const moments m = draw_many(&wide, n);
+    near_absolute(m.mean_log, log(1e-3) - 0.27, 4.0 * 0.3 / sqrt(n), "mean of ln d");
+    near_relative(m.deviation_log, 0.3, 0.01, "deviation of ln d");
+
+    /* a third of the mass each, as in the batch screen */
+    const double d[3] = {5e-3, 7e-3, 10e-3}, share[3] = {2.0, 2.0, 2.0}, none[3] = {1.0, 0.0, 0.0};
+    const dem_sizes thirds = dem_size_list(3, d, share, 1), first = dem_size_list(3, d, none, 1);
+    double mass[3] = {0.0, 0.0, 0.0};
+    uint64_t random = 8;
+    for (int k = 0; k < n; k++) {
+        const double drawn = dem_draw_size(&thirds, &random);
+        const int c = drawn == d[0] ? 0 : (drawn == d[1] ? 1 : 2);
+        assert_true(drawn == d[c] && dem_draw_size(&first, &random) == d[0]);
+        mass[c] += drawn * drawn * drawn;
+    }
+    for (int c = 0; c < 3; c++) near_relative(mass[c] / (mass[0] + mass[1] + mass[2]), 1.0 / 3.0, 0.02, "share of mass");
+}
+
+static void test_bad_sizes(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    const double d[2] = {1e-3, 2e-3}, negative[2] = {1.0, -1.0}, zero[2] = {0.0, 0.0}, share[2] = {1.0, 1.0}, many[40] = {1.0},
+                 bad[2] = {1e-3, nan_}, tiny[2] = {1e-300, 1.0};
+    const dem_sizes wrong[] = {
+        dem_size_list(0, d, share, 0),
+        dem_size_list(33, many, many, 0),
+        dem_size_list(2, d, negative, 0),
+        dem_size_list(2, d, zero, 0),
+        dem_size_list(2, bad, share, 0),
+        dem_size_list(2, d, bad, 0),
+        dem_size_list(2, tiny, share, 0),
+        dem_size_list(2, NULL, share, 0),
+        dem_uniform_sizes(0.0, 1.0, 0),
+        dem_uniform_sizes(2.0, 1.0, 0),
+        dem_uniform_sizes(1e-9, 1.0, 0),
+        dem_uniform_sizes(1.0, inf, 0),
+        dem_uniform_sizes(nan_, 1.0, 0),
+        dem_lognormal_sizes(1e-3, 0.0, 1e-4, 1e-2, 0),
+        dem_lognormal_sizes(1e-3, nan_, 1e-4, 1e-2, 0),
+        dem_lognormal_sizes(-1.0, 0.1, 1e-4, 1e-2, 0),
+        dem_rosin_rammler_sizes(1e-3, 0.0, 1e-4, 1e-2, 1),
+        dem_rosin_rammler_sizes(inf, 1.0, 1e-4, 1e-2, 1),
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        if (!isnan(dem_draw_size(&wrong[k], &random))) fail_msg("bad sizes %d were taken", (int)k);
+    }
+    const dem_sizes fine = dem_one_size(1e-3), tight = dem_rosin_rammler_sizes(1e-300, 100.0, 1e-300, 1e-294, 1);
+    assert_true(isnan(dem_draw_size(&fine, NULL)) && isnan(dem_draw_size(NULL, &random)));
+    assert_true(dem_draw_size(&tight, &random) > 0.0);
+}
+
+/* ---- filling ---- */
+
+static void nothing_overlaps(dem_world *w) {
+    assert_int_equal(dem_run(w, 0.0, DEM_LINEAR), DEM_OK);
+    assert_int_equal(dem_contact_count(w), 0);
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) assert_true(closest_gap(w, w->near_i__[p], w->near_j__[p]) >= -1e-15);
+}
+
+static void whole_within(const dem_world *w, const dem_region *region) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_vec x = dem_position(w, i);
+        for (int k = 0; k < 26; k++) {
+            const dem_vec way = v3(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0);
+            const double length = sqrt(way.x * way.x + way.y * way.y + way.z * way.z), r = w->radius[i] * (1.0 - 1e-9);
+            if (length > 0.0)
+                assert_true(dem_region_holds(region, v3(x.x + r * way.x / length, x.y + r * way.y / length, x.z + r * way.z / length)));
+        }
+    }
+}
+
+static void test_fill(void **state) {
+    (void)state;
+    const dem_region regions[] = {dem_box_region(v3(-0.02, 0.0, 0.01), v3(0.02, 0.03, 0.06)),
+                                  dem_cylinder_region(v3(0.01, 0, 0), v3(1, 2, 3), 0.05, 0.02), dem_sphere_region(v3(0, 0, -1), 0.025)};
+    const dem_sizes sizes[] = {dem_one_size(3e-3), dem_lognormal_sizes(2e-3, 0.5, 0.6e-3, 8e-3, 0), dem_uniform_sizes(0.5e-3, 10e-3, 1)};
+    for (int k = 0; k < 9; k++) {
+        dem_world w = plain_world();
+        dem_feed feed = dem_default_feed();
+        double mass = 0.0;
+        feed.region = regions[k / 3];
+        feed.sizes = sizes[k % 3];
+        feed.group = 4;
+        feed.velocity = v3(0.1, 0, -2.0);
+        feed.scatter = v3(0, 0.5, 0.25);
+        const double wanted = 0.2 * dem_region_volume(&feed.region) * 2500.0;
+        assert_int_equal(dem_fill_mass(&w, &feed, wanted), DEM_OK);
+        for (ptrdiff_t i = 0; i < w.count; i++) {
+            const dem_vec v = dem_velocity(&w, i);
+            mass += w.mass[i];
+            assert_true(w.group[i] == 4 && v.x == 0.1 && fabs(v.y) <= 0.5 && fabs(v.z + 2.0) <= 0.25);
+            assert_true(i == 0 || w.radius[i] <= w.radius[i - 1]);
+        }
+        assert_int_equal(feed.placed, w.count);
+        near_relative(feed.placed_mass, mass, 1e-12, "placed mass");
+        near_absolute(feed.placed_mass + feed.missed_mass, wanted, 0.5 * w.mass[0] * 1.001, "wanted mass");
+        assert_true(feed.missed_mass < 0.02 * wanted && w.count > 50);
+        whole_within(&w, &feed.region);
+        nothing_overlaps(&w);
+        dem_free(&w);
+    }
+}
+
+/* Into what is there already, past walls of every kind, in periodic directions, in bits of the same seed. */
+static void test_fill_among_others(void **state) {
+    (void)state;
+    uint64_t hash[2];
+    for (int again = 0; again < 2; again++) {
+        dem_world w;
+        dem_def def = plain_def(NULL);
+        def.periodic[0] = 1;
+        def.low = v3(0, 0, 0), def.high = v3(0.1, 1, 1);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        dem_screen screen = dem_default_screen();
+        screen.centre = v3(0.05, 0.05, 0.05), screen.half_x = 0.03;
+        assert_true(dem_add_screen(&w, 0, &screen) >= 0 && dem_add_plane(&w, 0, v3(0, 0.02, 0), v3(0, 1, 0.2)) >= 0);
+        assert_true(dem_add_cylinder(&w, 0, v3(0.02, 0, 0.08), v3(0, 1, 0), 0.006, 0) >= 0);
+        assert_true(dem_add_exit(&w, v3(0, 0, 0.01), v3(0, 0, 1)) >= 0);
+        const int ignored = dem_add_plane(&w, 0, v3(0, 0.06, 0), v3(0, 1, 0));
+        assert_int_equal(dem_enable_wall(&w, ignored, 0), DEM_OK);
+        const double big = 0.03;
+        const dem_vec at = v3(0.095, 0.07, 0.07);
+        assert_int_equal(dem_add_spheres(&w, 1, &at.x, &big, 0, 0), DEM_OK);
+        dem_feed feed = dem_default_feed();
+        feed.sizes = dem_uniform_sizes(1e-3, 6e-3, 1);
+        feed.random = 77;
+        for (int k = 0; k < 5; k++) assert_int_equal(dem_fill(&w, &feed, 400), DEM_OK);
+        assert_int_equal(feed.placed + feed.missed, 2000);
+        assert_true(feed.placed > 1800);
+        int below = 0, reach = 0;
+        for (ptrdiff_t i = 1; i < w.count; i++) {
+            const dem_vec x = dem_position(&w, i);
+            assert_true(x.z >= 0.01);
+            below += x.y < 0.05, reach += x.x < 0.02;
+        }
+        assert_true(below > 200 && reach > 100);
+        nothing_overlaps(&w);
+        hash[again] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+static void test_fill_tells_what_it_missed(void **state) {
+    (void)state;
+    dem_world w = plain_world();
+    dem_feed feed = dem_default_feed();
+    feed.region = dem_box_region(v3(0, 0, 0), v3(0.01, 0.01, 0.01));
+    feed.tries = 200;
+    assert_int_equal(dem_fill(&w, &feed, 3000), DEM_OK); /* solid share 1.57 */
+    const double share = (double)feed.placed * RIDDLE_PI / 6.0 * 1e-9 / 1e-6;
+    assert_true(share > 0.2 && share < 0.385); /* random sequential addition jams at 0.384 of the whole space */
+    assert_int_equal(feed.placed + feed.missed, 3000);
+    near_relative(feed.missed_mass, (double)feed.missed * RIDDLE_PI / 6.0 * 1e-9 * 2500.0, 1e-12, "missed mass");
+    const ptrdiff_t before = w.count;
+    feed.sizes = dem_one_size(0.011); /* larger than the region */
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_OK);
+    assert_true(w.count == before && feed.missed == 3000 - before + 1);
+    dem_free(&w);
+}
+
+/* ---- feeding ---- */
+
+static void test_feed_in_time(void **state) {
+    (void)state;
+    for (int by_mass = 0; by_mass < 2; by_mass++) {
+        dem_world w = plain_world();
+        dem_feed feed = dem_default_feed();
+        feed.region = dem_cylinder_region(v3(0, 0, 0.5), v3(0, 0, 1), 0.0, 0.03); /* a disc */
+        feed.sizes = dem_lognormal_sizes(2e-3, 0.3, 1e-3, 4e-3, 1);
+        feed.velocity = v3(0, 0, -1.0);
+        assert_true(dem_add_exit(&w, v3(0, 0, 0.4), v3(0, 0, 1)) >= 0);
+        const double rate = 12345.6, mass_flow = 0.123, step = 0.005;
+        double gone = 0.0;
+        for (int k = 0; k < 25; k++) {
+            const ptrdiff_t before = w.count;
+            assert_int_equal(by_mass ? dem_feed_mass(&w, &feed, mass_flow, step) : dem_feed_number(&w, &feed, rate, step), DEM_OK);
+            for (ptrdiff_t i = before; i < w.count; i++) {
+                const dem_vec x = dem_position(&w, i);
+                assert_true(x.z == 0.5 && sqrt(x.x * x.x + x.y * x.y) <= 0.03 - w.radius[i] + 1e-12);
+            }
+            assert_int_equal(dem_run(&w, step, DEM_LINEAR), DEM_OK);
+        }
+        for (ptrdiff_t k = 0; k < w.passed_count; k++) gone += RIDDLE_PI / 6.0 * pow(w.passed[k].diameter, 3.0) * 2500.0;
+        double here = 0.0;
+        ptrdiff_t present = 0;
+        for (ptrdiff_t i = 0; i < w.count; i++) here += w.alive[i] ? w.mass[i] : 0.0, present += w.alive[i];
+        near_relative(here + gone, feed.placed_mass, 1e-12, "mass placed, present and passed");
+        assert_int_equal(present + w.passed_count, feed.placed);
+        assert_true(w.passed_count > 0);
+        if (by_mass) near_absolute(feed.placed_mass, mass_flow * 25 * step, 0.5 * 2500.0 * RIDDLE_PI / 6.0 * 64e-9, "mass flow");
+        else assert_int_equal(feed.placed, 1543);
+        dem_free(&w);
+    }
+}
+
+/* What cannot be placed stays due, and the sizes keep their shares: the large ones are not passed over. */
+static void test_feed_waits(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = plain_def(NULL);
+    def.gravity = v3(0, 0, 0);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    dem_feed feed = dem_default_feed();
+    const double d[2] = {2e-3, 8e-3}, share[2] = {0.5, 0.5};
+    feed.region = dem_box_region(v3(0, 0, 0), v3(0.02, 0.02, 0.0)); /* a face */
+    feed.sizes = dem_size_list(2, d, share, 0);
+    feed.velocity = v3(0, 0, 4.0);
+    assert_int_equal(dem_feed_number(&w, &feed, 1e5, 1e-3), DEM_OK);
+    assert_true(feed.placed < 20 && feed.due > 79.0 && feed.waiting > 0.0);
+    near_absolute((double)feed.placed + feed.due, 100.0, 1e-9, "placed and due");
+    const ptrdiff_t first = feed.placed;
+    assert_int_equal(dem_feed_number(&w, &feed, 0.0, 1.0), DEM_OK); /* no place yet for the large one that waits */
+    assert_true(feed.placed == first && feed.waiting == 8e-3);
+    for (int k = 0; k < 200; k++) {
+        assert_int_equal(dem_run(&w, 2e-3, DEM_LINEAR), DEM_OK);
+        assert_int_equal(dem_feed_number(&w, &feed, 1e3, 2e-3), DEM_OK);
+    }
+    near_absolute((double)feed.placed + feed.due, 500.0, 1e-9, "placed and due");
+    assert_true(feed.due < 2.0);
+    int large = 0;
+    for (ptrdiff_t i = 0; i < w.count; i++) large += w.radius[i] > 3e-3;
+    near_absolute(large / 499.0, 0.5, 0.09, "share of large ones");
+    dem_free(&w);
+}
+
+/* A copy of the source beside the saved world: the restart goes on with the same bits. */
+static void test_feed_restarts(void **state) {
+    (void)state;
+    dem_world w = plain_world(), copy;
+    dem_feed feed = dem_default_feed(), kept;
+    assert_true(dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1)) >= 0);
+    feed.region = dem_box_region(v3(0, 0, 0.01), v3(0.01, 0.01, 0.02));
+    feed.sizes = dem_rosin_rammler_sizes(1.5e-3, 3.0, 0.7e-3, 3e-3, 1);
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    for (int k = 0; k < 40; k++) {
+        if (k == 20) {
+            size = dem_save(&w, NULL, 0);
+            bytes = malloc(size);
+            assert_true(bytes && dem_save(&w, bytes, size) == size);
+            kept = feed;
+        }
+        assert_int_equal(dem_feed_mass(&w, &feed, 0.002, 0.002), DEM_OK);
+        assert_int_equal(dem_run(&w, 0.002, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    }
+    assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+    for (int k = 20; k < 40; k++) {
+        assert_int_equal(dem_feed_mass(&copy, &kept, 0.002, 0.002), DEM_OK);
+        assert_int_equal(dem_run(&copy, 0.002, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    }
+    assert_true(w.count > 20 && dem_hash(&w) == dem_hash(&copy));
+    assert_memory_equal(&feed, &kept, sizeof feed);
+    free(bytes);
+    dem_free(&w);
+    dem_free(&copy);
+}
+
+/* ---- removing ---- */
+
+static void test_remove_and_ledger(void **state) {
+    (void)state;
+    dem_world w = plain_world();
+    dem_feed feed = dem_default_feed();
+    assert_true(dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1)) >= 0);
+    assert_true(dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 0.012, 1) >= 0);
+    feed.region = dem_cylinder_region(v3(0, 0, 0.03), v3(0, 0, 1), 0.01, 0.012);
+    feed.sizes = dem_one_size(2e-3);
+    ptrdiff_t removed = 0, present = 0;
+    for (int k = 0; k < 120; k++) {
+        const dem_region top = dem_box_region(v3(-1, -1, 0.004), v3(1, 1, 0.01)), drop = dem_sphere_region(v3(0.004, 0, 0.002), 0.004);
+        assert_int_equal(dem_feed_number(&w, &feed, 20000.0, 0.001), DEM_OK);
+        assert_int_equal(dem_run(&w, 0.001, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+        if (k % 10 == 9) {
+            const ptrdiff_t before = w.count - w.dropped__, n = dem_remove_region(&w, k % 20 == 9 ? &top : &drop);
+            assert_true(n >= 0 && before - n == w.count - w.dropped__);
+            removed += n;
+        }
+    }
+    for (ptrdiff_t i = 0; i < w.count; i++) present += w.alive[i];
+    assert_true(removed > 100 && present > 100);
+    assert_int_equal(present + removed, feed.placed);
+    const dem_energy_ledger e = dem_energy(&w);
+    assert_true(e.added > 0.0 && e.removed > 0.0);
+    near_absolute(e.error, 0.0, 2e-3 * e.added, "ledger");
+    const dem_region all = dem_sphere_region(v3(0, 0, 0), 10.0);
+    assert_int_equal(dem_remove_region(&w, &all), present);
+    assert_int_equal(dem_contact_count(&w), 0);
+    assert_int_equal(dem_run(&w, 0.001, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+    const dem_energy_ledger end = dem_energy(&w);
+    assert_true(end.kinetic == 0.0 && end.potential == 0.0 && w.count == 0);
+    near_absolute(end.error, 0.0, 2e-3 * end.added, "ledger of an empty world");
+    dem_free(&w);
+}
+
+/* ---- regions ---- */
+
+static void test_regions(void **state) {
+    (void)state;
+    const dem_region box = dem_box_region(v3(-1, 0, 2), v3(1, 3, 2.5)), cylinder = dem_cylinder_region(v3(0, 0, 1), v3(0, -2, 0), 3.0, 0.5),
+                     ball = dem_sphere_region(v3(1, 1, 1), 2.0);
+    near_relative(dem_region_volume(&box), 3.0, 1e-15, "box");
+    near_relative(dem_region_volume(&cylinder), RIDDLE_PI * 0.75, 1e-15, "cylinder");
+    near_relative(dem_region_volume(&ball), RIDDLE_PI * 32.0 / 3.0, 1e-15, "sphere");
+    assert_true(dem_region_holds(&box, v3(1, 3, 2)) && !dem_region_holds(&box, v3(1.0001, 1, 2)));
+    assert_true(dem_region_holds(&cylinder, v3(0.4, -2.9, 1.2)) && !dem_region_holds(&cylinder, v3(0.4, 0.1, 1.2)) &&
+                !dem_region_holds(&cylinder, v3(0.4, -1, 1.31)));
+    assert_true(dem_region_holds(&ball, v3(1, 1, 3)) && !dem_region_holds(&ball, v3(1, 2.3, 2.6)));
+    const dem_region wrong[] = {dem_box_region(v3(1, 0, 0), v3(0, 1, 1)),
+                                dem_box_region(v3(nan_, 0, 0), v3(0, 1, 1)),
+                                dem_box_region(v3(0, 0, 0), v3(inf, 1, 1)),
+                                dem_sphere_region(v3(0, 0, 0), -1.0),
+                                dem_sphere_region(v3(0, 0, 0), nan_),
+                                dem_cylinder_region(v3(0, 0, 0), v3(0, 0, 0), 1.0, 1.0),
+                                dem_cylinder_region(v3(0, 0, 0), v3(0, 0, 1), -1.0, 1.0)};
+    dem_world w = plain_world();
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        dem_feed feed = dem_default_feed();
+        feed.region = wrong[k];
+        assert_true(isnan(dem_region_volume(&wrong[k])) && !dem_region_holds(&wrong[k], v3(0, 0, 0)));
+        assert_int_equal(dem_remove_region(&w, &wrong[k]), -(int)DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    }
+    assert_true(isnan(dem_region_volume(NULL)) && !dem_region_holds(NULL, v3(0, 0, 0)));
+    dem_free(&w);
+}
+
+/* ---- hostile input ---- */
+
+static void test_bad_feeds(void **state) {
+    (void)state;
+    dem_world w = plain_world(), empty;
+    memset(&empty, 0, sizeof empty);
+    dem_feed feed = dem_default_feed(), f;
+    assert_int_equal(dem_fill(NULL, &feed, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill(&empty, &feed, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill(&w, NULL, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill(&w, &feed, -1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill(&w, &feed, PTRDIFF_MAX), DEM_TOO_MANY);
+    assert_int_equal(dem_fill_mass(&w, &feed, nan_), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_mass(&w, &feed, inf), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill_mass(&w, &feed, 1e300), DEM_TOO_MANY);
+    assert_int_equal(dem_feed_mass(&w, &feed, -1.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_feed_mass(&w, &feed, 1.0, nan_), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_feed_number(&w, &feed, inf, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_feed_number(&w, &feed, 1e200, 1e200), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_remove_region(NULL, &feed.region), -(int)DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_remove_region(&w, NULL), -(int)DEM_BAD_ARGUMENT);
+    for (int k = 0; k < 9; k++) {
+        f = feed;
+        if (k == 0) f.material = 1;
+        if (k == 1) f.material = -1;
+        if (k == 2) f.tries = 0;
+        if (k == 3) f.velocity.y = nan_;
+        if (k == 4) f.scatter.z = -1.0;
+        if (k == 5) f.sizes = dem_one_size(1e-300); /* its mass is no number */
+        if (k == 6) f.sizes.kind = (dem_size_kind)9;
+        if (k == 7) f.region.kind = (dem_region_kind)9;
+        if (k == 8) f.waiting = nan_;
+        assert_int_equal(dem_fill(&w, &f, 1), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_feed_number(&w, &f, 1.0, 1.0), DEM_BAD_ARGUMENT);
+    }
+    assert_int_equal(w.count, 0);
+    f = feed; /* enormous and far away */
+    f.region = dem_box_region(v3(-1e90, -1e90, -1e90), v3(1e90, 1e90, 1e90));
+    f.sizes = dem_one_size(1e10);
+    assert_int_equal(dem_fill(&w, &f, 10), DEM_OK);
+    assert_int_equal(w.count, 10);
+    assert_int_equal(dem_fill(&w, &f, 0), DEM_OK);
+    assert_int_equal(dem_fill_mass(&w, &f, 0.0), DEM_OK);
+    assert_int_equal(w.count, 10);
+    dem_free(&w);
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    for (int k = 0;; k++) {
+        failing_allocator memory;
+        failing_init_at(&memory, k);
+        const dem_allocator hook = {failing_fn, &memory};
+        dem_def def = plain_def(&hook);
+        dem_world w;
+        dem_feed feed = dem_default_feed(), before = feed;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        dem_status status = dem_fill(&w, &feed, 100);
+        if (status == DEM_OK) {
+            before = feed;
+            status = dem_feed_mass(&w, &feed, 0.01, 0.1);
+        }
+        assert_true(status == DEM_OK || status == DEM_OUT_OF_MEMORY);
+        assert_int_equal(w.count, status == DEM_OK ? feed.placed : before.placed);
+        if (status != DEM_OK) assert_memory_equal(&feed, &before, sizeof feed);
+        dem_free(&w);
+        assert_int_equal(failing_live(&memory), 0);
+        if (!memory.has_failed) break;
+        assert_true(k < 50);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_near_pairs_of_any_size),
+        cmocka_unit_test(test_strays_do_not_spoil_the_cells),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_bad_sizes),
+        cmocka_unit_test(test_fill),
+        cmocka_unit_test(test_fill_among_others),
+        cmocka_unit_test(test_fill_tells_what_it_missed),
+        cmocka_unit_test(test_feed_in_time),
+        cmocka_unit_test(test_feed_waits),
+        cmocka_unit_test(test_feed_restarts),
+        cmocka_unit_test(test_remove_and_ledger),
+        cmocka_unit_test(test_regions),
+        cmocka_unit_test(test_bad_feeds),
+        cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests_name("dem_feed", tests, NULL, NULL);
+}
