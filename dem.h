@@ -3973,6 +3973,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem__draw_due(w, &after, number, mass, most, radius);
     if (at_once) dem__sort_sizes(radius, n);
     dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
+    const ptrdiff_t present = room.count;
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const double m = dem__sphere_mass(w, feed->material, radius[k]);
         dem_vec x;
@@ -3991,17 +3992,24 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
             continue;
         }
         dem__settle_in(&room, x, radius[k]);
-        for (int a = 0; a < 3; a++) {
-            centre[3 * placed + a] = (&x.x)[a];
-            velocity[3 * placed + a] = (&feed->velocity.x)[a] + (&feed->scatter.x)[a] * (2.0 * dem__uniform(&after.random) - 1.0);
-        }
-        radius[placed++] = 2.0 * radius[k]; /* from here on diameters */
         after.placed_mass += m;
         if (mass < HUGE_VAL) after.due_mass -= at_once ? 0.0 : m;
         else after.due -= at_once ? 0.0 : 1.0;
     }
+    /* neighbours in space become neighbours in memory */
+    double *diameter = radius;
+    for (ptrdiff_t c = 0; c < room.cells && status == DEM_OK; c++) {
+        for (int32_t q = room.head[c]; q >= present; q = room.next[q]) {
+            diameter[placed] = 2.0 * room.radius[q];
+            for (int a = 0; a < 3; a++) {
+                centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
+                velocity[3 * placed + a] = (&feed->velocity.x)[a] + (&feed->scatter.x)[a] * (2.0 * dem__uniform(&after.random) - 1.0);
+            }
+            placed++;
+        }
+    }
     if (room.centre) memory.fn(memory.user, room.centre, room.bytes, 0);
-    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, radius, feed->material, feed->group);
+    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
         dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
                        dem_vec3(0.0, 0.0, 0.0));
