@@ -1,0 +1,240 @@
+/* dem.h: what a particle-step costs as the number of spheres and the range of their sizes grow.
+
+   Gas: spheres lie at random in a periodic box, 0.3 of it solid, fly about at 0.2 m/s on average, hit each other with restitution 0.8 and
+   friction 0.3, and cool. The smallest are 1 mm. Sizes: equal, or diameters spread evenly between the smallest and the largest, by number (as
+   many of each) or by mass (most are small). Bed: the settled bed of 20 000 spheres of dem_beds at rest, n x n times side by side, 4.9 contacts
+   a sphere. A step is 1/20 of the duration of the smallest spheres' contacts. Figure of merit: processor time per particle-step, the median
+   of repeats, over that of 20 000 equal spheres in the same state. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "dem.h"
+
+enum { POINTS_MAX = 24, REPEATS_MAX = 9, BASE = 20000 };
+static const double smallest = 1e-3, speed = 0.2, solid = 0.3;
+
+typedef struct point {
+    int spheres, by_mass, bed, steps; /* bed: copies along x and y; 0: gas */
+    double ratio, step_s, fill_s, contacts, looks, steps_a_list, bytes;
+} point;
+
+typedef struct memory {
+    double now, most;
+} memory;
+
+static void *counted(void *user, void *old, size_t old_size, size_t new_size) {
+    memory *m = user;
+    void *fresh = new_size ? realloc(old, new_size) : NULL;
+    if (!new_size) free(old);
+    if (fresh || !new_size) m->now += (double)new_size - (double)old_size;
+    m->most = fmax(m->most, m->now);
+    return fresh;
+}
+
+/* A box that holds so many spheres of a distribution at the solid share wanted, filled. */
+static dem_status fill(dem_world *world, const point *p, uint64_t seed, memory *used) {
+    dem_def def = dem_default_def();
+    dem_feed feed = dem_default_feed();
+    double volume = 0.0;
+    const int material = dem_add_material(&def, 2500.0, 1e8, 0.2);
+    feed.sizes = dem_uniform_sizes(smallest, p->ratio * smallest, p->by_mass);
+    feed.random = seed;
+    feed.scatter = dem_vec3(speed, speed, speed);
+    for (int k = 0; k < p->spheres; k++) {
+        const double d = dem_draw_size(&feed.sizes, &seed);
+        volume += RIDDLE_PI / 6.0 * d * d * d;
+    }
+    const double side = riddle_cbrt(volume / solid);
+    dem_pair(&def, material, material)->stiffness = 1e3;
+    def.gravity = dem_vec3(0.0, 0.0, 0.0);
+    def.high = dem_vec3(side, side, side);
+    for (int a = 0; a < 3; a++) def.periodic[a] = 1;
+    def.allocator.fn = counted;
+    def.allocator.user = used;
+    feed.region = dem_box_region(def.low, def.high);
+    dem_status status = dem_init(world, &def, NULL);
+    if (status == DEM_OK) status = dem_fill(world, &feed, p->spheres);
+    if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, DEM_LINEAR, 1.0).contact / 20.0);
+    return status;
+}
+
+/* The bed of 20 000, copied. */
+static dem_status lay(dem_world *world, const point *p, memory *used) {
+    dem_def def = dem_default_def();
+    char path[1000], message[400];
+    csv_data data;
+    const int material = dem_add_material(&def, 2534.0, 1e8, 0.2);
+    const double side = 0.14, diameter = 5e-3;
+    dem_pair(&def, material, material)->restitution = 0.78;
+    def.periodic[0] = def.periodic[1] = 1;
+    def.high = dem_vec3(p->bed * side, p->bed * side, 1.0);
+    def.allocator.fn = counted;
+    def.allocator.user = used;
+    dem_status status = dem_init(world, &def, NULL);
+    if (csv_read(output_find(path, sizeof path, "tests/reference/beds/settled_20000.csv"), &data, message, sizeof message) != 0) {
+        common_fail("%s", message);
+        return DEM_BAD_DATA;
+    }
+    if (status == DEM_OK && dem_add_plane(world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_TOO_MANY;
+    for (int copy = 0; copy < p->bed * p->bed; copy++) {
+        for (int row = 0; row < data.rows && status == DEM_OK; row++) {
+            const double centre[3] = {csv_value(&data, row, "x") + copy % p->bed * side, csv_value(&data, row, "y") + copy / p->bed * side,
+                                      csv_value(&data, row, "z")};
+            status = dem_add_spheres(world, 1, centre, &diameter, material, 0);
+        }
+    }
+    csv_free(&data);
+    if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, DEM_LINEAR, 1.0).contact / 20.0);
+    return status;
+}
+
+static double median(double *values, int n) {
+    for (int i = 1; i < n; i++) {
+        const double v = values[i];
+        int k = i;
+        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
+        values[k] = v;
+    }
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+static int measure(point *p, int repeats, const program *self, progress *bar) {
+    enum { CHUNK = 50 };
+    double times[REPEATS_MAX];
+    memory used = {0.0, 0.0};
+    dem_world world;
+    memset(&world, 0, sizeof world);
+    p->fill_s = machine_processor_seconds();
+    dem_status status = p->bed ? lay(&world, p, &used) : fill(&world, p, self->seed, &used);
+    p->fill_s = machine_processor_seconds() - p->fill_s;
+    if (status == DEM_OK) status = dem_run(&world, CHUNK * world.def.dt, DEM_LINEAR | DEM_FRICTION); /* the arrays grow */
+    const int64_t steps0 = world.particle_steps, contacts0 = world.contact_steps, looks0 = world.looks, lists0 = world.rebuilds;
+    for (int k = 0; k < repeats && status == DEM_OK; k++) {
+        const double begun = machine_processor_seconds();
+        const int64_t before = world.particle_steps;
+        for (int done = 0; done < p->steps && status == DEM_OK && !common_interrupted(); done += CHUNK) {
+            status = dem_run(&world, CHUNK * world.def.dt, DEM_LINEAR | DEM_FRICTION);
+            progress_add(bar, (double)CHUNK * p->spheres);
+        }
+        times[k] = (machine_processor_seconds() - begun) / (double)(world.particle_steps - before + 1);
+    }
+    if (status == DEM_OK) {
+        const double steps = (double)(world.particle_steps - steps0);
+        p->step_s = median(times, repeats);
+        p->contacts = 2.0 * (double)(world.contact_steps - contacts0) / steps;
+        p->looks = (double)(world.looks - looks0) / steps;
+        p->steps_a_list = repeats * p->steps / fmax((double)(world.rebuilds - lists0), 1.0);
+        p->bytes = used.most / (double)world.count;
+        p->spheres = (int)world.count;
+    }
+    dem_free(&world);
+    return status == DEM_OK ? 0 : common_fail("%d spheres, 1 : %g: %s", p->spheres, p->ratio, dem_status_text(status));
+}
+
+int main(int argc, char **argv) {
+    int most = 1000000, steps = 1000, repeats = 3;
+    double ratio = 20.0;
+    option options[] = {
+        option_int("spheres", "N", &most, BASE, 20000000, "largest number of spheres"),
+        option_double("ratio", "X", &ratio, 1.0, 100.0, "largest over smallest diameter [-]"),
+        option_int("steps", "N", &steps, 50, 1000000, "time steps of 20 000 spheres; more spheres take fewer"),
+        option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; the median is told"),
+    };
+    program self = program_start("dem_scaling", "dem.h: cost of a particle-step over the number of spheres and the range of sizes.",
+                                 options, sizeof options / sizeof *options, argc, argv);
+    if (self.quick && !options[0].given) most = BASE;
+    if (self.quick && !options[2].given) steps = 100, repeats = options[3].given ? repeats : 1;
+    static const int copies[] = {1, 2, 4, 7, 14, 28}; /* 20 000, 80 000, 320 000, 980 000 .. */
+    point points[POINTS_MAX];
+    int n = 0, gases = 0, by_mass = 0; /* beds, gases of equal spheres, of sizes even by number, by mass: where each begins */
+    double work = 0.0;
+    memset(points, 0, sizeof points);
+    for (int gas = 0; gas < 2; gas++) {
+        for (int k = 0; k < 6 && copies[k] * copies[k] * BASE <= most; k++) {
+            points[n].spheres = copies[k] * copies[k] * BASE;
+            points[n].bed = gas ? 0 : copies[k];
+            points[n++].ratio = 1.0;
+        }
+        if (!gas) gases = n;
+    }
+    const int by_number = n;
+    for (int mass = 0; mass < 2; mass++) {
+        if (mass) by_mass = n;
+        for (double r = 1.0; r <= ratio; r = r < ratio ? fmin(r < 5.0 ? 2.5 * r : 2.0 * r, ratio) : 2.0 * ratio) {
+            points[n].spheres = BASE;
+            points[n].by_mass = mass;
+            points[n++].ratio = r;
+        }
+    }
+    for (int k = 0; k < n; k++) {
+        points[k].steps = (int)fmax(50.0, steps / fmax(1.0, points[k].spheres / (5.0 * BASE))) / 50 * 50;
+        work += (double)points[k].steps * points[k].spheres * repeats;
+    }
+    progress bar;
+    progress_begin(&bar, "flying", work);
+    for (int k = 0; k < n && !common_interrupted(); k++) {
+        if (measure(&points[k], repeats, &self, &bar) != 0) return common_exit_status();
+    }
+    progress_end(&bar);
+    if (common_interrupted()) return common_exit_status();
+
+    json *report = json_open(self.json);
+    csv *file = csv_open(self.out, "dem_scaling.csv",
+                         "bed,spheres,size_ratio,by_mass,steps,step_s,over_base,fill_s,contacts,looks,steps_a_list,bytes_a_sphere");
+    table t = table_begin(
+        "state|spheres|sizes|ns a particle-step|over 20 000 equal|contacts a sphere|looks a step|steps a list|bytes a sphere|fill [s]");
+    double count[POINTS_MAX], sizes[POINTS_MAX], over[POINTS_MAX];
+    json_array_begin(report, "points");
+    for (int k = 0; k < n; k++) {
+        const point *p = &points[k];
+        count[k] = p->spheres, sizes[k] = p->ratio, over[k] = p->step_s / points[p->bed ? 0 : gases].step_s;
+        csv_line(file, "%d,%d,%.17g,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
+                 p->step_s, over[k], p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
+        table_cell(&t, "%s", p->bed ? "bed" : "gas");
+        table_cell(&t, "%d", p->spheres);
+        table_cell(&t, p->ratio == 1.0 ? "equal" : "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
+        table_cell(&t, "%.0f", 1e9 * p->step_s);
+        table_cell(&t, "%.2f", over[k]);
+        table_cell(&t, "%.2f", p->contacts);
+        table_cell(&t, "%.2f", p->looks);
+        table_cell(&t, "%.0f", p->steps_a_list);
+        table_cell(&t, "%.0f", p->bytes);
+        table_cell(&t, "%.2f", p->fill_s);
+        json_object_begin(report, NULL);
+        json_string(report, "state", p->bed ? "bed" : "gas");
+        json_integer(report, "spheres", p->spheres);
+        json_number(report, "size_ratio", p->ratio);
+        json_bool(report, "by_mass", p->by_mass);
+        json_number(report, "particle_step_s", p->step_s);
+        json_number(report, "over_base", over[k]);
+        json_number(report, "bytes_per_sphere", p->bytes);
+        json_number(report, "fill_s", p->fill_s);
+        json_object_end(report);
+    }
+    json_array_end(report);
+    table_end(&t);
+    csv_close(file);
+    plot *figure = plot_new("Cost of a particle-step, one core", 1, 2);
+    plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
+    plot_log_x(figure);
+    plot_range_y(figure, 0.0, 3.0);
+    plot_horizontal(figure, "1.5", 1.5);
+    plot_line(figure, "bed at rest", count, over, gases);
+    plot_style(figure, PLOT_MARKED, PLOT_SAME);
+    plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
+    plot_style(figure, PLOT_MARKED, PLOT_SAME);
+    plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
+    plot_log_x(figure);
+    plot_range_y(figure, 0.0, 3.0);
+    plot_horizontal(figure, "1.5", 1.5);
+    plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
+    plot_style(figure, PLOT_MARKED, PLOT_SAME);
+    plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
+    plot_style(figure, PLOT_MARKED, PLOT_SAME);
+    plot_write(figure, self.out, "dem_scaling.svg");
+    json_program(report, &self);
+    json_close(report);
+    return common_exit_status();
+}
