@@ -3,442 +3,137 @@
    1.41 kg of spheres of 5, 7 and 10 mm lie well mixed on the floor of a feed bin. At t = 0 the floor is taken away; they fall onto a
    woven screen with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. Printed and drawn is the
    fraction retained per class over time, for one seed or as mean and interval of several, each a mixture of its own.
-   What the paper leaves open (diameter of the deck, drop height, outlet, profile of the bars, damping convention) is an option here;
+   Studies made of such runs: all 27 cases of the paper's table 5, a case and its neighbours, what moisture changes, and what the paper
+   leaves open (diameter of the deck, drop height, outlet, profile of the bars, damping convention), which is an option each;
    docs/batch_screening.md says why the defaults are what they are. */
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "common.h"
-#include "wet_contact.h"
+#include "screening_scene.h"
 
-enum { SMALL, NEAR_MESH, LARGE, CLASSES, UNDERSIZE = 2 };
-static const double class_diameter[CLASSES] = {0.005, 0.007, 0.010};
-static const char *const class_name[CLASSES] = {"small (5 mm)", "near-mesh (7 mm)", "large (10 mm)"};
-static const double GLASS = 2534.1, WATER = 1000.0; /* [kg/m3] */
-static const double SAMPLE = 0.1, WATCH = 0.02;     /* between points of the curves, between looks at the layers [s] */
+/* ---- a study: variants, each with several seeds ---- */
 
-/* ---- input ---- */
+enum { VARIANTS_MAX = CASES, NAME = 32 };
+static const double CURVE_STEP = 0.5; /* of the table of all curves [s] */
 
-typedef struct settings {
-    double amplitude, frequency;                                  /* set amplitude [m], [Hz] */
-    double time, dt_ratio;                                        /* [s]; contact time over time step */
-    double mass, screen_diameter, drop, outlet_delay, exit_depth; /* [kg], [m], [m], [s], [m] */
-    double vertical, sideways;                                    /* share of the set amplitude */
-    double moisture;                                              /* mass of liquid over mass of particles [-] */
-    int profile, restitution, seeds, case_number, laws;
-    bool frames, energy;
-} settings;
+typedef struct variant {
+    settings set;
+    char name[NAME];
+} variant;
 
-static void choose_case(settings *s, int number) {
-    static const double amplitude[3] = {0.8e-3, 1.0e-3, 1.2e-3}, frequency[3] = {45.8, 50.6, 55.4}, moisture[3] = {0.0, 0.025, 0.05};
-    s->case_number = number;
-    s->moisture = moisture[(number - 1) / 9];
-    s->amplitude = amplitude[(number - 1) / 3 % 3];
-    s->frequency = frequency[(number - 1) % 3];
-}
-
-/* ---- definition ---- */
-
-static dem_def define(const settings *s, int *glass, int *steel) {
-    dem_def def = dem_default_def();
-    *glass = dem_add_material(&def, GLASS, 5.0e10, 0.2);
-    *steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
-    dem_pair_def *gg = dem_pair(&def, *glass, *glass), *gs = dem_pair(&def, *glass, *steel);
-    gg->friction = 0.1966, gg->rolling = 8.95e-5, gg->restitution = 0.7808;
-    gs->friction = 0.2866, gs->rolling = 1.09e-4, gs->restitution = 0.4351;
-    gg->mode = gs->mode = s->restitution ? DEM_NAIVE : DEM_CLIPPED;
-    return def;
-}
-
-/* splitmix64 */
-static double random_share(uint64_t *state) {
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-typedef struct batch {
-    int n;
-    double *centre, *diameter; /* [n][3], [n] */
-    int *group;                /* [n] */
-} batch;
-
-static void free_batch(batch *b) {
-    free(b->centre);
-    free(b->diameter);
-    free(b->group);
-    memset(b, 0, sizeof *b);
-}
-
-/* One third of the mass of each class, diameters +-0.1 mm, in random order. */
-static int mix_batch(batch *b, const settings *s, uint64_t *random) {
-    int count[CLASSES], n = 0;
-    for (int c = 0; c < CLASSES; c++) {
-        const double d = class_diameter[c];
-        count[c] = (int)(s->mass / 3.0 / (RIDDLE_PI / 6.0 * d * d * d * GLASS) + 0.5);
-        n += count[c];
-    }
-    b->n = n;
-    b->centre = calloc((size_t)n + 1, 3 * sizeof *b->centre);
-    b->diameter = calloc((size_t)n + 1, sizeof *b->diameter);
-    b->group = calloc((size_t)n + 1, sizeof *b->group);
-    if (!b->centre || !b->diameter || !b->group) return -1;
-    for (int c = 0, i = 0; c < CLASSES; c++) {
-        for (int k = 0; k < count[c]; k++) b->group[i++] = c;
-    }
-    for (int i = n - 1; i > 0; i--) {
-        const int k = (int)(random_share(random) * (i + 1)), t = b->group[i];
-        b->group[i] = b->group[k], b->group[k] = t;
-    }
-    for (int i = 0; i < n; i++) b->diameter[i] = class_diameter[b->group[i]] + 1e-4 * (2.0 * random_share(random) - 1.0);
-    return 0;
-}
-
-/* ---- state ---- */
-
-/* Mass of the batch [kg]. */
-static double batch_mass(const batch *b) {
-    double mass = 0.0;
-    for (int i = 0; i < b->n; i++) mass += GLASS * RIDDLE_PI / 6.0 * b->diameter[i] * b->diameter[i] * b->diameter[i];
-    return mass;
-}
-
-/* Places in random order on a grid over the floor of the bin, z = 0, whose solid fraction is 0.4: the large ones overlap. */
-static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
-    const double pitch = cbrt(batch_mass(b) / GLASS / b->n / 0.4);
-    const int reach = (int)(radius / pitch) + 1;
-    for (int layer = 0, i = 0; i < b->n; layer++) {
-        const int before = i;
-        for (int p = -reach; p <= reach; p++) {
-            for (int q = -reach; q <= reach && i < b->n; q++) {
-                const double x = pitch * p, y = pitch * q, jitter = 0.3 * pitch;
-                if (sqrt(x * x + y * y) + 0.5 * pitch > radius) continue;
-                b->centre[3 * i] = x + jitter * (2.0 * random_share(random) - 1.0);
-                b->centre[3 * i + 1] = y + jitter * (2.0 * random_share(random) - 1.0);
-                b->centre[3 * i + 2] = pitch * (layer + 0.5);
-                i++;
-            }
-        }
-        if (i == before) return DEM_BAD_ARGUMENT; /* not one sphere fits the bin */
-    }
-    return DEM_OK;
-}
-
-/* Root of the mean square velocity, by mass [m/s]. */
-static double rms_speed(const dem_world *world) {
-    double mass = 0.0, sum = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        const dem_vec v = dem_velocity(world, i);
-        mass += world->mass[i];
-        sum += world->mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
-    }
-    return mass > 0.0 ? sqrt(sum / mass) : 0.0;
-}
-
-/* Lets the batch come to rest on the floor, slower than `quiet` [m/s], with little restitution and a stiffness at which the bed's weight
-   makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft spheres are swollen by twice that share, so that the true ones
-   just do not overlap; what does at the start is pushed apart without gaining speed. */
-static dem_status settle(batch *b, const settings *s, double overlap, double friction, double quiet) {
-    enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
-    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-    const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
-    int glass, steel;
-    dem_def def = define(s, &glass, &steel);
-    const double stiffness = fmin(fmax(pressure * class_diameter[SMALL] / overlap, 200.0), dem_pair(&def, glass, glass)->stiffness);
-    dem_world world;
-    for (int k = 0; k < 2; k++) {
-        dem_pair_def *pair = dem_pair(&def, glass, k ? steel : glass);
-        pair->restitution = 0.3, pair->mode = DEM_CLIPPED;
-        pair->friction *= friction, pair->rolling *= friction;
-        pair->stiffness = stiffness;
-    }
-    dem_status status = dem_init(&world, &def, NULL);
-    for (int i = 0; i < b->n && status == DEM_OK; i++) {
-        const double diameter = (1.0 + 2.0 * overlap) * b->diameter[i];
-        status = dem_add_spheres(&world, 1, &b->centre[3 * i], &diameter, glass, 0);
-    }
-    if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_BAD_ARGUMENT;
-    if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0)
-        status = DEM_BAD_ARGUMENT;
-    const double dt = dem_advise(&world, DEM_LINEAR, 1.0).contact / STEPS_PER_CONTACT;
-    if (status == DEM_OK) status = dem_set_time_step(&world, dt);
-    for (int push = 0; push < PUSHES && status == DEM_OK; push++) {
-        status = dem_run(&world, PUSH_STEPS * dt, features);
-        for (int i = 0; i < b->n && status == DEM_OK; i++) status = dem_set_motion(&world, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0));
-    }
-    double speed = HUGE_VAL;
-    while (speed > quiet && world.time < 1.0 && status == DEM_OK && !common_interrupted()) {
-        status = dem_run(&world, 0.005, features);
-        speed = rms_speed(&world);
-    }
-    for (int i = 0; i < b->n && status == DEM_OK; i++) {
-        const dem_vec x = dem_position(&world, i);
-        b->centre[3 * i] = x.x, b->centre[3 * i + 1] = x.y, b->centre[3 * i + 2] = x.z;
-    }
-    dem_free(&world);
-    return status;
-}
-
-/* The batch at rest in the bin, from soft spheres in large steps to the true ones. Half the friction at first makes up for the fall of a
-   batch that is poured: the solid fraction is that of one that fell from 0.1 m. */
-static dem_status fill_bin(batch *b, const settings *s, uint64_t *random) {
-    dem_status status = stack_layers(b, 0.5 * s->screen_diameter, random);
-    if (status == DEM_OK) status = settle(b, s, 5e-3, 0.5, 0.02);
-    if (status == DEM_OK) status = settle(b, s, 2.5e-4, 1.0, 0.01);
-    if (status == DEM_OK) status = settle(b, s, 0.0, 1.0, 0.01);
-    return status;
-}
-
-/* The screen, its side wall, and the plane below at which passage counts; the batch at rest, `drop` above the bars. */
-static dem_status build(dem_world *world, const batch *b, const settings *s, int *deck) {
-    int glass, steel;
-    dem_def def = define(s, &glass, &steel);
-    def.dt = 1e-6;
-    const char *field;
-    dem_status status = dem_init(world, &def, &field);
-    if (status != DEM_OK) return status;
-    dem_screen screen = dem_default_screen();
-    screen.half_x = 0.5 * s->screen_diameter;
-    screen.profile = s->profile ? DEM_ROUND : DEM_SEMICIRCLE;
-    *deck = dem_add_screen(world, steel, &screen);
-    const int wall = dem_add_cylinder(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1);
-    const int way_out = dem_add_exit(world, dem_vec3(0, 0, -s->exit_depth), dem_vec3(0, 0, 1));
-    if (*deck < 0 || wall < 0 || way_out < 0) status = DEM_BAD_ARGUMENT;
-    const dem_vec amplitude = dem_vec3(s->sideways * s->amplitude, 0, s->vertical * s->amplitude), phase = dem_vec3(0.5 * RIDDLE_PI, 0, 0);
-    if (status == DEM_OK) status = dem_vibrate(world, *deck, amplitude, phase, s->frequency);
-    if (status == DEM_OK) status = dem_vibrate(world, wall, amplitude, phase, s->frequency);
-    for (int i = 0; i < b->n && status == DEM_OK; i++) {
-        const double centre[3] = {b->centre[3 * i], b->centre[3 * i + 1], b->centre[3 * i + 2] + 0.5 * screen.wire + s->drop};
-        status = dem_add_spheres(world, 1, centre, &b->diameter[i], glass, b->group[i]);
-    }
-    const double dt = dem_advise(world, DEM_LINEAR, 1.0).contact / s->dt_ratio;
-    if (status == DEM_OK) status = dem_set_time_step(world, dt);
-    return status;
-}
-
-/* ---- measurement ---- */
-
-typedef struct result {
-    dem_status status;
-    int samples;                 /* points of the curves */
-    double *retained[UNDERSIZE]; /* [samples], share of the class's mass */
-    double *free_share, *occupied_share;
-    double top_time[UNDERSIZE]; /* mean time in the top layer [s] */
-    double dt, energy_error;
-    double liquid_error, bridges_mean, liquid_passed;
-    int64_t steps, particle_steps, contact_steps, ruptures;
-    uint64_t hash, failed_id;
-    dem_wall deck;
-} result;
-
-/* Which undersize particles are in the top layer: the body of another stands in their way down to the mesh. Notes the time. */
-typedef struct layers {
-    int cells, *head, *next;
-    double reach, *last_top; /* half width of the map [m]; by id: when last seen in the top layer [s] */
-    dem_vec *at;
-} layers;
-
-static int layer_cell(const layers *l, double v) {
-    return (int)fmin(fmax((v + l->reach) / (2.0 * l->reach) * l->cells, 0.0), l->cells - 1.0);
-}
-
-static void watch_layers(layers *l, const dem_world *world, double time) {
-    for (int c = 0; c < l->cells * l->cells; c++) l->head[c] = -1;
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i]) continue;
-        l->at[i] = dem_position(world, i);
-        int *head = &l->head[layer_cell(l, l->at[i].y) * l->cells + layer_cell(l, l->at[i].x)];
-        l->next[i] = *head;
-        *head = (int)i;
-    }
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->group[i] >= UNDERSIZE) continue;
-        const int x = layer_cell(l, l->at[i].x), y = layer_cell(l, l->at[i].y);
-        bool covered = false;
-        for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < l->cells; cy++) {
-            for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < l->cells; cx++) {
-                for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
-                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y, sum = world->radius[i] + world->radius[k];
-                    covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
-                }
-            }
-        }
-        if (covered) l->last_top[world->id[i]] = time;
-    }
-}
-
-static void free_layers(layers *l) { free(l->head), free(l->next), free(l->last_top), free(l->at); }
-
-static int make_layers(layers *l, int n, double reach) {
-    memset(l, 0, sizeof *l);
-    l->cells = (int)fmin(fmax(2.0 * reach / 0.0115, 1.0), 1000.0); /* a cell is wider than two bodies can reach */
-    l->reach = reach;
-    l->head = malloc((size_t)(l->cells * l->cells) * sizeof *l->head);
-    l->next = malloc(((size_t)n + 1) * sizeof *l->next);
-    l->last_top = calloc((size_t)n + 1, sizeof *l->last_top);
-    l->at = malloc(((size_t)n + 1) * sizeof *l->at);
-    return l->head && l->next && l->last_top && l->at ? 0 : -1;
-}
-
-/* Mass of a class, particles and their liquid, that has not reached the outlet's end at a time, over the mass at the start. */
-static double retained(const dem_world *world, const batch *b, const wet_scene *wet, double film, int group, double time, double delay) {
-    double whole = 0.0, gone = 0.0;
-    for (int i = 0; i < b->n; i++) {
-        const double d = b->diameter[i];
-        if (b->group[i] == group) whole += GLASS * RIDDLE_PI / 6.0 * d * d * d + WATER * film * RIDDLE_PI * d * d;
-    }
-    for (ptrdiff_t k = 0; k < world->passed_count; k++) {
-        const dem_passed *p = &world->passed[k];
-        if (p->group != group || p->time + delay > time + 1e-9) continue;
-        gone += GLASS * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter + (wet ? WATER * wet->films.particle[p->id] : 0.0);
-    }
-    return whole > 0.0 ? 1.0 - gone / whole : 0.0;
-}
-
-static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
-    const ptrdiff_t n = world->count;
-    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer);
-    int *group = malloc((size_t)(n + 1) * sizeof *group), m = 0;
-    if (buffer && group) {
-        double *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
-        for (ptrdiff_t i = 0; i < n; i++) {
-            if (!world->alive[i]) continue;
-            const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
-            x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
-            v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-            d[m] = 2.0 * world->radius[i];
-            group[m++] = world->group[i];
-        }
-        const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("class", group)};
-        vtp_points(folder, pvd_name(series, time), m, vtk_vector("position", x), arrays, 3);
-    } else common_fail("out of memory for a frame");
-    free(buffer);
-    free(group);
-}
-
-/* ---- one run ---- */
+typedef enum study_kind { STUDY_ONE, STUDY_CASES, STUDY_VARY, STUDY_MOISTURE, STUDY_SENSITIVITY } study_kind;
 
 typedef struct study {
-    settings set;
-    settings *variants; /* [variants]; the first is `set` */
-    int variant_count;
+    study_kind kind;
+    variant variants[VARIANTS_MAX]; /* the first is what was asked for */
+    int variant_count, seeds, samples;
     uint64_t seed;
-    result *results; /* [variants][seeds] */
+    result *results;        /* [variants][seeds] */
+    int left[VARIANTS_MAX]; /* runs of a variant that are not done, under lock */
+    pthread_mutex_t lock;
+    const program *self;
+    const char *runs; /* folder of the files of single runs, or NULL */
     progress *bar;
     pvd *series;
-    const char *out;
 } study;
 
-static int run_seed(int index, void *user) {
-    study *st = user;
-    const settings *s = &st->variants[index / st->set.seeds];
-    result *r = &st->results[index];
-    uint64_t random = st->seed + (uint64_t)(index % st->set.seeds);
-    batch b;
-    dem_world world;
-    wet_scene *wet = NULL;
-    double film = 0.0, glass = 0.0, area = 0.0; /* thickness [m], mass [kg], surface [m2] */
-    int deck = 0, looks = 0;
-    memset(&b, 0, sizeof b);
-    memset(&world, 0, sizeof world);
-    r->status = mix_batch(&b, s, &random) ? DEM_OUT_OF_MEMORY : fill_bin(&b, s, &random);
-    if (r->status == DEM_OK && !common_interrupted()) r->status = build(&world, &b, s, &deck);
-    for (int i = 0; i < b.n; i++) {
-        glass += GLASS * RIDDLE_PI / 6.0 * b.diameter[i] * b.diameter[i] * b.diameter[i];
-        area += RIDDLE_PI * b.diameter[i] * b.diameter[i];
-    }
-    if (r->status == DEM_OK && s->moisture > 0.0) {
-        film = s->moisture * glass / WATER / area;
-        wet = malloc(sizeof *wet);
-        if (!wet) r->status = DEM_OUT_OF_MEMORY;
-        else if (wet_init(wet, b.n, b.group, b.diameter, class_diameter, s->moisture, glass, deck, &world, s->laws == 1) != BRIDGE_OK)
-            r->status = DEM_BAD_ARGUMENT;
-        world.user = wet;
-    }
+static result *result_of(const study *st, int v, int q) { return &st->results[v * st->seeds + q]; }
 
-    const int n = b.n, features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
-    const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
-    const double arrival = sqrt(2.0 * s->drop / 9.81);
-    layers bed;
-    if (make_layers(&bed, n, 0.5 * s->screen_diameter) && r->status == DEM_OK) r->status = DEM_OUT_OF_MEMORY;
-    for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
-        const double time = k * WATCH;
-        if (k > 0) r->status = wet ? wet_run(&world, WATCH) : dem_run(&world, WATCH, features);
-        if (time >= arrival && r->status == DEM_OK) watch_layers(&bed, &world, time);
-        if (k % every == 0) {
-            const int sample = k / every;
-            const dem_apertures holes = dem_count_apertures(&world, deck);
-            for (int c = 0; c < UNDERSIZE; c++) r->retained[c][sample] = retained(&world, &b, wet, film, c, time, s->outlet_delay);
-            r->free_share[sample] = holes.total ? (double)holes.free / holes.total : 1.0;
-            r->occupied_share[sample] = holes.total ? (double)holes.occupied / holes.total : 0.0;
-            r->samples = sample + 1;
-            if (wet) {
-                int bridges;
-                const double total = wet_total(wet, &world, &bridges);
-                r->liquid_error = fmax(r->liquid_error, fabs(total / wet->initial - 1.0));
-                r->bridges_mean += bridges;
-                looks++;
-            }
-        }
-        if (st->series && index == 0 && k % every == 0) write_frame(&world, st->out, st->series, time);
-        progress_add(st->bar, WATCH);
-    }
-    if (r->status == DEM_OK) {
-        double sum[UNDERSIZE] = {0.0, 0.0};
-        int count[UNDERSIZE] = {0, 0};
-        for (int i = 0; i < n; i++) { /* the bottom layer from the next look on, unless it passed before; never in it: to the end */
-            if (b.group[i] >= UNDERSIZE) continue;
-            sum[b.group[i]] += fmin(fmax(bed.last_top[i] + WATCH - arrival, 0.0), s->time);
-            count[b.group[i]]++;
-        }
-        for (ptrdiff_t k = 0; k < world.passed_count; k++) {
-            const dem_passed *p = &world.passed[k];
-            if (p->group < UNDERSIZE && p->time < bed.last_top[p->id] + WATCH) sum[p->group] -= bed.last_top[p->id] + WATCH - p->time;
-        }
-        for (int c = 0; c < UNDERSIZE; c++) r->top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
-        const dem_energy_ledger e = dem_energy(&world);
-        r->energy_error = s->energy && !wet ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
-        r->dt = world.def.dt;
-        r->steps = world.step;
-        r->particle_steps = world.particle_steps;
-        r->contact_steps = world.contact_steps;
-        r->hash = dem_hash(&world);
-        if (wet) {
-            r->bridges_mean /= looks;
-            r->ruptures = wet->ruptures;
-            for (ptrdiff_t k = 0; k < world.passed_count; k++) r->liquid_passed += WATER * wet->films.particle[world.passed[k].id];
-        }
-    }
-    r->failed_id = world.failed_id;
-    free_layers(&bed);
-    if (wet) wet_free(wet);
-    free(wet);
-    free_batch(&b);
-    dem_free(&world);
-    return r->status != DEM_OK;
+static variant *add_variant(study *st, const settings *set, const char *name) {
+    variant *v = &st->variants[st->variant_count++];
+    v->set = *set;
+    snprintf(v->name, sizeof v->name, "%s", name);
+    return v;
 }
 
-/* ---- output ---- */
-
-/* Mean and standard deviation over the seeds at each sample. */
-static void average(const result *r, int seeds, int samples, size_t curve, double *mean, double *sd) {
-    for (int k = 0; k < samples; k++) {
-        double sum = 0.0, square = 0.0;
-        for (int q = 0; q < seeds; q++) {
-            const double *const curves[] = {r[q].retained[0], r[q].retained[1], r[q].free_share, r[q].occupied_share};
-            sum += curves[curve][k];
-        }
-        mean[k] = sum / seeds;
-        for (int q = 0; q < seeds; q++) {
-            const double *const curves[] = {r[q].retained[0], r[q].retained[1], r[q].free_share, r[q].occupied_share};
-            square += (curves[curve][k] - mean[k]) * (curves[curve][k] - mean[k]);
-        }
-        sd[k] = seeds > 1 ? sqrt(square / (seeds - 1)) : 0.0;
+static int make_results(study *st) {
+    const size_t runs = (size_t)(st->variant_count * st->seeds), samples = (size_t)st->samples;
+    st->results = calloc(runs, sizeof *st->results);
+    for (size_t k = 0; st->results && k < runs; k++) {
+        double *block = calloc(samples, CURVES * sizeof *block);
+        if (!block) return -1;
+        for (size_t c = 0; c < CURVES; c++) st->results[k].curve[c] = block + c * samples;
     }
+    return st->results ? 0 : -1;
 }
+
+/* ---- a run in files: its curves, and then one row of settings and numbers, which tells that it is whole ---- */
+
+static const char *run_file(char *buffer, size_t size, const study *st, int v, int q, const char *end) {
+    snprintf(buffer, size, "%s_seed_%d%s.csv", st->variants[v].name, q + 1, end);
+    for (char *c = buffer; *c; c++)
+        if (*c == ' ') *c = '_';
+    return buffer;
+}
+
+static void list_numbers(const result *r, double *row) {
+    const double all[NUMBERS] = {r->top_time[SMALL], r->top_time[NEAR_MESH], r->dt,    r->energy_error,   r->liquid_error, r->bridges_mean,
+                                 r->ruptures,        r->liquid_passed,       r->steps, r->particle_steps, r->contact_steps};
+    memcpy(row, all, sizeof all);
+}
+
+static void write_run(const study *st, int v, int q) {
+    const result *r = result_of(st, v, q);
+    char name[100], header[200];
+    double row[1 + SETTINGS + NUMBERS];
+    int length = snprintf(header, sizeof header, "time_s");
+    for (int c = 0; c < CURVES; c++) length += snprintf(header + length, sizeof header - (size_t)length, ",%s", curve_name[c]);
+    csv *file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, ""), header);
+    for (int k = 0; k < r->samples; k++) {
+        row[0] = k * SAMPLE;
+        for (int c = 0; c < CURVES; c++) row[1 + c] = r->curve[c][k];
+        csv_row(file, row, 1 + CURVES);
+    }
+    if (csv_close(file)) return;
+    row[0] = (double)(st->seed + (uint64_t)q);
+    list_settings(&st->variants[v].set, row + 1);
+    list_numbers(r, row + 1 + SETTINGS);
+    file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, "_run"), "mixture," SETTINGS_HEADER "," NUMBERS_HEADER);
+    csv_row(file, row, 1 + SETTINGS + NUMBERS);
+    csv_close(file);
+}
+
+/* Whether the run was written before, with the same settings; then it is as if it had been done. */
+static bool read_run(const study *st, int v, int q) {
+    result *r = result_of(st, v, q);
+    char name[100], path[4096], message[300];
+    double wanted[1 + SETTINGS];
+    csv_data data;
+    wanted[0] = (double)(st->seed + (uint64_t)q);
+    list_settings(&st->variants[v].set, wanted + 1);
+    if (csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data, message, sizeof message))
+        return false;
+    bool same = data.rows == 1 && data.columns == 1 + SETTINGS + NUMBERS;
+    for (int k = 0; k < 1 + SETTINGS && same; k++) same = data.values[k] == wanted[k];
+    if (same) {
+        const double *n = data.values + 1 + SETTINGS;
+        r->top_time[SMALL] = n[0], r->top_time[NEAR_MESH] = n[1], r->dt = n[2], r->energy_error = n[3], r->liquid_error = n[4];
+        r->bridges_mean = n[5], r->ruptures = n[6], r->liquid_passed = n[7], r->steps = n[8], r->particle_steps = n[9];
+        r->contact_steps = n[10];
+    }
+    csv_free(&data);
+    if (!same ||
+        csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data, message, sizeof message))
+        return false;
+    if (data.rows == st->samples && data.columns == 1 + CURVES) {
+        for (int k = 0; k < data.rows; k++)
+            for (int c = 0; c < CURVES; c++) r->curve[c][k] = data.values[k * data.columns + 1 + c];
+        r->samples = data.rows;
+        r->done = true;
+    }
+    csv_free(&data);
+    return r->done;
+}
+
+/* ---- statistics ---- */
+
+/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. */
+typedef struct statistics {
+    double mean, sd, interval;
+} statistics;
 
 /* Two-sided 95 % quantile of Student's t; the tabulated values of any textbook. */
 static double student(int freedom) {
@@ -448,282 +143,766 @@ static double student(int freedom) {
     return freedom < 1 ? 0.0 : freedom <= 30 ? t[freedom] : 1.96 + 2.4 / freedom;
 }
 
-static void draw(const study *st, int samples, const double *time, double *const *mean, double *const *sd) {
-    const settings *s = &st->set;
-    char title[120];
-    double *low = malloc((size_t)samples * 2 * sizeof *low), *high = low ? low + samples : NULL;
-    if (!low) return;
+static statistics statistics_of(int n, const double *values) {
+    statistics s = {0.0, 0.0, 0.0};
+    for (int q = 0; q < n; q++) s.mean += values[q] / n;
+    if (n < 2) return s;
+    for (int q = 0; q < n; q++) s.sd += (values[q] - s.mean) * (values[q] - s.mean);
+    s.sd = sqrt(s.sd / (n - 1));
+    s.interval = student(n - 1) * s.sd / sqrt((double)n);
+    return s;
+}
+
+enum { SEEDS_MAX = 1000 };
+
+/* Over the seeds of a variant: a curve at a sample, and its mean over time. */
+static statistics at_sample(const study *st, int v, int curve, int sample) {
+    double values[SEEDS_MAX] = {0.0};
+    for (int q = 0; q < st->seeds; q++) values[q] = result_of(st, v, q)->curve[curve][sample];
+    return statistics_of(st->seeds, values);
+}
+static statistics over_time(const study *st, int v, int curve) {
+    double values[SEEDS_MAX] = {0.0};
+    for (int q = 0; q < st->seeds; q++) {
+        values[q] = 0.0;
+        for (int k = 0; k < st->samples; k++) values[q] += result_of(st, v, q)->curve[curve][k] / st->samples;
+    }
+    return statistics_of(st->seeds, values);
+}
+static statistics top_time(const study *st, int v, int c) {
+    double values[SEEDS_MAX] = {0.0};
+    for (int q = 0; q < st->seeds; q++) values[q] = result_of(st, v, q)->top_time[c];
+    return statistics_of(st->seeds, values);
+}
+
+/* Curves of a variant: mean, and low and high end of what is asked for. */
+typedef struct averages {
+    double *time, *mean[CURVES], *sd[CURVES], *interval[CURVES]; /* [samples], one block */
+} averages;
+
+static int average(const study *st, int v, averages *a) {
+    const size_t n = (size_t)st->samples;
+    a->time = malloc(n * (1 + 3 * CURVES) * sizeof *a->time);
+    if (!a->time) return common_fail("out of memory");
+    for (size_t c = 0; c < CURVES; c++) {
+        a->mean[c] = a->time + n * (1 + 3 * c);
+        a->sd[c] = a->mean[c] + n;
+        a->interval[c] = a->sd[c] + n;
+    }
+    for (int k = 0; k < st->samples; k++) {
+        a->time[k] = k * SAMPLE;
+        for (int c = 0; c < CURVES; c++) {
+            const statistics s = at_sample(st, v, c, k);
+            a->mean[c][k] = s.mean, a->sd[c][k] = s.sd, a->interval[c][k] = s.interval;
+        }
+    }
+    return 0;
+}
+
+/* ---- output of one variant ---- */
+
+static const char *describe(char *text, size_t size, const settings *s) {
     char moisture[32] = "dry";
     if (s->moisture > 0.0) snprintf(moisture, sizeof moisture, "%.3g %% water", 100.0 * s->moisture);
-    snprintf(title, sizeof title, "%.3g mm, %.3g Hz, %s, %d seed%s", 1e3 * s->amplitude, s->frequency, moisture, s->seeds,
-             s->seeds > 1 ? "s" : "");
+    snprintf(text, size, "%.3g mm, %.3g Hz, %s", 1e3 * s->amplitude, s->frequency, moisture);
+    return text;
+}
+
+/* A curve with its band where there are several seeds. */
+static void plot_average(plot *figure, const char *label, const averages *a, int curve, int n, int seeds, int colour, double highest) {
+    double *low = malloc((size_t)n * 2 * sizeof *low), *high = low ? low + n : NULL;
+    plot_line(figure, label, a->time, a->mean[curve], n);
+    plot_style(figure, 0, colour);
+    for (int k = 0; k < n && low; k++) {
+        low[k] = fmax(a->mean[curve][k] - a->interval[curve][k], 0.0);
+        high[k] = fmin(a->mean[curve][k] + a->interval[curve][k], highest);
+    }
+    if (low && seeds > 1) plot_band(figure, NULL, a->time, low, high, n), plot_style(figure, 0, colour);
+    free(low);
+}
+
+static void draw(const study *st, const averages *a) {
+    const settings *s = &st->variants[0].set;
+    char what[100], title[140];
+    snprintf(title, sizeof title, "%s, %d seed%s", describe(what, sizeof what, s), st->seeds, st->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, 1, 1);
+    if (s->scene == SCENE_CLOSED_PLATE) {
+        plot_panel(figure, 0, 0, "time [s]", "deviation of the mean heights h* [m]");
+        plot_average(figure, NULL, a, H_STAR, st->samples, st->seeds, 0, 1.0);
+        plot_write(figure, st->self->out, "h_star.svg");
+        return;
+    }
     plot_panel(figure, 0, 0, "time [s]", "fraction retained [-]");
     plot_range_y(figure, 0.0, 1.02);
-    for (int c = 0; c < UNDERSIZE; c++) {
-        const double t = student(s->seeds - 1) / sqrt((double)s->seeds);
-        plot_line(figure, class_name[c], time, mean[c], samples);
-        if (s->seeds < 2) continue;
-        for (int k = 0; k < samples; k++) low[k] = fmax(mean[c][k] - t * sd[c][k], 0.0), high[k] = fmin(mean[c][k] + t * sd[c][k], 1.0);
-        plot_band(figure, NULL, time, low, high, samples);
-        plot_style(figure, 0, PLOT_SAME);
-    }
-    if (s->case_number == 5 && s->moisture == 0.0) { /* numbers in the text of section 5.1 */
+    for (int c = 0; c < UNDERSIZE; c++) plot_average(figure, class_name[c], a, c, st->samples, st->seeds, c, 1.0);
+    if (s->case_number == 5 && s->scene == SCENE_SCREEN) { /* numbers in the text of section 5.1 */
         const double at[] = {5.0, 10.0}, small[] = {0.13, 0.015}, near_mesh[] = {0.20, 0.10};
         const int n = s->time >= 10.0 ? 2 : s->time >= 5.0 ? 1 : 0;
         if (n) plot_points(figure, "paper, small", at, small, n), plot_style(figure, 0, 0);
         if (n) plot_points(figure, "paper, near-mesh", at, near_mesh, n), plot_style(figure, 0, 1);
     }
-    plot_write(figure, st->out, "retained.svg");
+    plot_write(figure, st->self->out, "retained.svg");
     figure = plot_new("Apertures of the screen", 1, 1);
     plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
     plot_range_y(figure, 0.0, 1.02);
-    plot_line(figure, "free (none wedged)", time, mean[2], samples);
-    plot_line(figure, "a particle sits in it", time, mean[3], samples);
-    plot_write(figure, st->out, "apertures.svg");
-    free(low);
+    plot_line(figure, "free (none wedged)", a->time, a->mean[FREE], st->samples);
+    plot_line(figure, "a particle sits in it", a->time, a->mean[OCCUPIED], st->samples);
+    plot_write(figure, st->self->out, "apertures.svg");
 }
 
-static void report(const program *self, const study *st, int samples, double wall) {
-    const settings *s = &st->set;
-    const result *r = st->results;
-    double *time = malloc((size_t)samples * 9 * sizeof *time), *mean[4], *sd[4], top[UNDERSIZE] = {0, 0}, error = 0.0, steps = 0,
-           particle_steps = 0, contact_steps = 0;
-    if (!time) {
-        common_fail("out of memory");
-        return;
+static void write_averages(const study *st, const averages *a, const char *name) {
+    csv *curves = csv_open(st->self->out, name,
+                           "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,"
+                           "occupied_fraction,h_star_m,h_star_sd_m");
+    for (int k = 0; k < st->samples; k++) {
+        const double row[] = {a->time[k],       a->mean[SMALL][k],    a->sd[SMALL][k],    a->mean[NEAR_MESH][k], a->sd[NEAR_MESH][k],
+                              a->mean[FREE][k], a->mean[OCCUPIED][k], a->mean[H_STAR][k], a->sd[H_STAR][k]};
+        csv_row(curves, row, 9);
     }
-    for (int k = 0; k < samples; k++) time[k] = k * SAMPLE;
-    for (size_t c = 0; c < 4; c++) {
-        mean[c] = time + (size_t)samples * (1 + 2 * c);
-        sd[c] = mean[c] + samples;
-        average(r, s->seeds, samples, c, mean[c], sd[c]);
-    }
-    for (int q = 0; q < s->seeds; q++) {
-        for (int c = 0; c < UNDERSIZE; c++) top[c] += r[q].top_time[c] / s->seeds;
-        error = fmax(error, r[q].energy_error);
-        steps += (double)r[q].steps, particle_steps += (double)r[q].particle_steps, contact_steps += (double)r[q].contact_steps;
-    }
-
-    const double t = s->seeds > 1 ? student(s->seeds - 1) / sqrt((double)s->seeds) : 0.0;
-    table rows = table_begin(s->seeds > 1 ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
-                                          : "time [s]|small retained|near-mesh retained|apertures free");
-    for (int k = 0; k < samples; k += (int)(fmax(1.0, floor(s->time / 10.0 + 0.5)) / SAMPLE + 0.5)) {
-        table_cell(&rows, "%.1f", time[k]);
-        for (int c = 0; c < UNDERSIZE; c++) {
-            table_cell(&rows, "%.3f", mean[c][k]);
-            if (s->seeds > 1) table_cell(&rows, "%.3f", t * sd[c][k]);
-        }
-        table_cell(&rows, "%.3f", mean[2][k]);
-    }
-    table_end(&rows);
-    common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", top[SMALL], top[NEAR_MESH]);
-    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps in %.1f s\n", steps, 1e6 * r[0].dt, particle_steps,
-                 contact_steps, wall);
-    if (s->moisture > 0.0)
-        common_print("liquid conserved to %.1e; %.0f bridges on average, %lld ruptures (first seed)\n", r[0].liquid_error,
-                     r[0].bridges_mean, (long long)r[0].ruptures);
-    else if (s->energy) common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", error);
-
-    draw(st, samples, time, mean, sd);
-    csv *curves =
-        csv_open(st->out, "retained.csv",
-                 "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,occupied_fraction");
-    for (int k = 0; k < samples; k++)
-        csv_row(curves, (const double[]){time[k], mean[0][k], sd[0][k], mean[1][k], sd[1][k], mean[2][k], mean[3][k]}, 7);
     csv_close(curves);
+}
 
-    json *j = json_open(self->json);
-    json_program(j, self);
+/* Settings and averages of a variant, as members of the object that is open. */
+static void json_variant(json *j, const study *st, int v, const averages *a) {
+    static const char *const scene[] = {"screen", "closed-plate", "thin-layer"};
+    const settings *s = &st->variants[v].set;
+    const result *first = result_of(st, v, 0);
+    json_string(j, "scene", scene[s->scene]);
     json_integer(j, "case", s->case_number);
     json_number(j, "amplitude_m", s->amplitude);
     json_number(j, "frequency_hz", s->frequency);
     json_number(j, "moisture", s->moisture);
+    json_string(j, "laws", s->moisture > 0.0 ? s->laws ? "printed" : "corrected" : NULL);
     json_number(j, "screen_diameter_m", s->screen_diameter);
     json_number(j, "drop_height_m", s->drop);
     json_number(j, "outlet_delay_s", s->outlet_delay);
-    json_number(j, "dt_s", r[0].dt);
-    json_array(j, "time_s", time, samples);
-    json_array(j, "retained_small", mean[SMALL], samples);
-    json_array(j, "retained_near_mesh", mean[NEAR_MESH], samples);
-    if (s->seeds > 1) {
-        json_array(j, "retained_small_sd", sd[SMALL], samples);
-        json_array(j, "retained_near_mesh_sd", sd[NEAR_MESH], samples);
+    json_number(j, "dt_s", first->dt);
+    json_integer(j, "seeds", st->seeds);
+    json_array(j, "time_s", a->time, st->samples);
+    if (s->scene == SCENE_CLOSED_PLATE) {
+        json_array(j, "h_star_m", a->mean[H_STAR], st->samples);
+        if (st->seeds > 1) json_array(j, "h_star_sd_m", a->sd[H_STAR], st->samples);
+    } else {
+        json_array(j, "retained_small", a->mean[SMALL], st->samples);
+        json_array(j, "retained_near_mesh", a->mean[NEAR_MESH], st->samples);
+        if (st->seeds > 1) {
+            json_array(j, "retained_small_sd", a->sd[SMALL], st->samples);
+            json_array(j, "retained_near_mesh_sd", a->sd[NEAR_MESH], st->samples);
+        }
+        json_number(j, "top_layer_time_small_s", top_time(st, v, SMALL).mean);
+        json_number(j, "top_layer_time_near_mesh_s", top_time(st, v, NEAR_MESH).mean);
+        json_array(j, "free_fraction", a->mean[FREE], st->samples);
+        json_array(j, "occupied_fraction", a->mean[OCCUPIED], st->samples);
     }
-    json_number(j, "top_layer_time_small_s", top[SMALL]);
-    json_number(j, "top_layer_time_near_mesh_s", top[NEAR_MESH]);
-    json_array(j, "free_fraction", mean[2], samples);
-    json_array(j, "occupied_fraction", mean[3], samples);
-    json_integer(j, "seeds", s->seeds);
+    double steps = 0.0, particle_steps = 0.0, contact_steps = 0.0, energy = 0.0, liquid = 0.0, bridges = 0.0, ruptures = 0.0;
+    for (int q = 0; q < st->seeds; q++) {
+        const result *r = result_of(st, v, q);
+        steps += r->steps, particle_steps += r->particle_steps, contact_steps += r->contact_steps;
+        energy = r->energy_error > energy ? r->energy_error : energy;
+        liquid = fmax(liquid, r->liquid_error);
+        bridges += r->bridges_mean / st->seeds, ruptures += r->ruptures / st->seeds;
+    }
     json_number(j, "steps", steps);
     json_number(j, "particle_steps", particle_steps);
     json_number(j, "contact_steps", contact_steps);
-    json_number(j, "energy_error_rel", s->energy && s->moisture == 0.0 ? error : (double)NAN);
+    json_number(j, "energy_error_rel", isnan(first->energy_error) ? (double)NAN : energy);
     if (s->moisture > 0.0) {
-        double liquid = 0.0, bridges = 0.0, ruptures = 0.0, passed[64];
-        for (int q = 0; q < s->seeds; q++) {
-            liquid = fmax(liquid, r[q].liquid_error);
-            bridges += r[q].bridges_mean / s->seeds, ruptures += (double)r[q].ruptures / s->seeds;
-            if (q < 64) passed[q] = r[q].liquid_passed;
-        }
-        json_string(j, "laws", s->laws ? "printed" : "corrected");
         json_number(j, "liquid_error_rel", liquid);
         json_number(j, "bridges_mean", bridges);
         json_number(j, "ruptures", ruptures);
-        json_array(j, "liquid_passed_kg", passed, s->seeds < 64 ? s->seeds : 64);
+        json_array_begin(j, "liquid_passed_kg");
+        for (int q = 0; q < st->seeds; q++) json_number(j, NULL, result_of(st, v, q)->liquid_passed);
+        json_array_end(j);
     }
-    json_bool(j, "deterministic_build", dem_build_is_deterministic());
-    char hash[20];
-    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r[0].hash);
-    json_string(j, "hash_first_seed", hash);
-    json_close(j);
-    free(time);
 }
 
-static int make_results(study *st, int samples) {
-    const int runs = st->variant_count * st->set.seeds;
-    st->results = calloc((size_t)runs, sizeof *st->results);
-    if (!st->results) return -1;
-    for (int q = 0; q < runs; q++) {
-        double *block = calloc((size_t)samples, 4 * sizeof *block);
-        if (!block) return -1;
-        for (int c = 0; c < UNDERSIZE; c++) st->results[q].retained[c] = block + (size_t)c * (size_t)samples;
-        st->results[q].free_share = block + 2 * (size_t)samples;
-        st->results[q].occupied_share = block + 3 * (size_t)samples;
+static void report_one(const study *st, double wall) {
+    const settings *s = &st->variants[0].set;
+    averages a;
+    if (average(st, 0, &a)) return;
+    const bool plate = s->scene == SCENE_CLOSED_PLATE, several = st->seeds > 1;
+    table rows = table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
+                             : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
+                                       : "time [s]|small retained|near-mesh retained|apertures free");
+    for (int k = 0; k < st->samples; k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
+        table_cell(&rows, "%.1f", a.time[k]);
+        if (plate) table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), table_cell(&rows, "%.2f", 1e3 * a.interval[H_STAR][k]);
+        for (int c = 0; c < UNDERSIZE && !plate; c++) {
+            table_cell(&rows, "%.3f", a.mean[c][k]);
+            if (several) table_cell(&rows, "%.3f", a.interval[c][k]);
+        }
+        if (!plate) table_cell(&rows, "%.3f", a.mean[FREE][k]);
     }
-    return 0;
+    table_end(&rows);
+    const result *r = result_of(st, 0, 0);
+    if (!plate)
+        common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", top_time(st, 0, SMALL).mean,
+                     top_time(st, 0, NEAR_MESH).mean);
+    common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n", r->steps, 1e6 * r->dt,
+                 r->particle_steps, r->contact_steps, wall);
+    if (s->moisture > 0.0)
+        common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n", r->liquid_error, r->bridges_mean,
+                     r->ruptures);
+    else if (s->energy) common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", r->energy_error);
+    draw(st, &a);
+    write_averages(st, &a, plate ? "h_star.csv" : "retained.csv");
+    json *j = json_open(st->self->json);
+    json_program(j, st->self);
+    json_variant(j, st, 0, &a);
+    json_bool(j, "deterministic_build", dem_build_is_deterministic());
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
+    json_string(j, "hash_first_seed", hash);
+    json_close(j);
+    free(a.time);
+}
+
+/* ---- the 27 cases ---- */
+
+/* The files of a case all of whose seeds are done. */
+static void write_case(const study *st, int v) {
+    char name[NAME + 8], path[4096];
+    averages a;
+    if (average(st, v, &a)) return;
+    snprintf(name, sizeof name, "%s.csv", st->variants[v].name);
+    write_averages(st, &a, name);
+    snprintf(name, sizeof name, "%s.json", st->variants[v].name);
+    json *j = json_open(output_path(path, sizeof path, st->self->out, name));
+    json_program(j, st->self);
+    json_variant(j, st, v, &a);
+    json_close(j);
+    free(a.time);
+}
+
+/* All curves, as examples/screen_fit reads them. */
+static void write_curves(const study *st) {
+    const int every = (int)(CURVE_STEP / SAMPLE + 0.5);
+    csv *file =
+        csv_open(st->self->out, "curves.csv", "case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh");
+    for (int v = 0; v < st->variant_count; v++) {
+        const settings *s = &st->variants[v].set;
+        for (int q = 0; q < st->seeds; q++) {
+            const result *r = result_of(st, v, q);
+            for (int k = 0; k < r->samples; k += every)
+                csv_line(file, "%d,%g,%g,%g,%d,%g,%.6f,%.6f", s->case_number, s->amplitude, s->frequency, s->moisture, q + 1, k * SAMPLE,
+                         r->curve[SMALL][k], r->curve[NEAR_MESH][k]);
+        }
+    }
+    csv_close(file);
+}
+
+/* A panel for each amplitude and frequency, in it a curve for each moisture. */
+static void draw_cases(const study *st) {
+    plot *figure = plot_new("Fraction retained, 27 cases: 5 mm full, 7 mm dashed", 3, 3);
+    plot_panel_size(figure, 330, 230);
+    for (int i = 0; i < 9; i++) {
+        char title[60];
+        plot_panel(figure, i / 3, i % 3, "time [s]", "fraction retained [-]");
+        snprintf(title, sizeof title, "%.1f mm, %.1f Hz", 1e3 * case_amplitude[i / 3], case_frequency[i % 3]);
+        plot_title(figure, title);
+        plot_range_y(figure, 0.0, 1.02);
+        for (int m = 0; m < 3; m++) {
+            averages a;
+            if (average(st, 9 * m + i, &a)) continue;
+            char label[20];
+            snprintf(label, sizeof label, "%.3g %%", 100.0 * case_moisture[m]);
+            plot_line(figure, label, a.time, a.mean[SMALL], st->samples), plot_style(figure, 0, m);
+            plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples), plot_style(figure, PLOT_DASHED, m);
+            free(a.time);
+        }
+    }
+    plot_write(figure, st->self->out, "cases.svg");
+}
+
+static void json_statistics(json *j, const char *key, statistics s) {
+    json_object_begin(j, key);
+    json_number(j, "mean", s.mean);
+    json_number(j, "sd", s.sd);
+    json_number(j, "interval_95", s.interval);
+    json_object_end(j);
+}
+
+static void summary(const study *st, json *j) {
+    static const double when[] = {5.0, 10.0, 20.0};
+    json_program(j, st->self);
+    json_integer(j, "seeds", st->seeds);
+    json_array_begin(j, "cases");
+    for (int v = 0; v < st->variant_count; v++) {
+        const settings *s = &st->variants[v].set;
+        json_object_begin(j, NULL);
+        json_integer(j, "case", s->case_number);
+        json_number(j, "amplitude_m", s->amplitude);
+        json_number(j, "frequency_hz", s->frequency);
+        json_number(j, "moisture", s->moisture);
+        for (int k = 0; k < 3; k++) {
+            const int sample = (int)(when[k] / SAMPLE + 0.5);
+            char key[40];
+            for (int c = 0; c < UNDERSIZE && sample < st->samples; c++) {
+                snprintf(key, sizeof key, "%s_%.0f_s", curve_name[c], when[k]);
+                json_statistics(j, key, at_sample(st, v, c, sample));
+            }
+        }
+        json_statistics(j, "top_layer_time_small_s", top_time(st, v, SMALL));
+        json_statistics(j, "top_layer_time_near_mesh_s", top_time(st, v, NEAR_MESH));
+        json_object_end(j);
+    }
+    json_array_end(j);
+}
+
+static void report_cases(const study *st) {
+    const int end = st->samples - 1, five = (int)(5.0 / SAMPLE + 0.5) < end ? (int)(5.0 / SAMPLE + 0.5) : end;
+    table t = table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
+    for (int v = 0; v < st->variant_count; v++) {
+        const settings *s = &st->variants[v].set;
+        table_cell(&t, "%d", s->case_number), table_cell(&t, "%.1f", 1e3 * s->amplitude), table_cell(&t, "%.1f", s->frequency);
+        table_cell(&t, "%.1f", 100.0 * s->moisture), table_cell(&t, "%.1f", five * SAMPLE);
+        for (int k = 0; k < 2; k++)
+            for (int c = 0; c < UNDERSIZE; c++) {
+                const statistics x = at_sample(st, v, c, k ? end : five);
+                table_cell(&t, "%.3f", x.mean), table_cell(&t, "%.3f", x.interval);
+            }
+    }
+    table_end(&t);
+    write_curves(st);
+    draw_cases(st);
+    char path[4096];
+    json *j = json_open(output_path(path, sizeof path, st->self->out, "summary.json"));
+    summary(st, j);
+    json_close(j);
+    j = json_open(st->self->json);
+    summary(st, j);
+    json_close(j);
 }
 
 /* ---- sensitivity: what the paper leaves open, one thing at a time ---- */
 
-enum { VARIANTS = 13 };
-static const char *const variant_name[VARIANTS] = {"default",        "deck 185 mm",   "deck 195 mm",  "deck 200 mm", "drop 10 mm",
-                                                   "drop 60 mm",     "outlet 0.25 s", "outlet 1.0 s", "round bars",  "no sideways",
-                                                   "vertical 1.0 A", "naive damping", "half step"};
-
-static void vary(const settings *base, settings *all) {
-    for (int k = 0; k < VARIANTS; k++) all[k] = *base;
-    all[1].screen_diameter = 0.185, all[2].screen_diameter = 0.195, all[3].screen_diameter = 0.200;
-    all[4].drop = 0.010, all[5].drop = 0.060;
-    all[6].outlet_delay = 0.25, all[7].outlet_delay = 1.0;
-    all[8].profile = 1;
-    all[9].sideways = 0.0, all[10].vertical = 1.0;
-    all[11].restitution = 1;
-    all[12].dt_ratio = 2.0 * base->dt_ratio;
+static void add_sensitivity(study *st, const settings *base) {
+    settings s;
+    add_variant(st, base, "default");
+    s = *base, s.screen_diameter = 0.185, add_variant(st, &s, "deck 185 mm");
+    s = *base, s.screen_diameter = 0.195, add_variant(st, &s, "deck 195 mm");
+    s = *base, s.screen_diameter = 0.200, add_variant(st, &s, "deck 200 mm");
+    s = *base, s.drop = 0.010, add_variant(st, &s, "drop 10 mm");
+    s = *base, s.drop = 0.060, add_variant(st, &s, "drop 60 mm");
+    s = *base, s.outlet_delay = 0.25, add_variant(st, &s, "outlet 0.25 s");
+    s = *base, s.outlet_delay = 1.0, add_variant(st, &s, "outlet 1.0 s");
+    s = *base, s.profile = 1, add_variant(st, &s, "round bars");
+    s = *base, s.sideways = 0.0, add_variant(st, &s, "no sideways");
+    s = *base, s.vertical = 1.0, add_variant(st, &s, "vertical 1.0 A");
+    s = *base, s.restitution = 1, add_variant(st, &s, "naive damping");
+    s = *base, s.dt_ratio *= 2.0, add_variant(st, &s, "half step");
 }
 
 static void report_sensitivity(const study *st) {
-    const int seeds = st->set.seeds;
     const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
-    const char *heading[2] = {"after 5 s", "after 10 s"};
+    const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX];
     plot *figure = plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
-    csv *rows = csv_open(st->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
+    csv *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
     table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
+    for (int v = 0; v < st->variant_count; v++) names[v] = st->variants[v].name;
     for (int w = 0; w < 2; w++) {
-        double mean[UNDERSIZE][VARIANTS], sd[UNDERSIZE][VARIANTS];
-        for (int v = 0; v < VARIANTS; v++) {
+        double mean[UNDERSIZE][VARIANTS_MAX];
+        for (int v = 0; v < st->variant_count; v++) {
+            statistics s[UNDERSIZE];
+            table_cell(&t, "%s", names[v]), table_cell(&t, "%.0f", when[w]);
             for (int c = 0; c < UNDERSIZE; c++) {
-                double sum = 0.0, square = 0.0;
-                for (int q = 0; q < seeds; q++) sum += st->results[v * seeds + q].retained[c][(int)(when[w] / SAMPLE + 0.5)] / seeds;
-                for (int q = 0; q < seeds; q++) {
-                    const double d = st->results[v * seeds + q].retained[c][(int)(when[w] / SAMPLE + 0.5)] - sum;
-                    square += d * d;
-                }
-                mean[c][v] = sum, sd[c][v] = seeds > 1 ? sqrt(square / (seeds - 1)) : 0.0;
+                s[c] = at_sample(st, v, c, (int)(when[w] / SAMPLE + 0.5));
+                mean[c][v] = s[c].mean;
+                table_cell(&t, "%.3f", s[c].mean), table_cell(&t, "%.3f", s[c].sd);
             }
-            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", variant_name[v], when[w], mean[0][v], sd[0][v], mean[1][v], sd[1][v], seeds);
-            table_cell(&t, "%s", variant_name[v]), table_cell(&t, "%.0f", when[w]);
-            for (int c = 0; c < UNDERSIZE; c++) table_cell(&t, "%.3f", mean[c][v]), table_cell(&t, "%.3f", sd[c][v]);
+            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", names[v], when[w], s[SMALL].mean, s[SMALL].sd, s[NEAR_MESH].mean,
+                     s[NEAR_MESH].sd, st->seeds);
         }
         plot_panel(figure, w, 0, "", "fraction retained [-]");
         plot_title(figure, heading[w]);
-        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], variant_name, mean[c], VARIANTS);
+        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], names, mean[c], st->variant_count);
         plot_horizontal(figure, "paper, small", paper[w][SMALL]);
         plot_horizontal(figure, "paper, near-mesh", paper[w][NEAR_MESH]);
     }
     plot_panel_size(figure, 980, 300);
     table_end(&t);
     csv_close(rows);
-    plot_write(figure, st->out, "sensitivity.svg");
+    plot_write(figure, st->self->out, "sensitivity.svg");
+    json *j = json_open(st->self->json);
+    json_program(j, st->self);
+    json_close(j);
+}
+
+/* ---- a case and its neighbours: one of amplitude, frequency and moisture changed at a time ---- */
+
+enum { FACTORS = 3, LEVELS = 3 };
+static const char *const factor_name[FACTORS] = {"amplitude [mm]", "frequency [Hz]", "water [%]"};
+
+static double level(const settings *s, int factor) {
+    return factor == 0 ? 1e3 * s->amplitude : factor == 1 ? s->frequency : 100.0 * s->moisture;
+}
+
+static void add_neighbours(study *st, const settings *base) {
+    static const char *const symbol[FACTORS] = {"A", "f", "M"};
+    char name[NAME];
+    add_variant(st, base, "base");
+    for (int factor = 0; factor < FACTORS; factor++)
+        for (int k = 0; k < LEVELS; k++) {
+            settings s = *base;
+            if (factor == 0) s.amplitude = case_amplitude[k];
+            else if (factor == 1) s.frequency = case_frequency[k];
+            else s.moisture = case_moisture[k];
+            if (level(&s, factor) == level(base, factor)) continue;
+            s.case_number = 0;
+            for (int number = 1; number <= CASES && !s.case_number; number++) {
+                settings c;
+                choose_case(&c, number);
+                if (c.amplitude == s.amplitude && c.frequency == s.frequency && c.moisture == s.moisture) s.case_number = number;
+            }
+            snprintf(name, sizeof name, "%s %g", symbol[factor], level(&s, factor));
+            add_variant(st, &s, name);
+        }
+}
+
+/* The variants in which only one factor differs from the first, the first included, by its level. Returns how many. */
+static int along(const study *st, int factor, int *order) {
+    int n = 0;
+    for (int v = 0; v < st->variant_count; v++) {
+        bool others_same = true;
+        for (int other = 0; other < FACTORS; other++)
+            if (other != factor && level(&st->variants[v].set, other) != level(&st->variants[0].set, other)) others_same = false;
+        if (!others_same) continue;
+        int at = n++;
+        for (; at > 0 && level(&st->variants[order[at - 1]].set, factor) > level(&st->variants[v].set, factor); at--)
+            order[at] = order[at - 1];
+        order[at] = v;
+    }
+    return n;
+}
+
+static void report_neighbours(const study *st) {
+    const settings *base = &st->variants[0].set;
+    const bool plate = base->scene == SCENE_CLOSED_PLATE;
+    const int curves[2] = {plate ? H_STAR : SMALL, NEAR_MESH}, rows = plate ? 1 : 2;
+    const char *const what[2] = {plate ? "h* [m]" : "small retained [-]", "near-mesh retained [-]"};
+    char title[120], text[100];
+    snprintf(title, sizeof title, "%s: %s and neighbours, %d seed%s",
+             plate                             ? "Closed plate"
+             : base->scene == SCENE_THIN_LAYER ? "Thin layer"
+                                               : "Screen",
+             describe(text, sizeof text, base), st->seeds, st->seeds > 1 ? "s" : "");
+    plot *figure = plot_new(title, rows, FACTORS);
+    table t = table_begin(
+        plate ? "factor|level|mean h* [mm]|+- 95 %|h* at the end [mm]|+- 95 %"
+              : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over time|+- 95 %|small, at the end|near-mesh, at the end");
+    csv *file = csv_open(st->self->out, "neighbours.csv",
+                         "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
+    json *j = json_open(st->self->json);
+    json_program(j, st->self);
+    json_array_begin(j, "trends");
+    for (int factor = 0; factor < FACTORS; factor++) {
+        int order[VARIANTS_MAX];
+        const int n = along(st, factor, order);
+        for (int row = 0; row < rows; row++) {
+            plot_panel(figure, row, factor, "time [s]", what[row]);
+            if (!plate) plot_range_y(figure, 0.0, 1.02);
+            plot_title(figure, factor_name[factor]);
+            for (int k = 0; k < n; k++) {
+                averages a;
+                if (average(st, order[k], &a)) continue;
+                char label[20];
+                snprintf(label, sizeof label, "%g", level(&st->variants[order[k]].set, factor));
+                plot_average(figure, label, &a, curves[row], st->samples, st->seeds, k, plate ? HUGE_VAL : 1.0);
+                free(a.time);
+            }
+        }
+        for (int k = 0; k < n; k++) {
+            const int v = order[k];
+            table_cell(&t, "%s", factor_name[factor]), table_cell(&t, "%g", level(&st->variants[v].set, factor));
+            json_object_begin(j, NULL);
+            json_string(j, "factor", factor_name[factor]);
+            json_number(j, "level", level(&st->variants[v].set, factor));
+            for (int row = 0; row < rows; row++) {
+                const statistics mean = over_time(st, v, curves[row]), end = at_sample(st, v, curves[row], st->samples - 1);
+                const double unit = plate ? 1e3 : 1.0;
+                const char *digits = plate ? "%.2f" : "%.3f";
+                table_cell(&t, digits, unit * mean.mean), table_cell(&t, digits, unit * mean.interval);
+                if (plate) table_cell(&t, digits, unit * end.mean), table_cell(&t, digits, unit * end.interval);
+                snprintf(text, sizeof text, "%s_mean_over_time", curve_name[curves[row]]);
+                json_statistics(j, text, mean);
+                snprintf(text, sizeof text, "%s_end", curve_name[curves[row]]);
+                json_statistics(j, text, end);
+            }
+            for (int c = 0; c < UNDERSIZE && !plate; c++) table_cell(&t, "%.3f", at_sample(st, v, c, st->samples - 1).mean);
+            json_object_end(j);
+        }
+    }
+    json_array_end(j);
+    json_array_begin(j, "variants");
+    for (int v = 0; v < st->variant_count; v++) {
+        const settings *s = &st->variants[v].set;
+        averages a;
+        if (average(st, v, &a)) continue;
+        json_object_begin(j, NULL);
+        json_variant(j, st, v, &a);
+        json_object_end(j);
+        free(a.time);
+        for (int q = 0; q < st->seeds; q++)
+            for (int k = 0; k < st->samples; k++) {
+                const result *r = result_of(st, v, q);
+                csv_line(file, "%s,%g,%g,%g,%d,%g,%.6f,%.6f,%.6g", st->variants[v].name, s->amplitude, s->frequency, s->moisture, q + 1,
+                         k * SAMPLE, r->curve[SMALL][k], r->curve[NEAR_MESH][k], r->curve[H_STAR][k]);
+            }
+    }
+    json_array_end(j);
+    json_close(j);
+    csv_close(file);
+    table_end(&t);
+    plot_write(figure, st->self->out, "neighbours.svg");
+}
+
+/* ---- what moisture changes: differences of means, for the corrected and the printed laws ---- */
+
+static void add_moistures(study *st, const settings *base) {
+    settings s = *base;
+    s.moisture = 0.0, s.laws = 0, s.case_number = 0;
+    add_variant(st, &s, "dry");
+    for (s.laws = 0; s.laws < 2; s.laws++)
+        for (int m = 1; m < 3; m++) {
+            char name[NAME];
+            s.moisture = case_moisture[m];
+            snprintf(name, sizeof name, "%.1f %s", 100.0 * s.moisture, s.laws ? "printed" : "corrected");
+            add_variant(st, &s, name);
+        }
+}
+
+/* Difference of a class's retained fraction at the end between two variants. Seeds are pairs of the same mixture: the paired interval
+   is that of the differences, the other that of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). */
+typedef struct contrast {
+    double difference, paired, independent, correlation;
+} contrast;
+
+static contrast contrast_of(const study *st, int from, int to, int curve) {
+    double differences[SEEDS_MAX] = {0.0};
+    const int n = st->seeds, end = st->samples - 1;
+    for (int q = 0; q < n; q++) differences[q] = result_of(st, to, q)->curve[curve][end] - result_of(st, from, q)->curve[curve][end];
+    const statistics d = statistics_of(n, differences), a = at_sample(st, from, curve, end), b = at_sample(st, to, curve, end);
+    const double va = a.sd * a.sd / n, vb = b.sd * b.sd / n, sum = va * va + vb * vb;
+    contrast c = {d.mean, d.interval, 0.0, 0.0};
+    if (n > 1 && sum > 0.0) c.independent = student((int)((va + vb) * (va + vb) * (n - 1) / sum)) * sqrt(va + vb);
+    if (a.sd > 0.0 && b.sd > 0.0) c.correlation = (a.sd * a.sd + b.sd * b.sd - d.sd * d.sd) / (2.0 * a.sd * b.sd);
+    return c;
+}
+
+static void report_moisture(const study *st) {
+    static const int from[] = {0, 0, 1, 0, 0, 3}, to[] = {1, 2, 2, 3, 4, 4};
+    const double end = (st->samples - 1) * SAMPLE;
+    char title[120], text[100];
+    snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %s otherwise, %d seeds, 95 %% intervals", end,
+             describe(text, sizeof text, &st->variants[0].set), st->seeds);
+    plot *figure = plot_new(title, 1, 2);
+    table t = table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
+    json *j = json_open(st->self->json);
+    json_program(j, st->self);
+    json_number(j, "amplitude_m", st->variants[0].set.amplitude);
+    json_number(j, "frequency_hz", st->variants[0].set.frequency);
+    json_number(j, "time_s", end);
+    json_integer(j, "seeds", st->seeds);
+    json_array_begin(j, "means");
+    for (int v = 0; v < st->variant_count; v++) {
+        json_object_begin(j, NULL);
+        json_number(j, "moisture", st->variants[v].set.moisture);
+        json_string(j, "laws", v == 0 ? NULL : st->variants[v].set.laws ? "printed" : "corrected");
+        for (int c = 0; c < UNDERSIZE; c++) json_statistics(j, curve_name[c], at_sample(st, v, c, st->samples - 1));
+        json_object_end(j);
+    }
+    json_array_end(j);
+    json_array_begin(j, "differences");
+    for (int c = 0; c < UNDERSIZE; c++) {
+        for (int k = 0; k < 6; k++) {
+            const contrast x = contrast_of(st, from[k], to[k], c);
+            const double low = st->variants[from[k]].set.moisture, high = st->variants[to[k]].set.moisture;
+            const char *laws = st->variants[to[k]].set.laws ? "printed" : "corrected";
+            table_cell(&t, "%s", class_name[c]), table_cell(&t, "%s", laws);
+            table_cell(&t, "%.1f", 100.0 * low), table_cell(&t, "%.1f", 100.0 * high), table_cell(&t, "%+.3f", x.difference);
+            table_cell(&t, "%.3f", x.paired), table_cell(&t, "%.3f", x.independent), table_cell(&t, "%+.2f", x.correlation);
+            json_object_begin(j, NULL);
+            json_string(j, "class", class_name[c]);
+            json_string(j, "laws", laws);
+            json_number(j, "from_moisture", low);
+            json_number(j, "to_moisture", high);
+            json_number(j, "difference", x.difference);
+            json_number(j, "interval_95_paired", x.paired);
+            json_number(j, "interval_95_independent", x.independent);
+            json_number(j, "correlation", x.correlation);
+            json_object_end(j);
+        }
+        plot_panel(figure, 0, c, "water [%]", "difference of the fraction retained [-]");
+        plot_title(figure, class_name[c]);
+        plot_range_x(figure, 0.0, 6.0);
+        plot_horizontal(figure, "dry", 0.0);
+        for (int laws = 0; laws < 2; laws++) {
+            double x[2], y[2], plus_minus[2];
+            for (int m = 0; m < 2; m++) {
+                const int v = 1 + 2 * laws + m;
+                const contrast d = contrast_of(st, 0, v, c);
+                x[m] = 100.0 * st->variants[v].set.moisture + (laws ? 0.08 : -0.08); /* beside each other */
+                y[m] = d.difference, plus_minus[m] = d.paired;
+            }
+            plot_error_bars(figure, laws ? "printed laws" : "corrected laws", x, y, plus_minus, 2);
+        }
+    }
+    json_array_end(j);
+    json_close(j);
+    table_end(&t);
+    plot_write(figure, st->self->out, "moisture.svg");
+}
+
+/* ---- running a study ---- */
+
+static int run_one(int index, void *user) {
+    study *st = user;
+    /* the last cases are the wet ones, which take longest: they begin first */
+    const int k = st->kind == STUDY_CASES ? st->variant_count * st->seeds - 1 - index : index, v = k / st->seeds, q = k % st->seeds;
+    result *r = result_of(st, v, q);
+    if (!r->done) {
+        const observer watcher = {st->bar, v == 0 && q == 0 ? st->series : NULL, st->self->out};
+        run_scene(&st->variants[v].set, st->seed + (uint64_t)q, r, &watcher);
+        if (r->done && st->runs) write_run(st, v, q);
+    }
+    pthread_mutex_lock(&st->lock);
+    const bool last = r->done && --st->left[v] == 0;
+    pthread_mutex_unlock(&st->lock);
+    if (last && st->kind == STUDY_CASES) write_case(st, v);
+    return !r->done;
+}
+
+static void run_study(study *st) {
+    const int runs = st->variant_count * st->seeds;
+    double work = 0.0;
+    progress bar;
+    for (int k = 0; k < runs; k++)
+        if (!st->results[k].done) work += st->variants[k / st->seeds].set.time;
+    for (int v = 0; v < st->variant_count; v++) st->left[v] = st->seeds;
+    pthread_mutex_init(&st->lock, NULL);
+    st->bar = &bar;
+    progress_begin(&bar, "screening", work);
+    jobs_run(runs, st->self->threads, run_one, st);
+    progress_end(&bar);
+    pthread_mutex_destroy(&st->lock);
+    for (int k = 0; k < runs && !common_interrupted(); k++)
+        if (st->results[k].status != DEM_OK)
+            common_fail("%s, seed %d: %s (particle %llu)", st->variants[k / st->seeds].name, k % st->seeds + 1,
+                        dem_status_text(st->results[k].status), (unsigned long long)st->results[k].failed_id);
+}
+
+static void report(const study *st, double wall) {
+    if (st->kind == STUDY_ONE) report_one(st, wall);
+    if (st->kind == STUDY_CASES) report_cases(st);
+    if (st->kind == STUDY_VARY) report_neighbours(st);
+    if (st->kind == STUDY_MOISTURE) report_moisture(st);
+    if (st->kind == STUDY_SENSITIVITY) report_sensitivity(st);
 }
 
 int main(int argc, char **argv) {
-    study st = {0};
-    settings *s = &st.set;
-    settings variants[VARIANTS];
+    static study st;
+    settings set = {0}, *s = &set;
     double amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
-    bool no_frames = false, no_energy = false, sensitivity = false;
-    int number = 5;
-    s->time = 20.0, s->dt_ratio = 20.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1,
-    s->seeds = 1;
+    bool no_frames = false, no_energy = false, all_cases = false, vary = false, compare = false, sensitivity = false, resume = false;
+    int number = 5, seeds = 1;
+    s->time = 20.0, s->dt_ratio = 20.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1;
+    enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
     option options[] = {
-        option_int("case", "N", &number, 1, 27, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
+        option_int("case", "N", &number, 1, CASES, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
         option_double("amplitude-mm", "MM", &amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
         option_double("frequency-hz", "HZ", &frequency_hz, 0.0, 200.0, "frequency [Hz], instead of a case"),
         option_double("moisture", "SHARE", &moisture, 0.0, 0.08, "mass of water over mass of particles [-], instead of the case's"),
+        option_positive("time", "S", &s->time, 1e4,
+                        "simulated time [s]; default on a closed plate 10, thin layer and --compare-moisture 5"),
+        option_double("drop-mm", "MM", &drop_mm, 0.0, 500.0, "height of the bin's floor over the bars [mm]; default 0 without a bin"),
+        option_double("outlet-delay", "S", &s->outlet_delay, 0.0, 10.0, "time from the screen to the outlet's end [s]; thin layer 0"),
+        option_double("mass", "KG", &s->mass, 0.005, 1000.0, "mass of the batch [kg]; thin layer: a quarter of it is used"),
+        option_choice("scene", &s->scene, "screen|closed-plate|thin-layer",
+                      "batch on the screen, on a plate without apertures, or a quarter"),
         option_choice("laws", &s->laws, "corrected|printed", "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
-        option_positive("time", "S", &s->time, 1e4, "simulated time [s]"),
-        option_int("seeds", "N", &s->seeds, 1, 10000, "independent mixtures, one per core; mean and interval"),
+        option_int("seeds", "N", &seeds, 1, SEEDS_MAX, "independent mixtures, one per core; mean and interval"),
         option_double("screen-diameter-mm", "MM", &diameter_mm, 50.0, 2000.0, "clear diameter of the deck [mm]"),
-        option_double("drop-mm", "MM", &drop_mm, 1.0, 500.0, "height of the bin's floor over the bars [mm]"),
-        option_double("outlet-delay", "S", &s->outlet_delay, 0.0, 10.0, "time from the screen to the end of the outlet [s]"),
         option_double("sideways", "SHARE", &s->sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
         option_double("vertical", "SHARE", &s->vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
-        option_double("mass", "KG", &s->mass, 0.005, 1000.0, "mass of the batch [kg]"),
         option_choice("profile", &s->profile, "semicircle|round", "section of the bars"),
         option_choice("restitution", &s->restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
         option_double("steps-per-contact", "N", &s->dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &no_frames, "no .vtp series"),
         option_flag("no-energy", &no_energy, "no energy ledger"),
-        option_flag("sensitivity", &sensitivity, "vary what the paper leaves open, one thing at a time, --seeds runs each; 10 s"),
+        option_flag("all-cases", &all_cases, "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
+        option_flag("vary", &vary, "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),
+        option_flag("compare-moisture", &compare, "what 2.5 and 5 % of water change, corrected and printed laws"),
+        option_flag("sensitivity", &sensitivity, "vary what the paper leaves open, one thing at a time; 10 s"),
+        option_flag("resume", &resume, "with one of these studies: runs whose files are in the folder are not run again"),
     };
     program self =
         program_start("batch_screening",
                       "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
                       options, sizeof options / sizeof *options, argc, argv);
-    if (options[0].given && (options[1].given || options[2].given))
+    if (options[CASE].given && (options[AMPLITUDE].given || options[FREQUENCY].given))
         program_refuse(&self, "case", NULL, "not together with --amplitude-mm or --frequency-hz");
+    if (all_cases + vary + compare + sensitivity > 1)
+        program_refuse(&self, "all-cases, --vary, --compare-moisture, --sensitivity", NULL, "only one of them");
+    st.kind = all_cases ? STUDY_CASES : vary ? STUDY_VARY : compare ? STUDY_MOISTURE : sensitivity ? STUDY_SENSITIVITY : STUDY_ONE;
+    if (resume && st.kind == STUDY_ONE) program_refuse(&self, "resume", NULL, "only with a study of several runs");
+    if (all_cases && (options[CASE].given || options[AMPLITUDE].given || options[FREQUENCY].given || options[MOISTURE].given))
+        program_refuse(&self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
+    if (s->scene != SCENE_SCREEN && (all_cases || compare || sensitivity))
+        program_refuse(&self, "scene", NULL, "this study is of the screen");
     choose_case(s, number);
-    if (options[1].given || options[2].given) s->case_number = 0, s->amplitude = 1e-3 * amplitude_mm, s->frequency = frequency_hz;
-    if (options[3].given) s->moisture = moisture, s->case_number = 0;
-    if (self.quick && !options[5].given) s->time = 0.5;
-    if (self.quick) s->mass = fmin(s->mass, 0.3);
+    if (options[AMPLITUDE].given || options[FREQUENCY].given)
+        s->case_number = 0, s->amplitude = 1e-3 * amplitude_mm, s->frequency = frequency_hz;
+    if (options[MOISTURE].given) s->moisture = moisture, s->case_number = 0;
+    if (s->scene != SCENE_SCREEN && !options[DROP].given) drop_mm = 0.0;
+    if (s->scene == SCENE_CLOSED_PLATE && !options[TIME].given) s->time = 10.0;
+    if (s->scene == SCENE_THIN_LAYER) { /* passage counts when a centre is below the mesh plane */
+        if (!options[TIME].given) s->time = 5.0;
+        if (!options[OUTLET].given) s->outlet_delay = 0.0;
+        s->exit_depth = 0.0;
+        s->mass *= 0.25;
+    }
+    if (compare && !options[TIME].given) s->time = 5.0;
+    if (sensitivity) s->time = 10.0;
+    if (self.quick && !options[TIME].given && !sensitivity) s->time = st.kind == STUDY_ONE ? 0.5 : 0.1;
+    if (self.quick) s->mass = fmin(s->mass, st.kind == STUDY_ONE ? 0.3 : 0.03);
     s->screen_diameter = 1e-3 * diameter_mm;
     s->drop = 1e-3 * drop_mm;
-    s->energy = !no_energy;
-    s->frames = !no_frames;
+    s->energy = !no_energy && st.kind == STUDY_ONE;
+    st.seeds = seeds;
     st.seed = self.seed * 1000003u;
-    st.out = self.out;
-    if (sensitivity) s->time = 10.0, s->frames = s->energy = false;
-    variants[0] = *s;
-    if (sensitivity) vary(s, variants);
-    st.variants = variants;
-    st.variant_count = sensitivity ? VARIANTS : 1;
+    st.self = &self;
+    st.samples = (int)(s->time / SAMPLE + 1e-9) + 1;
+    switch (st.kind) {
+    case STUDY_ONE: add_variant(&st, s, "run"); break;
+    case STUDY_CASES:
+        for (int k = 1; k <= CASES; k++) {
+            char name[NAME];
+            choose_case(s, k);
+            snprintf(name, sizeof name, "case_%02d", k);
+            add_variant(&st, s, name);
+        }
+        break;
+    case STUDY_VARY: add_neighbours(&st, s); break;
+    case STUDY_MOISTURE: add_moistures(&st, s); break;
+    case STUDY_SENSITIVITY: add_sensitivity(&st, s); break;
+    }
 
-    const int runs = st.variant_count * s->seeds;
-    progress bar;
-    const int samples = (int)(s->time / SAMPLE + 1e-9) + 1;
-    const double started = machine_seconds();
-    if (make_results(&st, samples)) {
-        common_fail("out of memory for %d seeds of %d samples", s->seeds, samples);
+    char runs[4096], message[300];
+    if (make_results(&st)) {
+        common_fail("out of memory for %d seeds of %d samples", st.seeds, st.samples);
         return common_exit_status();
     }
-    if (s->frames) st.series = pvd_open(self.out, "particles.pvd");
-    progress_begin(&bar, "screening", s->time * runs);
-    st.bar = &bar;
-    jobs_run(runs, self.threads, run_seed, &st);
-    progress_end(&bar);
+    if (st.kind != STUDY_ONE) {
+        st.runs = output_path(runs, sizeof runs, self.out, "runs");
+        if (output_make_folder(st.runs, message, sizeof message)) common_fail("%s: %s", st.runs, message);
+    }
+    for (int k = 0; k < st.variant_count * st.seeds && resume; k++) read_run(&st, k / st.seeds, k % st.seeds);
+    if (st.kind == STUDY_ONE && !no_frames) st.series = pvd_open(self.out, "particles.pvd");
+    const double started = machine_seconds();
+    run_study(&st);
     if (st.series) pvd_close(st.series);
-    for (int q = 0; q < runs && !common_interrupted(); q++) {
-        if (st.results[q].status != DEM_OK)
-            common_fail("run %d: %s (particle %llu)", q + 1, dem_status_text(st.results[q].status),
-                        (unsigned long long)st.results[q].failed_id);
-    }
-    if (!common_interrupted() && common_exit_status() == 0) {
-        if (sensitivity) report_sensitivity(&st);
-        else report(&self, &st, samples, machine_seconds() - started);
-    }
-    for (int q = 0; q < runs; q++) free(st.results[q].retained[0]);
+    if (!common_interrupted() && common_exit_status() == 0) report(&st, machine_seconds() - started);
+    for (int k = 0; k < st.variant_count * st.seeds; k++) free(st.results[k].curve[0]);
     free(st.results);
     return common_exit_status();
 }
