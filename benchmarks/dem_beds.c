@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bed.h"
 #include "common.h"
 #include "dem.h"
 
@@ -22,104 +23,12 @@ static const int sizes[SIZES] = {2000, 20000, 100000};
 static const char *const size_names[SIZES] = {"2000 spheres", "20 000 spheres", "100 000 spheres"};
 static const char *const scene_names[SCENES] = {"vibrated", "static", "vibrated, no friction", "static, no friction"};
 
-static const double diameter = 0.005, density = 2534.0, stiffness = 1e5, time_step = 4e-6, amplitude = 1e-3, frequency = 50.6;
-static const double pair_damping = 5475.7, floor_damping = 3871.9;    /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
 enum { FULL_STEPS = 5000 };                                           /* to which the references belong */
 static const double height_tolerance = 5e-6, energy_tolerance = 5e-3; /* with friction */
 static const double height_scatter = 2e-5, energy_scatter = 2e-2; /* without: other roundings already make much of this, in LAMMPS too */
 
 static int is_static(int scene) { return scene & 1; }
 static int has_friction(int scene) { return scene < 2; }
-
-/* ---- a bed ---- */
-
-typedef struct bed {
-    int n;
-    double length_x, length_y;
-    double *centres, *diameters, *velocities, *spins;
-} bed;
-
-static void bed_free(bed *b) {
-    free(b->centres);
-    free(b->diameters);
-    free(b->velocities);
-    free(b->spins);
-    memset(b, 0, sizeof *b);
-}
-
-/* The start of `spheres` spheres; 100 000 are the 20 000 five times along x. 0, or -1 after a line. */
-static int bed_read(bed *b, const char *folder, int spheres) {
-    char path[1000], message[400];
-    const int copies = spheres == 100000 ? 5 : 1;
-    const char *const names[9] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z"};
-    csv_data data;
-    int column[9];
-    memset(b, 0, sizeof *b);
-    output_path(path, sizeof path, folder, spheres == 2000 ? "settled_2000.csv" : "settled_20000.csv");
-    if (csv_read(path, &data, message, sizeof message) != 0) return common_fail("%s", message);
-    for (int k = 0; k < 9; k++) {
-        column[k] = csv_column(&data, names[k]);
-        if (column[k] < 0) {
-            csv_free(&data);
-            return common_fail("%s: no column %s", path, names[k]);
-        }
-    }
-    b->n = copies * data.rows;
-    b->length_y = spheres == 2000 ? 0.045 : 0.14;
-    b->length_x = copies * b->length_y;
-    const size_t vectors = 3 * (size_t)b->n * sizeof(double);
-    b->centres = malloc(vectors);
-    b->velocities = malloc(vectors);
-    b->spins = malloc(vectors);
-    b->diameters = malloc(vectors);
-    const int got = b->centres && b->velocities && b->spins && b->diameters;
-    for (int i = 0; got && i < b->n; i++) {
-        const double *row = data.values + (ptrdiff_t)(i % data.rows) * data.columns;
-        for (int k = 0; k < 3; k++) {
-            b->centres[3 * i + k] = row[column[k]];
-            b->velocities[3 * i + k] = row[column[3 + k]];
-            b->spins[3 * i + k] = row[column[6 + k]];
-        }
-        b->centres[3 * i] += i / data.rows * b->length_y;
-        b->diameters[i] = diameter;
-    }
-    csv_free(&data);
-    if (got) return 0;
-    bed_free(b);
-    return common_fail("out of memory");
-}
-
-static dem_status bed_world(dem_world *world, const bed *b, int scene, int threads, double skin) {
-    dem_def def = dem_default_def();
-    const char *field;
-    const int glass = dem_add_material(&def, density, 5e10, 0.2), ground = dem_add_material(&def, density, 5e10, 0.2);
-    const double mass = RIDDLE_PI / 6.0 * diameter * diameter * diameter * density;
-    for (int k = 0; k < 2; k++) {
-        dem_pair_def *pair = dem_pair(&def, glass, k ? ground : glass);
-        const double reduced = k ? mass : 0.5 * mass, gamma = reduced * (k ? floor_damping : pair_damping);
-        pair->stiffness = stiffness;
-        pair->mode = DEM_NAIVE;
-        pair->restitution = dem_restitution_of(gamma / (2.0 * sqrt(stiffness * reduced)), DEM_NAIVE);
-        pair->friction = has_friction(scene) ? 0.2 : 0.0;
-    }
-    def.dt = time_step;
-    def.threads = threads;
-    def.skin = skin;
-    def.periodic[0] = def.periodic[1] = 1;
-    def.high = dem_vec3(b->length_x, b->length_y, 1.0);
-    dem_status status = dem_init(world, &def, &field);
-    if (status != DEM_OK) return status;
-    const int floor_wall = dem_add_plane(world, ground, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
-    if (floor_wall < 0) return (dem_status)-floor_wall;
-    if (!is_static(scene)) /* A (1 - cos) */
-        status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), frequency);
-    if (status == DEM_OK) status = dem_add_spheres(world, b->n, b->centres, b->diameters, glass, 0);
-    for (int i = 0; i < b->n && status == DEM_OK; i++) {
-        const double *v = b->velocities + 3 * i, *w = b->spins + 3 * i;
-        status = dem_set_motion(world, i, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
-    }
-    return status;
-}
 
 /* What one run tells. */
 typedef struct run {
@@ -132,7 +41,10 @@ typedef struct run {
 static int bed_run(run *r, const bed *b, double skin, progress *bar) {
     dem_world world;
     memset(&world, 0, sizeof world);
-    dem_status status = bed_world(&world, b, r->scene, r->threads, skin);
+    dem_def def = bed_def(b, has_friction(r->scene) ? 0.2 : 0.0, DEM_NAIVE);
+    def.threads = r->threads;
+    def.skin = skin;
+    dem_status status = bed_world(&world, b, &def, !is_static(r->scene));
     const int features = DEM_LINEAR | (has_friction(r->scene) ? DEM_FRICTION : 0), chunk = 100;
     r->cpu_s = r->wall_s = 0.0;
     for (int done = 0; done < r->steps && status == DEM_OK && !common_interrupted(); done += chunk) {
@@ -143,12 +55,7 @@ static int bed_run(run *r, const bed *b, double skin, progress *bar) {
         r->wall_s += machine_seconds() - wall;
         progress_add(bar, (double)steps * b->n);
     }
-    r->height = r->energy = 0.0;
-    for (ptrdiff_t i = 0; i < world.count; i++) {
-        const dem_vec v = dem_velocity(&world, i);
-        r->height += dem_position(&world, i).z / (double)world.count;
-        r->energy += 0.5 * world.mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
-    }
+    bed_measure(&world, &r->height, &r->energy);
     r->contacts = 2.0 * (double)world.contact_steps / (double)world.particle_steps;
     r->looks = (double)world.looks / (double)world.particle_steps;
     r->rebuilds = (long long)world.rebuilds;
@@ -183,11 +90,11 @@ static int scene_of(const csv_data *data, int row) {
 }
 
 static int references_read(reference (*references)[SCENES], const char *folder) {
-    char path[1000], message[400];
+    char path[1000], message[1200];
     csv_data data;
     memset(references, 0, SIZES * sizeof *references);
     output_path(path, sizeof path, folder, "lammps.csv");
-    if (csv_read(path, &data, message, sizeof message) != 0) return common_fail("%s", message);
+    if (csv_read(path, &data, message, sizeof message) != 0) return -1;
     for (int row = 0; row < data.rows; row++) {
         const int size = size_of(csv_value(&data, row, "spheres")), scene = scene_of(&data, row);
         if (size < 0 || scene < 0) continue;
@@ -235,23 +142,17 @@ static double spread_speed(const csv_data *data, const char *code, int size, int
 
 static void compare(const program *self, const char *path, reference (*references)[SCENES]) {
     static const char *const needed[] = {"code", "spheres", "scene", "friction", "steps", "cpu_s", "mean_height_m", "kinetic_energy_J"};
-    char message[400];
+    char message[1200];
     const char *codes[CODES];
     double speed[CODES][SIZES * SCENES];
     const char *groups[SIZES * SCENES];
     char group_names[SIZES * SCENES][40];
     int n_codes = 0, n_groups = 0, wrong = 0;
     csv_data data;
-    if (csv_read(path, &data, message, sizeof message) != 0) {
-        common_fail("%s", message);
-        return;
-    }
+    if (csv_read(path, &data, message, sizeof message) != 0) program_refuse(self, "compare", path, "a CSV of runs");
     for (size_t k = 0; k < sizeof needed / sizeof *needed; k++) {
-        if (csv_column(&data, needed[k]) < 0) {
-            common_fail("%s: no column %s", path, needed[k]);
-            csv_free(&data);
-            return;
-        }
+        snprintf(message, sizeof message, "a CSV with a column %s", needed[k]);
+        if (csv_column(&data, needed[k]) < 0) program_refuse(self, "compare", path, message);
     }
     for (int row = 0; row < data.rows; row++) {
         const char *code = data.cells[row * data.columns + csv_column(&data, "code")];
@@ -359,7 +260,7 @@ int main(int argc, char **argv) {
                       sizeof options / sizeof *options, argc, argv);
     if (strpbrk(label, ",\"\n")) program_refuse(&self, "label", label, "text without commas and quotes");
     reference references[SIZES][SCENES];
-    if (references_read(references, folder) != 0) return common_exit_status();
+    if (references_read(references, folder) != 0) program_refuse(&self, "beds", folder, BED_FILES);
     if (comparison) {
         compare(&self, comparison, references);
         return common_exit_status();
@@ -397,7 +298,8 @@ int main(int argc, char **argv) {
             speeds[size][scene] = (double)NAN;
         }
         if (!any || common_interrupted()) continue;
-        if (bed_read(&b, folder, sizes[size]) != 0) break;
+        char message[1200];
+        if (bed_read(&b, folder, sizes[size], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
         for (int scene = 0; scene < SCENES; scene++) {
             double alone_s = 0.0;
             uint64_t hash = 0;
