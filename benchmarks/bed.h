@@ -11,8 +11,9 @@
 #include "common.h"
 #include "dem.h"
 
-static const double diameter = 0.005, density = 2534.0, stiffness = 1e5, time_step = 4e-6, amplitude = 1e-3, frequency = 50.6;
-static const double pair_damping = 5475.7, floor_damping = 3871.9; /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
+static const double bed_diameter = 0.005, bed_density = 2534.0, bed_stiffness = 1e5, bed_dt = 4e-6, bed_amplitude = 1e-3,
+                    bed_frequency = 50.6;
+static const double bed_pair_damping = 5475.7, bed_floor_damping = 3871.9; /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
 #define BED_FILES "a folder with settled_2000.csv, settled_20000.csv and lammps.csv"
 
 typedef struct bed {
@@ -64,7 +65,7 @@ static inline int bed_read(bed *b, const char *folder, int spheres, char *messag
             b->spins[3 * i + k] = row[column[6 + k]];
         }
         b->centres[3 * i] += i / data.rows * b->length_y;
-        b->diameters[i] = diameter;
+        b->diameters[i] = bed_diameter;
     }
     csv_free(&data);
     if (got) return 0;
@@ -76,17 +77,17 @@ static inline int bed_read(bed *b, const char *folder, int spheres, char *messag
 /* The definition of the beds: material 0 the spheres', 1 the floor's. */
 static inline dem_def bed_def(const bed *b, double friction, dem_restitution mode) {
     dem_def def = dem_default_def();
-    const int glass = dem_add_material(&def, density, 5e10, 0.2), ground = dem_add_material(&def, density, 5e10, 0.2);
-    const double mass = RIDDLE_PI / 6.0 * diameter * diameter * diameter * density;
+    const int glass = dem_add_material(&def, bed_density, 5e10, 0.2), ground = dem_add_material(&def, bed_density, 5e10, 0.2);
+    const double mass = RIDDLE_PI / 6.0 * bed_diameter * bed_diameter * bed_diameter * bed_density;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? ground : glass);
-        const double reduced = k ? mass : 0.5 * mass, gamma = reduced * (k ? floor_damping : pair_damping);
-        pair->stiffness = stiffness;
+        const double reduced = k ? mass : 0.5 * mass, gamma = reduced * (k ? bed_floor_damping : bed_pair_damping);
+        pair->stiffness = bed_stiffness;
         pair->mode = mode;
-        pair->restitution = dem_restitution_of(gamma / (2.0 * sqrt(stiffness * reduced)), mode);
+        pair->restitution = dem_restitution_of(gamma / (2.0 * sqrt(bed_stiffness * reduced)), mode);
         pair->friction = friction;
     }
-    def.dt = time_step;
+    def.dt = bed_dt;
     def.periodic[0] = def.periodic[1] = 1;
     def.high = dem_vec3(b->length_x, b->length_y, 1.0);
     return def;
@@ -99,7 +100,8 @@ static inline dem_status bed_world(dem_world *world, const bed *b, const dem_def
     if (status != DEM_OK) return status;
     const int floor_wall = dem_add_plane(world, 1, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
     if (floor_wall < 0) return (dem_status)-floor_wall;
-    if (vibrated) status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), frequency);
+    if (vibrated)
+        status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, bed_amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), bed_frequency);
     if (status == DEM_OK) status = dem_add_spheres(world, b->n, b->centres, b->diameters, 0, 0);
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
         const double *v = b->velocities + 3 * i, *w = b->spins + 3 * i;
@@ -116,6 +118,17 @@ static inline void bed_measure(const dem_world *world, double *height, double *e
         *height += dem_position(world, i).z / (double)world->count;
         *energy += 0.5 * world->mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
+}
+
+/* Sorts. */
+static inline double median(double *values, int n) {
+    for (int i = 1; i < n; i++) {
+        double v = values[i];
+        int k = i;
+        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
+        values[k] = v;
+    }
+    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 #endif

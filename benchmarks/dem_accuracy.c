@@ -48,7 +48,8 @@ DEM_INLINE void counted_unresolved_force(const dem_contact *c, double *state, de
     evaluations++;
     unresolved_force(c, state, r);
 }
-static const dem_law counted_unresolved_law = {"counted, unresolved", 1, 3, 3, 1, 8, unresolved_prepare, counted_unresolved_force, NULL, NULL};
+static const dem_law counted_unresolved_law = {"counted, unresolved",    1,    3,   3, 1, 8, unresolved_prepare,
+                                               counted_unresolved_force, NULL, NULL};
 DEM_KERNEL(counted_unresolved_kernel, counted_unresolved_law, DEM_LINEAR | DEM_FRICTION)
 
 /* ---- integrators as others have them ---- */

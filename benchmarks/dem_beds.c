@@ -50,7 +50,7 @@ static int bed_run(run *r, const bed *b, double skin, progress *bar) {
     for (int done = 0; done < r->steps && status == DEM_OK && !common_interrupted(); done += chunk) {
         const int steps = r->steps - done < chunk ? r->steps - done : chunk;
         const double cpu = machine_processor_seconds(), wall = machine_seconds();
-        status = dem_run(&world, steps * time_step, features);
+        status = dem_run(&world, steps * bed_dt, features);
         r->cpu_s += machine_processor_seconds() - cpu;
         r->wall_s += machine_seconds() - wall;
         progress_add(bar, (double)steps * b->n);
@@ -110,16 +110,6 @@ static bool same_physics(const reference *of, int scene, double height, double e
     const int friction = has_friction(scene);
     return fabs(height - of->height) <= (friction ? height_tolerance : height_scatter) &&
            fabs(energy / of->energy - 1.0) <= (friction ? energy_tolerance : energy_scatter);
-}
-
-static double median(double *values, int n) {
-    for (int i = 1; i < n; i++) {
-        double v = values[i];
-        int k = i;
-        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
-        values[k] = v;
-    }
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 /* ---- runs of several codes ---- */

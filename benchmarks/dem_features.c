@@ -54,7 +54,7 @@ static void dilute(bed *b) {
 
 static dem_status scene_world(dem_world *world, const bed *b, int scene, const feature *f, int threads) {
     dem_def def = bed_def(b, 0.2, DEM_CLIPPED);
-    const double radius = 0.5 * diameter;
+    const double radius = 0.5 * bed_diameter;
     for (int k = 0; k < 2; k++) dem_pair(&def, 0, k)->rolling = 1e-4;
     def.material[0].young_modulus = def.material[1].young_modulus = 1e8; /* Hertz contacts about as long as the linear ones */
     def.skip = f->skip;
@@ -100,10 +100,10 @@ static int measure(outcome *o, const bed *b, int scene, const feature *f, int th
     dem_world world;
     memset(&world, 0, sizeof world);
     dem_status status = scene_world(&world, b, scene, f, threads);
-    if (status == DEM_OK) status = run(&world, (steps / 10 + 1) * time_step, f->features);
+    if (status == DEM_OK) status = run(&world, (steps / 10 + 1) * bed_dt, f->features);
     const int64_t before = world.particle_steps, contacts = world.contact_steps, looks = world.looks;
     const double cpu = machine_processor_seconds(), wall = machine_seconds();
-    if (status == DEM_OK) status = measured_run(&world, steps * time_step, f->features);
+    if (status == DEM_OK) status = measured_run(&world, steps * bed_dt, f->features);
     const double work = (double)(world.particle_steps - before);
     o->cpu_ns = 1e9 * (machine_processor_seconds() - cpu) / work;
     o->wall_ns = 1e9 * (machine_seconds() - wall) / work;
@@ -112,15 +112,6 @@ static int measure(outcome *o, const bed *b, int scene, const feature *f, int th
     o->hash = dem_hash(&world);
     dem_free(&world);
     return status == DEM_OK ? 0 : common_fail("%s, %s: %s", scene_names[scene], f->name, dem_status_text(status));
-}
-
-static double median(double *v, int n) {
-    for (int i = 1; i < n; i++)
-        for (int k = i; k > 0 && v[k - 1] > v[k]; k--) {
-            const double swap = v[k];
-            v[k] = v[k - 1], v[k - 1] = swap;
-        }
-    return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
 }
 
 /* ---- instructions counted by scripts/bench: scene, feature, instructions a particle-step ---- */
