@@ -135,8 +135,7 @@ static void compare(const program *self, const char *path, reference (*reference
     char message[1200];
     const char *codes[CODES];
     double speed[CODES][SIZES * SCENES];
-    const char *groups[SIZES * SCENES];
-    char group_names[SIZES * SCENES][40];
+    int group_size[SIZES * SCENES], group_scene[SIZES * SCENES];
     int n_codes = 0, n_groups = 0, wrong = 0;
     csv_data data;
     if (csv_read(path, &data, message, sizeof message) != 0) program_refuse(self, "compare", path, "a CSV of runs");
@@ -203,22 +202,33 @@ static void compare(const program *self, const char *path, reference (*reference
                 if (judged) json_bool(report, "same_physics", same);
                 json_object_end(report);
             }
-            const char *short_size = size == 0 ? "2k" : size == 1 ? "20k" : "100k";
-            snprintf(group_names[n_groups], sizeof group_names[0], "%s %s%s", short_size, is_static(scene) ? "static" : "vibrated",
-                     has_friction(scene) ? "" : ", \xc2\xb5 = 0");
-            groups[n_groups] = group_names[n_groups];
+            group_size[n_groups] = size, group_scene[n_groups] = scene;
             n_groups++;
         }
     }
     json_array_end(report);
     table_end(&t);
     csv_close(file);
-    plot *figure = plot_new("Beds of spheres, one core", 1, 1);
-    plot_panel_size(figure, 150.0 + 90.0 * (n_groups > 4 ? n_groups : 4), 400.0);
-    plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
-    for (int k = 0; k < n_codes; k++) {
-        for (int g = 0; g < n_groups; g++) speed[k][g] *= 1e-6;
-        plot_bars(figure, codes[k], groups, speed[k], n_groups);
+    plot *figure = plot_new("Beds of spheres, one core", 2, 1);
+    plot_panel_size(figure, 900.0, 260.0);
+    for (int friction = 1; friction >= 0; friction--) {
+        static const char *const size_marks[SIZES] = {"2k", "20k", "100k"};
+        double shown[CODES][SIZES * SCENES];
+        const char *groups[SIZES * SCENES];
+        char names[SIZES * SCENES][40];
+        int n = 0;
+        for (int g = 0; g < n_groups; g++) {
+            if (has_friction(group_scene[g]) != friction) continue;
+            for (int k = 0; k < n_codes; k++) shown[k][n] = 1e-6 * speed[k][g];
+            snprintf(names[n], sizeof names[0], "%s %s", size_marks[group_size[g]], is_static(group_scene[g]) ? "static" : "vibrated");
+            groups[n] = names[n];
+            n++;
+        }
+        if (!n) continue;
+        plot_panel(figure, friction ? 0 : 1, 0, "", "1e6 particle-steps per CPU s");
+        plot_title(figure, friction ? "Friction 0.2 with history" : "Without friction");
+        plot_legend_outside(figure);
+        for (int k = 0; k < n_codes; k++) plot_bars(figure, codes[k], groups, shown[k], n);
     }
     plot_write(figure, self->out, "compare.svg");
     json_program(report, self);

@@ -200,16 +200,17 @@ int main(int argc, char **argv) {
         }
         bed_free(&b);
         if (failed || common_interrupted()) break;
+        for (int k = 0; k < FEATURES; k++)
+            if (wanted[scene][k]) ns[scene][k] = median(cpu[k], repeats);
         for (int k = 0; k < FEATURES; k++) {
             if (!wanted[scene][k]) continue;
             const outcome *o = &outcomes[scene][k];
             const double wall_ns = median(wall[k], repeats);
             const int threads = features[k].threaded ? self.threads : 1;
-            ns[scene][k] = median(cpu[k], repeats);
             table_cell(&t, "%s", scene_names[scene]);
             table_cell(&t, "%s", features[k].name);
             table_cell(&t, "%.1f", ns[scene][k]);
-            if (wanted[scene][FRICTION] && k >= FRICTION) table_cell(&t, "%.2f", ns[scene][k] / ns[scene][FRICTION]);
+            if (wanted[scene][FRICTION]) table_cell(&t, "%.2f", ns[scene][k] / ns[scene][FRICTION]);
             else table_cell(&t, "-");
             table_cell(&t, "%.1f", wall_ns);
             if (counts[scene][k] > 0.0) table_cell(&t, "%.1f", counts[scene][k]);
@@ -238,16 +239,16 @@ int main(int argc, char **argv) {
     json_bool(report, "same_bits", !changed);
     table_end(&t);
     csv_close(file);
-    const int columns = counted ? 2 : 1;
+    const int columns = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
     const char *names[FEATURES];
-    for (int k = 0; k < FEATURES; k++) names[k] = features[k].key;
-    plot *figure = plot_new("dem.h: what each feature costs", columns, 1);
-    plot_panel_size(figure, 900.0, 320.0);
-    for (int row = 0; row < columns; row++) {
-        plot_panel(figure, row, 0, "", row ? "instructions a particle-step" : "processor time a particle-step [ns]");
-        for (int scene = 0; scene < SCENES; scene++) {
-            if (scene_choice == 0 || scene_choice == scene + 1)
-                plot_bars(figure, scene ? "dilute, vibrated" : "dense bed", names, row ? counts[scene] : ns[scene], FEATURES);
+    for (int k = 0; k < shown; k++) names[k] = features[k].key;
+    plot *figure = plot_new("dem.h: what each feature costs", SCENES, columns);
+    plot_panel_size(figure, 760.0, 260.0);
+    for (int scene = 0; scene < SCENES; scene++) {
+        for (int column = 0; column < columns && (scene_choice == 0 || scene_choice == scene + 1); column++) {
+            plot_panel(figure, scene, column, "", column ? "instructions a particle-step" : "ns a particle-step");
+            plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
+            plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);
         }
     }
     plot_write(figure, self.out, "dem_features.svg");
