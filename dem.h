@@ -220,6 +220,8 @@ typedef struct dem_wall {
     double motion_start;                      /* time at which the motion began [s] */
     dem_vec position, velocity, acceleration; /* of its origin, now */
     double speed_bound;                       /* no point of it is ever faster, spin apart [m/s] */
+    double acceleration_bound;                /* nor accelerates more [m/s2] */
+    double side_bound;                        /* the same perpendicular to axis[2] */
     dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m] */
     dem_vec impulse;                          /* time integral of the force [N s] */
 } dem_wall;
@@ -312,6 +314,34 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
+/* Private: whom a particle may meet. */
+typedef struct dem__near {
+    int32_t i, j;    /* i < j */
+    int32_t state;   /* 0 apart, 1 in contact, 2 a partner has left */
+    int32_t linked;  /* 1: they have a link */
+    double distance; /* of centres, below which they are in contact [m] */
+} dem__near;
+
+/* Private: what timers know of a particle. In a frame that falls since the list was built it moves from x with u, and strays from
+   that velocity by less than ball until it is given another course. One cache line. */
+typedef struct dem__course {
+    double x, y, z, ux, uy, uz; /* [m], [m/s] */
+    double ball, since;         /* [m/s], [s] */
+} dem__course;
+
+typedef struct dem__timer {
+    int32_t next, prev, due; /* due: the bucket it waits in, or -1 */
+    int32_t directed;        /* of a wall: counts on the particle's course, not only on its speed */
+} dem__timer;
+
+typedef struct dem__timers {
+    dem__timer *at;
+    ptrdiff_t capacity;
+    void *block;
+    size_t bytes;
+    int32_t wheel[DEM_WHEEL];
+} dem__timers;
+
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 typedef struct dem_world {
@@ -340,7 +370,7 @@ typedef struct dem_world {
     int32_t *material, *group, *alive, *touching;    /* touching: live contacts */
 
     /* the rest is private */
-    double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__;
+    double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
     int fresh__, stale__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__, ledger_started__;
@@ -348,23 +378,25 @@ typedef struct dem_world {
     const dem_law *law__;
     dem_energy_ledger ledger__;
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
-    void *particle_block__, *live_block__, *near_block__, *timer_block__;
-    size_t particle_bytes__, live_bytes__, near_bytes__, timer_bytes__;
+    void *particle_block__, *live_block__, *near_block__;
+    size_t particle_bytes__, live_bytes__, near_bytes__;
     double *mx__, *my__, *mz__, *ox__, *oy__, *oz__;    /* velocity and spin in the middle of the step, of active particles */
     double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__;    /* sums of forces and torques */
     double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
     double *rx__, *ry__, *rz__;                         /* position when the list was built */
-    double *ux__, *uy__, *uz__, *ball__;                /* velocity in the falling frame when timers were set, and how far it may stray */
-    double *wall_speed__;                               /* speed that the timers of walls count on */
+    dem__course *course__;
+    double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
+    double *wall_speed__; /* speed that the timers of walls count on */
     int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__,
         *link_loaded__; /* link_loaded: its load has a part of links */
 
     /* near pairs, and timers of pairs and of particles with walls */
-    ptrdiff_t near_count__, near_capacity__, timer_capacity__, adjacent_capacity__, cells_capacity__;
-    int32_t *near_i__, *near_j__, *near_live__, *near_linked__, *adjacent__, *cells__; /* near_live: 1 in contact, 2 a partner has left */
-    int32_t *timer_next__, *timer_prev__, *timer_due__;
-    int32_t wheel__[DEM_WHEEL];
+    ptrdiff_t near_count__, near_capacity__, adjacent_capacity__, cells_capacity__;
+    dem__near *near__;
+    int32_t *adjacent__, *cells__; /* adjacent: (pair, other particle) of each particle */
+    dem__timers pair_timers__, wall_timers__;
+    int64_t listed__; /* step at which the list was built */
 
     /* live contacts, in slots; order__ sorts them by partners, which fixes every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
@@ -1078,6 +1110,12 @@ DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     return dem__add(dem__add(a, c), u);
 }
 
+/* Only the two nearest bars of a family count: any other is at least this far away while none overlaps. */
+DEM_INLINE double dem__third_bar(const dem_wall *w, double radius) {
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire;
+    return sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
+}
+
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES); *least becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
     dem_vec d = dem__sub(centre, w->position);
@@ -1103,9 +1141,8 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     }
     *least = fabs(up) - radius - 0.5 * w->wire;
     if (!(*least < limit)) return 0;
-    /* only the two nearest bars of a family count: the third is at least this far away while none overlaps */
-    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, third = sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
-    double bound = third;
+    const double pitch = w->aperture + w->wire;
+    double bound = dem__third_bar(w, radius);
     for (int family = 0; family < 2; family++) {
         const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), nearest = floor(across / pitch + 0.5);
         if (!(fabs(nearest) < 1e6)) continue;
@@ -1170,11 +1207,11 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->x,    &w->y,     &w->z,     &w->vx,    &w->vy,   &w->vz,     &w->ax,   &w->ay,     &w->az,          &w->wx,
-                          &w->wy,   &w->wz,    &w->bx,    &w->by,    &w->bz,   &w->radius, &w->mass, &w->lx__,   &w->ex__,        &w->ey__,
-                          &w->ez__, &w->etx__, &w->ety__, &w->etz__, &w->ly__, &w->lz__,   &w->qx__, &w->qy__,   &w->qz__,        &w->mx__,
-                          &w->my__, &w->mz__,  &w->ox__,  &w->oy__,  &w->oz__, &w->fx__,   &w->fy__, &w->fz__,   &w->tx__,        &w->ty__,
-                          &w->tz__, &w->rx__,  &w->ry__,  &w->rz__,  &w->ux__, &w->uy__,   &w->uz__, &w->ball__, &w->wall_speed__};
+    double **doubles[] = {&w->x,    &w->y,     &w->z,     &w->vx,    &w->vy,           &w->vz,       &w->ax,   &w->ay,   &w->az,   &w->wx,
+                          &w->wy,   &w->wz,    &w->bx,    &w->by,    &w->bz,           &w->radius,   &w->mass, &w->lx__, &w->ex__, &w->ey__,
+                          &w->ez__, &w->etx__, &w->ety__, &w->etz__, &w->ly__,         &w->lz__,     &w->qx__, &w->qy__, &w->qz__, &w->mx__,
+                          &w->my__, &w->mz__,  &w->ox__,  &w->oy__,  &w->oz__,         &w->fx__,     &w->fy__, &w->fz__, &w->tx__, &w->ty__,
+                          &w->tz__, &w->rx__,  &w->ry__,  &w->rz__,  &w->wall_speed__, &w->shifted__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
@@ -1185,6 +1222,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     }
     list[n].address = &w->origin, list[n++].size = sizeof(int64_t);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
+    list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
     return n;
 }
 
@@ -1237,12 +1275,8 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
 }
 
 static inline int dem__near_arrays(dem_world *w, dem__array *list) {
-    int n = 0;
-    int32_t **integers[] = {&w->near_i__, &w->near_j__, &w->near_live__, &w->near_linked__};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
-        list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    }
-    return n;
+    list[0].address = &w->near__, list[0].size = sizeof(dem__near);
+    return 1;
 }
 
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
@@ -1256,13 +1290,14 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-static inline int dem__timer_arrays(dem_world *w, dem__array *list) {
-    int n = 0;
-    int32_t **integers[] = {&w->timer_next__, &w->timer_prev__, &w->timer_due__};
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
-        list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    }
-    return n;
+/* Timers, all at rest. */
+static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
+    dem__array list[1];
+    list[0].address = &t->at, list[0].size = sizeof(dem__timer);
+    if (count > t->capacity && !dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count)) return 0;
+    for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
+    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].directed = 0;
+    return 1;
 }
 
 /* One plain array as a group of its own. */
@@ -1401,7 +1436,8 @@ DEM_API void dem_free(dem_world *world) {
     if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
     if (world->near_block__) a.fn(a.user, world->near_block__, world->near_bytes__, 0);
     if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
-    if (world->timer_block__) a.fn(a.user, world->timer_block__, world->timer_bytes__, 0);
+    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
+    if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
     if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
     if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
     if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
@@ -1504,7 +1540,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         w->touching[i] = w->is_active__[i] = 0;
         w->wall_head__[i] = w->link_head__[i] = -1;
         w->link_loaded__[i] = 0;
-        w->ball__[i] = w->ux__[i] = w->uy__[i] = w->uz__[i] = 0.0;
+        memset(&w->course__[i], 0, sizeof w->course__[i]);
         dem__free_acceleration(w, i);
         if (w->ledger_on__) {
             w->ledger__.added += dem__potential(w, i);
@@ -1691,7 +1727,11 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
 
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->frequency;
-    a->speed_bound = rate * (fabs(a->amplitude.x) + fabs(a->amplitude.y) + fabs(a->amplitude.z)) + dem__length(a->drift);
+    const dem_vec n = a->axis[2];
+    const double x = fabs(a->amplitude.x), y = fabs(a->amplitude.y), z = fabs(a->amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->drift);
+    a->acceleration_bound = rate * rate * (x + y + z);
+    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -1736,28 +1776,29 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 
 /* ------------------------------------------------------------------------------------------------- >>lists */
 
-/* A timer is a pair (p < near_count) or a particle and a wall (near_count + i * walls + k). Each waits in the bucket of the step
-   at which it must be looked at; a look finds a contact, or the next time when one is possible. */
+/* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
+   looked at; a look finds a contact, or the next time when one is possible. */
 
-DEM_INLINE void dem__stop_timer(dem_world *w, int32_t e) {
-    if (w->timer_due__[e] < 0) return;
-    int32_t next = w->timer_next__[e], prev = w->timer_prev__[e];
-    if (prev >= 0) w->timer_next__[prev] = next;
-    else w->wheel__[w->timer_due__[e]] = next;
-    if (next >= 0) w->timer_prev__[next] = prev;
-    w->timer_due__[e] = -1;
+DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
+    dem__timer *a = &t->at[e];
+    if (a->due < 0) return;
+    if (a->prev >= 0) t->at[a->prev].next = a->next;
+    else t->wheel[a->due] = a->next;
+    if (a->next >= 0) t->at[a->next].prev = a->prev;
+    a->due = -1;
 }
 
-DEM_INLINE void dem__set_timer(dem_world *w, int32_t e, int64_t step) {
-    int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head;
-    if (w->timer_due__[e] == bucket) return;
-    dem__stop_timer(w, e);
-    head = w->wheel__[bucket];
-    w->timer_due__[e] = bucket;
-    w->timer_prev__[e] = -1;
-    w->timer_next__[e] = head;
-    if (head >= 0) w->timer_prev__[head] = e;
-    w->wheel__[bucket] = e;
+DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
+    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1));
+    dem__timer *a = &t->at[e];
+    if (a->due == bucket) return;
+    dem__stop_timer(t, e);
+    const int32_t head = t->wheel[bucket];
+    a->due = bucket;
+    a->prev = -1;
+    a->next = head;
+    if (head >= 0) t->at[head].prev = e;
+    t->wheel[bucket] = e;
 }
 
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
@@ -1780,6 +1821,7 @@ DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
 DEM_INLINE double dem__time_to_touch(dem_vec d, dem_vec v, double sum, double stray) {
     double a = dem__dot(v, v) - stray * stray, b = dem__dot(d, v) - sum * stray, c = dem__dot(d, d) - sum * sum;
     double root = b * b - a * c;
+    if (!(c > 0.0)) return 0.0;
     if (!(root > 0.0)) return HUGE_VAL;
     double below = sqrt(root) - b;
     return below > 0.0 ? c / below : HUGE_VAL;
@@ -1790,24 +1832,32 @@ DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
 
-/* Both centres at a step; the gap, and when to look again (from that step). */
-DEM_INLINE double dem__pair_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step, dem_vec *d) {
-    *d = dem__apart(
+/* Time in which something covers a distance that approaches at u (< 0: recedes) and accelerates by at most a. */
+DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
+    const double root = u + sqrt(u * u + 2.0 * a * distance);
+    return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
+}
+
+/* From the centre of j to that of i, at a step. */
+DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
+    return dem__apart(
         w, dem__sub(dem__at(w, i, (double)(step - w->origin[i]) * w->dt__), dem__at(w, j, (double)(step - w->origin[j]) * w->dt__)));
-    return dem__dot(*d, *d);
 }
 
-/* Distance of centres at which a near pair becomes a contact. */
-DEM_INLINE double dem__contact_distance(const dem_world *w, int32_t p) {
-    const double sum = w->radius[w->near_i__[p]] + w->radius[w->near_j__[p]];
-    return w->near_linked__[p] ? sum + w->link_near__ : sum;
+/* Pair p, at a step at which its centres are d apart, d known to within `blur`. */
+DEM_INLINE void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, const dem__course *a, const dem__course *b, dem_vec d,
+                                   double blur) {
+    const double t = dem__time_to_touch(d, dem_vec3(a->ux - b->ux, a->uy - b->uy, a->uz - b->uz),
+                                        w->near__[p].distance + 2.0 * w->blur__ + blur, a->ball + b->ball);
+    if (t < HUGE_VAL) dem__set_timer(&w->pair_timers__, p, step + dem__steps_until(w, t));
+    else dem__stop_timer(&w->pair_timers__, p); /* never, on these courses */
 }
 
-static inline void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, dem_vec d) {
-    ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
-    dem_vec v = dem_vec3(w->ux__[i] - w->ux__[j], w->uy__[i] - w->uy__[j], w->uz__[i] - w->uz__[j]);
-    double t = dem__time_to_touch(d, v, dem__contact_distance(w, p), w->ball__[i] + w->ball__[j]);
-    dem__set_timer(w, p, step + dem__steps_until(w, t));
+/* The same for a pair whose centres nobody has computed. */
+DEM_INLINE void dem__wait_on_course(dem_world *w, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
+    const double t = (double)(step - w->listed__) * w->dt__;
+    const dem_vec d = dem_vec3(a->x - b->x + t * (a->ux - b->ux), a->y - b->y + t * (a->uy - b->uy), a->z - b->z + t * (a->uz - b->uz));
+    dem__wait_for_pair(w, p, step, a, b, dem__apart(w, d), a->ball * (t - a->since) + b->ball * (t - b->since));
 }
 
 /* A new contact, in the next slot; made ready in dem__admit_born. */
@@ -1831,17 +1881,14 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
 }
 
 static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
-    ptrdiff_t i = w->near_i__[p], j = w->near_j__[p];
-    dem_vec d;
-    double square = dem__pair_gap(w, i, j, step, &d), sum = dem__contact_distance(w, p);
+    dem__near *q = &w->near__[p];
+    const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
     w->looks++;
-    if (square < sum * sum) {
-        if (dem__bear(w, i, j, 0, p)) {
-            w->near_live__[p] = 1;
-            return;
-        }
+    if (dem__dot(d, d) < q->distance * q->distance && dem__bear(w, q->i, q->j, 0, p)) {
+        q->state = 1;
+        return;
     }
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, p, step, d);
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
 }
 
 static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
@@ -1864,11 +1911,48 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
 
+/* Time before which a sphere near the inside of a cylinder cannot touch it: both move on, and apart from that by at most `stray`. */
+static inline double dem__time_to_shell(const dem_wall *wall, dem_vec d, dem_vec v, double radius, double stray) {
+    const dem_vec axis = wall->axis[2];
+    d = dem__sub(d, dem__scale(dem__dot(d, axis), axis));
+    v = dem__sub(v, dem__scale(dem__dot(v, axis), axis));
+    const double room = wall->radius - radius, a = dem__dot(v, v) - stray * stray, b = dem__dot(d, v) + room * stray;
+    const double c = (dem__length(d) - room) * (dem__length(d) + room), root = b * b - a * c;
+    return c < 0.0 && root > 0.0 ? -c / (b + sqrt(root)) : 0.0;
+}
+
+/* The same by what is known of velocities: better than the bound by speeds alone near a wall, but only on this course. A plane and a
+   bar are convex, so that a gap cannot shrink faster than along its normal. */
+static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec x, dem_vec v, int k,
+                                         const dem__touch *touch, int found) {
+    const double stray = 2.0 * w->course__[i].ball, a = w->fall__ + wall->acceleration_bound, near = w->link_near__ + w->blur__;
+    const dem_vec u = dem__sub(v, wall->velocity);
+    double least = HUGE_VAL;
+    if (wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (wall->kind == DEM_CYLINDER) {
+        const dem_vec g = w->def.gravity;
+        const double along = dem__dot(g, wall->axis[2]), side = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
+        return wall->inside
+                   ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->radius[i] + near, stray + 0.5 * DEM_WHEEL * w->dt__ * side)
+                   : 0.0;
+    }
+    if (wall->kind == DEM_SCREEN) {
+        const double other = dem__third_bar(wall, w->radius[i]) < w->reach__ ? dem__third_bar(wall, w->radius[i]) : w->reach__;
+        least = dem__time_to_close(other - near, dem__length(u) + stray, a);
+    }
+    for (int q = 0; q < found; q++) {
+        if (wall->kind != DEM_EXIT && dem__touches_element(w, i, k, touch[q].element)) continue;
+        const double t = dem__time_to_close(touch[q].gap - near, stray - dem__dot(u, touch[q].normal), a);
+        least = t < least ? t : least;
+    }
+    return found > 0 ? least : 0.0;
+}
+
 /* Looks at particle i and a wall at a step at which the wall already is. */
 static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
-    int32_t rest = e - (int32_t)w->near_count__;
-    ptrdiff_t i = rest / w->walls;
-    int k = (int)(rest % w->walls), found;
+    const ptrdiff_t i = e / w->walls;
+    const int k = (int)(e % w->walls);
+    int found;
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
@@ -1887,20 +1971,25 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
             const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
             if (touch[q].gap < (linked ? w->link_near__ : 0.0)) {
-                if (!dem__bear(w, i, -1 - k, touch[q].element, wall->kind == DEM_SCREEN ? -1 : e)) return;
+                if (!dem__bear(w, i, -1 - k, touch[q].element, -1)) return;
                 if (wall->kind != DEM_SCREEN) return; /* one contact is all there can be */
             } else least = touch[q].gap - w->link_near__ < least ? touch[q].gap - w->link_near__ : least;
         }
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
-    double speed = dem__length(v) + 2.0 * w->ball__[i];
+    double speed = dem__length(v) + 2.0 * w->course__[i].ball;
+    if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
     if (wall->spin != 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
         const double turn = DEM_WHEEL * w->dt__, out = turn * (speed + turn * w->fall__);
         const double arm = dem__length(dem__sub(x, wall->position)) + dem__length(dem__sub(wall->origin, wall->spin_centre));
         speed += fabs(wall->spin) * (arm + out);
     }
-    dem__set_timer(w, e, step + dem__steps_until(w, dem__time_to_cover(least, speed, w->fall__)));
+    const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
+    int better = 0;
+    if (steps < DEM_WHEEL / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, x, v, k, touch, found));
+    w->wall_timers__.at[e].directed = better > steps;
+    dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
@@ -1908,42 +1997,66 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     return (double)w->link_stride__ * w->dt__ / w->mass[i] * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
 }
 
-/* A new reference velocity for particle i's timers, and a ball around it that holds 16 steps of the present force. */
+/* A new course for particle i, with a ball that holds 16 steps of the present force. */
 static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
-    double t = (double)step * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
-    dem_vec v = dem__velocity_at(w, i, tau), g = w->def.gravity;
-    dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
-    w->ux__[i] = v.x - t * g.x, w->uy__[i] = v.y - t * g.y, w->uz__[i] = v.z - t * g.z;
-    w->ball__[i] = w->slack__ + 16.0 * w->dt__ * dem__length(a);
-    if (w->link_head__[i] >= 0) w->ball__[i] += 2.0 * dem__link_drift(w, i);
+    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
+    const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau), g = w->def.gravity;
+    const dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
+    dem__course *c = &w->course__[i];
+    c->ux = v.x - t * g.x, c->uy = v.y - t * g.y, c->uz = v.z - t * g.z;
+    c->x = x.x - t * (v.x - 0.5 * t * g.x), c->y = x.y - t * (v.y - 0.5 * t * g.y), c->z = x.z - t * (v.z - 0.5 * t * g.z);
+    c->since = t;
+    w->shifted__[i] = 0.0;
+    c->ball = w->slack__ + 16.0 * w->dt__ * dem__length(a);
+    if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     double speed = dem__length(v);
     if (!(speed * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
         w->failed_id = w->id[i];
     }
-    speed += 2.0 * w->ball__[i];
-    dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-    int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
+    speed += 2.0 * c->ball;
+    const dem_vec moved = dem__apart(w, dem__sub(x, dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
+    const int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
     if (due < w->next_check__) w->next_check__ = due;
-    if ((w->def.skip & DEM_SKIP_SPACE) && speed > w->wall_speed__[i]) {
-        w->wall_speed__[i] = 1.25 * speed;
-        for (int k = 0; k < w->walls; k++) {
-            int32_t e = (int32_t)w->near_count__ + (int32_t)i * w->walls + k;
-            if (w->timer_due__[e] >= 0) dem__set_timer(w, e, step + 1); /* the look at the next step finds the time */
-        }
+    if (!(w->def.skip & DEM_SKIP_SPACE)) return;
+    const int faster = speed > w->wall_speed__[i];
+    if (faster) w->wall_speed__[i] = 1.25 * speed;
+    for (int k = 0; k < w->walls; k++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        const dem__timer *timer = &w->wall_timers__.at[e];
+        if (timer->due >= 0 && (faster || timer->directed)) dem__set_timer(&w->wall_timers__, e, step + 1); /* the look finds the time */
     }
 }
 
-/* Particle i's velocity left its ball: a new one, and new timers. */
+/* Particle i has left its course: a new one, and new timers. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__aim(w, i, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        int32_t p = w->adjacent__[a];
-        if (w->near_live__[p]) continue;
-        dem_vec d;
-        dem__pair_gap(w, w->near_i__[p], w->near_j__[p], step, &d);
-        dem__wait_for_pair(w, p, step, d);
+    const dem__course a = w->course__[i];
+    for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
+        const int32_t p = w->adjacent__[2 * k];
+        if (w->near__[p].state == 0) dem__wait_on_course(w, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
+    }
+}
+
+/* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
+static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
+    dem__timers *t = &w->wall_timers__;
+    if (t->capacity < w->count * w->walls) return; /* not made yet */
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) t->at[w->remap__[i] * w->walls + k] = t->at[i * w->walls + k];
+    }
+    for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
+    for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
+        const int32_t due = t->at[e].due;
+        t->at[e].due = -1;
+        if (due >= 0) dem__set_timer(t, e, due);
+    }
+}
+
+DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, ptrdiff_t first, ptrdiff_t count) {
+    for (ptrdiff_t i = first; i < count; i++) {
+        if (remap[i] >= 0) memcpy(base + (size_t)remap[i] * size, base + (size_t)i * size, size);
     }
 }
 
@@ -1955,15 +2068,17 @@ static inline void dem__compact(dem_world *w) {
     int n = dem__particle_arrays(w, list);
     for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? (int32_t)to++ : -1;
     int32_t *remap = w->remap__;
+    ptrdiff_t first = 0;
+    while (first < w->count && remap[first] == first) first++;
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
         if ((void *)base == (void *)remap) continue;
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            if (remap[i] >= 0 && remap[i] != i)
-                memcpy(base + (size_t)remap[i] * list[k].size, base + (size_t)i * list[k].size, list[k].size);
-        }
+        if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
+        else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
+        else dem__close_gaps(base, list[k].size, remap, first, w->count);
     }
+    dem__move_wall_timers(w, to);
     for (ptrdiff_t c = 0; c < w->live_count__; c++) {
         w->live_i__[c] = remap[w->live_i__[c]];
         if (w->live_j__[c] >= 0) w->live_j__[c] = remap[w->live_j__[c]];
@@ -2071,10 +2186,11 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
             !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1))
             return 0;
     }
-    w->near_i__[w->near_count__] = i < j ? i : j;
-    w->near_j__[w->near_count__] = i < j ? j : i;
-    w->near_linked__[w->near_count__] = 0;
-    w->near_live__[w->near_count__++] = 0;
+    dem__near *q = &w->near__[w->near_count__++];
+    q->i = i < j ? i : j;
+    q->j = i < j ? j : i;
+    q->state = q->linked = 0;
+    q->distance = w->radius[i] + w->radius[j];
     return 1;
 }
 
@@ -2166,17 +2282,18 @@ static inline int dem__find_pairs(dem_world *w) {
 /* The near pairs of each particle, both ways. */
 static inline int dem__find_adjacent(dem_world *w) {
     if (w->count == 0) return 1;
-    if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 2 * w->near_count__)) return 0;
+    if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 4 * w->near_count__)) return 0;
     int32_t *start = w->adjacent_start__;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near_i__[p]]++, start[w->near_j__[p]]++;
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__[p].i]++, start[w->near__[p].j]++;
     for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
         sum += start[i];
         start[i] = (int32_t)sum;
     }
     for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
-        w->adjacent__[--start[w->near_i__[p]]] = (int32_t)p;
-        w->adjacent__[--start[w->near_j__[p]]] = (int32_t)p;
+        const int32_t i = w->near__[p].i, j = w->near__[p].j, a = --start[i], b = --start[j];
+        w->adjacent__[2 * a] = w->adjacent__[2 * b] = (int32_t)p;
+        w->adjacent__[2 * a + 1] = j, w->adjacent__[2 * b + 1] = i;
     }
     return 1;
 }
@@ -2185,28 +2302,32 @@ static inline int dem__find_adjacent(dem_world *w) {
 static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     if (w->stale__) return -1;
     for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        const int32_t p = w->adjacent__[a];
-        if (w->near_i__[p] + w->near_j__[p] == i + j) return p; /* one of them is i */
+        if (w->adjacent__[2 * a + 1] == j) return w->adjacent__[2 * a];
     }
     return -1;
 }
 
-/* Which near pair, or wall timer, a live contact is. */
+/* Which near pair a live contact is. */
 static inline void dem__find_contacts(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
     for (int32_t c = 0; c < (int32_t)w->live_count__; c++) {
         int32_t i = w->live_i__[c], j = w->live_j__[c];
         w->live_near__[c] = -1;
         if (j < 0) {
-            int k = -1 - j;
             w->live_wall_next__[c] = w->wall_head__[i];
             w->wall_head__[i] = c;
-            if (w->wall[k].kind != DEM_SCREEN) w->live_near__[c] = (int32_t)w->near_count__ + i * w->walls + k;
             continue;
         }
         w->live_near__[c] = dem__near_pair(w, i, j);
-        if (w->live_near__[c] >= 0) w->near_live__[w->live_near__[c]] = 1;
+        if (w->live_near__[c] >= 0) w->near__[w->live_near__[c]].state = 1;
     }
+}
+
+/* Near pair p (or -1) is linked, or not any more. */
+DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
+    if (p < 0) return;
+    w->near__[p].linked = linked;
+    w->near__[p].distance = w->radius[w->near__[p].i] + w->radius[w->near__[p].j] + (linked ? w->link_near__ : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
@@ -2217,7 +2338,7 @@ DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
     const int32_t p = dem__near_pair(w, i, j);
     w->link_next_j__[k] = w->link_head__[j];
     w->link_head__[j] = k;
-    if (p >= 0) w->near_linked__[p] = 1;
+    dem__mark_link(w, p, 1);
 }
 
 static inline void dem__find_links(dem_world *w) {
@@ -2225,8 +2346,9 @@ static inline void dem__find_links(dem_world *w) {
     for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
 }
 
-/* Builds everything that is about who is near whom. */
+/* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__COLD int dem__rebuild(dem_world *w) {
+    const int keeps = !w->stale__;
     dem__compact(w);
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -2244,8 +2366,8 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
     w->margin__ = w->count > 0 ? 2.0 * smallest * w->def.skin : 1.0;
     w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
     w->reach__ = 4.0 * w->margin__;
+    w->blur__ = 5e-5 * smallest; /* a few times what the steps of a contact shift */
     w->fall__ = dem__length(w->def.gravity);
-    dem__array list[DEM__ARRAYS_MAX];
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
@@ -2254,38 +2376,32 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
         w->status = DEM_BAD_DEFINITION;
         return 0;
     }
-    ptrdiff_t timers = w->near_count__ + w->count * w->walls;
-    if (timers > INT32_MAX / 2) {
+    if (w->near_count__ > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
-    if (timers > w->timer_capacity__ &&
-        !dem__grow_group(w, list, dem__timer_arrays(w, list), &w->timer_block__, &w->timer_bytes__, &w->timer_capacity__, timers)) {
+    if (!dem__make_timers(w, &w->pair_timers__, w->near_count__) ||
+        (!keeps && !dem__make_timers(w, &w->wall_timers__, w->count * w->walls))) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    for (int b = 0; b < DEM_WHEEL; b++) w->wheel__[b] = -1;
-    for (ptrdiff_t e = 0; e < timers; e++) w->timer_due__[e] = -1;
     w->stale__ = 0;
     dem__find_contacts(w);
     dem__find_links(w);
     w->next_check__ = INT64_MAX;
+    w->listed__ = w->step;
     w->rebuilds++;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->wall_speed__[i] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__aim(w, i, w->step);
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
-        if (w->near_live__[p]) continue;
-        const int32_t i = w->near_i__[p], j = w->near_j__[p];
-        dem__wait_for_pair(w, p, w->step,
-                           dem__apart(w, dem_vec3(w->rx__[i] - w->rx__[j], w->ry__[i] - w->ry__[j], w->rz__[i] - w->rz__[j])));
+        const dem__near *q = &w->near__[p];
+        if (q->state == 0) dem__wait_on_course(w, p, w->step, &w->course__[q->i], &w->course__[q->j]);
     }
     if (w->status != DEM_OK) return 0;
-    if (w->def.skip & DEM_SKIP_SPACE) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            for (int k = 0; k < w->walls; k++) {
-                int32_t e = (int32_t)w->near_count__ + (int32_t)i * w->walls + k;
-                if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)) dem__set_timer(w, e, w->step + 1);
-            }
+    for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))
+                dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
     return 1;
@@ -2298,7 +2414,7 @@ static DEM__COLD int dem__check_list(dem_world *w) {
         if (!w->alive[i]) continue;
         double tau = dem__now(w, i);
         dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-        double left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->ball__[i];
+        double left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->course__[i].ball;
         int steps = dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
         if (steps < 12) return dem__rebuild(w);
         if (w->step + steps < due) due = w->step + steps;
@@ -2750,12 +2866,27 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     }
 }
 
-#define DEM_LINK_KERNEL(name, law)                                                                                                         \
-    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_link_kernel(world, first, end, &(law)); }          \
+/* On x86-64 a kernel is there twice, for AVX2 and without: same bits, as neither fuses. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
+#if defined(__clang__)
+#define DEM__WIDE __attribute__((target("avx2")))
+#else
+#define DEM__WIDE __attribute__((target("avx2"), optimize("O3,no-math-errno,no-trapping-math")))
+#endif
+#define DEM__TWICE(name, call)                                                                                                             \
+    DEM__QUIET DEM__WIDE static void name##_wide(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }                               \
+    static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) {                                                                   \
+        if (__builtin_cpu_supports("avx2")) name##_wide(world, first, end);                                                                \
+        else call;                                                                                                                         \
+    }                                                                                                                                      \
     DEM__LOUD
-#define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { dem_kernel(world, first, end, &(law), features); }     \
+#else
+#define DEM__TWICE(name, call)                                                                                                             \
+    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }                                                \
     DEM__LOUD
+#endif
+#define DEM_KERNEL(name, law, features) DEM__TWICE(name, dem_kernel(world, first, end, &(law), features))
+#define DEM_LINK_KERNEL(name, law) DEM__TWICE(name, dem_link_kernel(world, first, end, &(law)))
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
@@ -2808,7 +2939,7 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
     dem__unlist_link(w, k, i, -1);
     if (j >= 0) {
         const int32_t p = dem__near_pair(w, i, j);
-        if (p >= 0) w->near_linked__[p] = 0;
+        dem__mark_link(w, p, 0);
         dem__unlist_link(w, k, j, -1);
     }
     w->link_count__ = last;
@@ -2835,11 +2966,11 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     w->dropped__++;
     if (w->stale__) return;
     for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        int32_t p = w->adjacent__[a];
-        dem__stop_timer(w, p);
-        if (!w->near_live__[p]) w->near_live__[p] = 2;
+        const int32_t p = w->adjacent__[2 * a];
+        dem__stop_timer(&w->pair_timers__, p);
+        if (w->near__[p].state == 0) w->near__[p].state = 2;
     }
-    for (int k = 0; k < w->walls; k++) dem__stop_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls + k);
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->wall_timers__, (int32_t)i * w->walls + k);
 }
 
 static inline void dem__bury(dem_world *w, int64_t step);
@@ -3033,18 +3164,16 @@ static inline void dem__bury(dem_world *w, int64_t step) {
         if (j >= 0) {
             w->touching[j]--;
             if (near_pair >= 0 && !w->stale__) {
-                dem_vec d;
-                w->near_live__[near_pair] = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
-                if (!w->near_live__[near_pair] && (w->def.skip & DEM_SKIP_PAIRS)) {
-                    dem__pair_gap(w, i, j, step, &d);
-                    dem__wait_for_pair(w, near_pair, step, d);
-                }
+                dem__near *q = &w->near__[near_pair];
+                q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
+                if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
+                    dem__wait_for_pair(w, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
             }
         } else {
             dem__unlink_wall_contact(w, i, c, -1);
             /* a screen's timer went on for its other bars, but did not wait for this one */
             if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE))
-                dem__set_timer(w, (int32_t)w->near_count__ + (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+                dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
         }
     }
     /* the slots: two ends walk towards each other */
@@ -3165,6 +3294,7 @@ static inline void dem__settle_events(dem_world *w, int turns) {
             const double m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
             w->vx[a] += m * impulse.x, w->vy[a] += m * impulse.y, w->vz[a] += m * impulse.z;
             w->x[a] += m * data[4][c] * n.x, w->y[a] += m * data[4][c] * n.y, w->z[a] += m * data[4][c] * n.z;
+            w->shifted__[a] += fabs(m * data[4][c]);
             if (turns) {
                 w->wx[a] += turn * extra * out[3 + 3 * side][c], w->wy[a] += turn * extra * out[4 + 3 * side][c];
                 w->wz[a] += turn * extra * out[5 + 3 * side][c];
@@ -3184,11 +3314,18 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     }
 }
 
-/* Of a particle settled now: how far its velocity is from the one that its timers count on. */
+/* Of a particle settled now: how far its velocity is from that of its course. */
 DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
-    const double t = (double)w->step * w->dt__;
-    return dem_vec3(w->vx[i] - t * w->def.gravity.x - w->ux__[i], w->vy[i] - t * w->def.gravity.y - w->uy__[i],
-                    w->vz[i] - t * w->def.gravity.z - w->uz__[i]);
+    const double t = (double)(w->step - w->listed__) * w->dt__;
+    const dem__course *c = &w->course__[i];
+    return dem_vec3(w->vx[i] - t * w->def.gravity.x - c->ux, w->vy[i] - t * w->def.gravity.y - c->uy,
+                    w->vz[i] - t * w->def.gravity.z - c->uz);
+}
+
+/* The same at the end of the next step: between, it is on the line from one to the other. */
+DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem_vec g = w->def.gravity;
+    return dem_vec3(d.x + w->dt__ * (w->ax[i] - g.x), d.y + w->dt__ * (w->ay[i] - g.y), d.z + w->dt__ * (w->az[i] - g.z));
 }
 
 /* Active particles whose velocity left its ball, or whose flight begins, get new timers. */
@@ -3196,12 +3333,14 @@ static inline int dem__watch(dem_world *w) {
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const dem_vec d = dem__stray(w, i);
+        const dem_vec d = dem__stray(w, i), e = dem__stray_next(w, i, d);
+        const double ball = w->course__[i].ball * w->course__[i].ball;
+        const int holds = dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
         if (!w->alive[i]) {
             w->is_active__[i] = 0;
             continue;
         }
-        if (!w->stale__ && (!(dem__dot(d, d) < w->ball__[i] * w->ball__[i]) || w->touching[i] == 0)) dem__restart(w, i, w->step);
+        if (!w->stale__ && (!holds || w->touching[i] == 0)) dem__restart(w, i, w->step);
         if (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i))) w->active__[kept++] = (int32_t)i;
         else w->is_active__[i] = 0;
     }
@@ -3224,25 +3363,27 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 
 /* Looks at everything whose time has come, at the given step. */
 static inline void dem__look(dem_world *w, int64_t step) {
-    int32_t *head = &w->wheel__[step & (DEM_WHEEL - 1)];
+    int32_t *pairs = &w->pair_timers__.wheel[step & (DEM_WHEEL - 1)], *walls = &w->wall_timers__.wheel[step & (DEM_WHEEL - 1)];
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (!w->near_live__[p]) dem__look_at_pair(w, p, step);
+            if (w->near__[p].state == 0) dem__look_at_pair(w, p, step);
         }
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            ptrdiff_t i = e / w->walls;
-            int k = (int)(e % w->walls);
-            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))
-                dem__look_at_wall(w, e + (int32_t)w->near_count__, step);
+            const int k = (int)(e % w->walls);
+            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, e / w->walls, k, 0)) dem__look_at_wall(w, e, step);
         }
     }
-    while (*head >= 0) {
-        int32_t e = *head;
-        dem__stop_timer(w, e);
-        if (e < (int32_t)w->near_count__) dem__look_at_pair(w, e, step);
-        else dem__look_at_wall(w, e, step);
+    while (*pairs >= 0) {
+        const int32_t p = *pairs;
+        dem__stop_timer(&w->pair_timers__, p);
+        dem__look_at_pair(w, p, step);
+    }
+    while (*walls >= 0) {
+        const int32_t e = *walls;
+        dem__stop_timer(&w->wall_timers__, e);
+        dem__look_at_wall(w, e, step);
     }
 }
 
@@ -3250,7 +3391,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
 static DEM__COLD int dem__undo_look(dem_world *w) {
     for (; w->born__ > 0; w->born__--) {
         const int32_t p = w->live_near__[--w->live_count__];
-        if (p >= 0 && p < w->near_count__) w->near_live__[p] = 0;
+        if (p >= 0) w->near__[p].state = 0;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
@@ -3299,11 +3440,11 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         w->def.skip = 0; /* everything, once; the timers stay */
         old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (!w->near_live__[p]) dem__look_at_pair(w, p, w->step);
+            if (w->near__[p].state == 0) dem__look_at_pair(w, p, w->step);
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
-                int32_t e = (int32_t)(w->near_count__ + i * w->walls + k);
+                const int32_t e = (int32_t)i * w->walls + k;
                 if (w->wall[k].kind != DEM_EXIT && (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)))
                     dem__look_at_wall(w, e, w->step);
             }
@@ -3312,7 +3453,9 @@ static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kern
         if (w->status != DEM_OK) return dem__undo_look(w);
         dem__admit_born(w, 0.0);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
-            if (w->live_near__[c] >= 0) dem__stop_timer(w, w->live_near__[c]);
+            const int32_t i = w->live_i__[c], j = w->live_j__[c];
+            if (j >= 0) dem__stop_timer(&w->pair_timers__, w->live_near__[c]);
+            else if (w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
         }
     }
     if (w->fresh__ || w->features__ != features || w->law__ != law) {
@@ -3376,7 +3519,7 @@ static inline void dem__step_links(dem_world *w) {
         }
         if (w->stale__) continue;
         const dem_vec stray = dem__stray(w, i);
-        const double left = w->ball__[i] - dem__link_drift(w, i);
+        const double left = w->course__[i].ball - dem__link_drift(w, i);
         if (!(left > 0.0 && dem__dot(stray, stray) < left * left)) dem__restart(w, i, w->step);
     }
     for (int32_t k = 0; k < (int32_t)w->link_count__;) {
@@ -4632,8 +4775,9 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
     int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    double *numbers[] = {&w->radius,    &w->aperture, &w->wire,         &w->half_x,     &w->half_y,
-                         &w->frequency, &w->spin,     &w->motion_start, &w->speed_bound};
+    double *numbers[] = {&w->radius,      &w->aperture,           &w->wire,      &w->half_x,
+                         &w->half_y,      &w->frequency,          &w->spin,      &w->motion_start,
+                         &w->speed_bound, &w->acceleration_bound, &w->side_bound};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
     dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
     dem_vec *vectors[] = {&w->origin,   &w->amplitude, &w->phase,        &w->drift, &w->spin_axis, &w->spin_centre,
