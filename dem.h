@@ -2131,7 +2131,7 @@ static inline void dem__bulk(const double *v, ptrdiff_t n, double *low, double *
         const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
         to = mean + reach < span ? from + (mean + reach) : to;
         from = mean - reach > 0.0 ? from + (mean - reach) : from;
-    } while (to - from < 0.5 * span);
+    } while (to > from && to - from < 0.5 * span);
     *low = from, *high = to;
 }
 
