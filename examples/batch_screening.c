@@ -7,173 +7,11 @@
    leaves open (diameter of the deck, drop height, outlet, profile of the bars, damping convention), which is an option each;
    docs/batch_screening.md says why the defaults are what they are. */
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "screening_scene.h"
-
-/* ---- a study: variants, each with several seeds ---- */
-
-enum { VARIANTS_MAX = CASES, NAME = 32 };
-static const double CURVE_STEP = 0.5; /* of the table of all curves [s] */
-
-typedef struct variant {
-    settings set;
-    char name[NAME];
-} variant;
-
-typedef enum study_kind { STUDY_ONE, STUDY_CASES, STUDY_VARY, STUDY_MOISTURE, STUDY_SENSITIVITY } study_kind;
-
-typedef struct study {
-    study_kind kind;
-    variant variants[VARIANTS_MAX]; /* the first is what was asked for */
-    int variant_count, seeds, samples;
-    uint64_t seed;
-    result *results;        /* [variants][seeds] */
-    int left[VARIANTS_MAX]; /* runs of a variant that are not done, under lock */
-    pthread_mutex_t lock;
-    const program *self;
-    const char *runs; /* folder of the files of single runs, or NULL */
-    progress *bar;
-    pvd *series;
-} study;
-
-static result *result_of(const study *st, int v, int q) { return &st->results[v * st->seeds + q]; }
-
-static variant *add_variant(study *st, const settings *set, const char *name) {
-    variant *v = &st->variants[st->variant_count++];
-    v->set = *set;
-    snprintf(v->name, sizeof v->name, "%s", name);
-    return v;
-}
-
-static int make_results(study *st) {
-    const size_t runs = (size_t)(st->variant_count * st->seeds), samples = (size_t)st->samples;
-    st->results = calloc(runs, sizeof *st->results);
-    for (size_t k = 0; st->results && k < runs; k++) {
-        double *block = calloc(samples, CURVES * sizeof *block);
-        if (!block) return -1;
-        for (size_t c = 0; c < CURVES; c++) st->results[k].curve[c] = block + c * samples;
-    }
-    return st->results ? 0 : -1;
-}
-
-/* ---- a run in files: its curves, and then one row of settings and numbers, which tells that it is whole ---- */
-
-static const char *run_file(char *buffer, size_t size, const study *st, int v, int q, const char *end) {
-    snprintf(buffer, size, "%s_seed_%d%s.csv", st->variants[v].name, q + 1, end);
-    for (char *c = buffer; *c; c++)
-        if (*c == ' ') *c = '_';
-    return buffer;
-}
-
-static void list_numbers(const result *r, double *row) {
-    const double all[NUMBERS] = {r->top_time[SMALL], r->top_time[NEAR_MESH], r->dt,    r->energy_error,   r->liquid_error, r->bridges_mean,
-                                 r->ruptures,        r->liquid_passed,       r->steps, r->particle_steps, r->contact_steps};
-    memcpy(row, all, sizeof all);
-}
-
-static void write_run(const study *st, int v, int q) {
-    const result *r = result_of(st, v, q);
-    char name[100], header[200];
-    double row[1 + SETTINGS + NUMBERS];
-    int length = snprintf(header, sizeof header, "time_s");
-    for (int c = 0; c < CURVES; c++) length += snprintf(header + length, sizeof header - (size_t)length, ",%s", curve_name[c]);
-    csv *file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, ""), header);
-    for (int k = 0; k < r->samples; k++) {
-        row[0] = k * SAMPLE;
-        for (int c = 0; c < CURVES; c++) row[1 + c] = r->curve[c][k];
-        csv_row(file, row, 1 + CURVES);
-    }
-    if (csv_close(file)) return;
-    row[0] = (double)(st->seed + (uint64_t)q);
-    list_settings(&st->variants[v].set, row + 1);
-    list_numbers(r, row + 1 + SETTINGS);
-    file = csv_open(st->runs, run_file(name, sizeof name, st, v, q, "_run"), "mixture," SETTINGS_HEADER "," NUMBERS_HEADER);
-    csv_row(file, row, 1 + SETTINGS + NUMBERS);
-    csv_close(file);
-}
-
-/* Whether the run was written before, with the same settings; then it is as if it had been done. */
-static bool read_run(const study *st, int v, int q) {
-    result *r = result_of(st, v, q);
-    char name[100], path[4096], message[300];
-    double wanted[1 + SETTINGS];
-    csv_data data;
-    wanted[0] = (double)(st->seed + (uint64_t)q);
-    list_settings(&st->variants[v].set, wanted + 1);
-    if (csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data, message, sizeof message))
-        return false;
-    bool same = data.rows == 1 && data.columns == 1 + SETTINGS + NUMBERS;
-    for (int k = 0; k < 1 + SETTINGS && same; k++) same = data.values[k] == wanted[k];
-    if (same) {
-        const double *n = data.values + 1 + SETTINGS;
-        r->top_time[SMALL] = n[0], r->top_time[NEAR_MESH] = n[1], r->dt = n[2], r->energy_error = n[3], r->liquid_error = n[4];
-        r->bridges_mean = n[5], r->ruptures = n[6], r->liquid_passed = n[7], r->steps = n[8], r->particle_steps = n[9];
-        r->contact_steps = n[10];
-    }
-    csv_free(&data);
-    if (!same ||
-        csv_read(output_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data, message, sizeof message))
-        return false;
-    if (data.rows == st->samples && data.columns == 1 + CURVES) {
-        for (int k = 0; k < data.rows; k++)
-            for (int c = 0; c < CURVES; c++) r->curve[c][k] = data.values[k * data.columns + 1 + c];
-        r->samples = data.rows;
-        r->done = true;
-    }
-    csv_free(&data);
-    return r->done;
-}
-
-/* ---- statistics ---- */
-
-/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. */
-typedef struct statistics {
-    double mean, sd, interval;
-} statistics;
-
-/* Two-sided 95 % quantile of Student's t; the tabulated values of any textbook. */
-static double student(int freedom) {
-    static const double t[] = {0,     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
-                               2.201, 2.179,  2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080,
-                               2.074, 2.069,  2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
-    return freedom < 1 ? 0.0 : freedom <= 30 ? t[freedom] : 1.96 + 2.4 / freedom;
-}
-
-static statistics statistics_of(int n, const double *values) {
-    statistics s = {0.0, 0.0, 0.0};
-    for (int q = 0; q < n; q++) s.mean += values[q] / n;
-    if (n < 2) return s;
-    for (int q = 0; q < n; q++) s.sd += (values[q] - s.mean) * (values[q] - s.mean);
-    s.sd = sqrt(s.sd / (n - 1));
-    s.interval = student(n - 1) * s.sd / sqrt((double)n);
-    return s;
-}
-
-enum { SEEDS_MAX = 1000 };
-
-/* Over the seeds of a variant: a curve at a sample, and its mean over time. */
-static statistics at_sample(const study *st, int v, int curve, int sample) {
-    double values[SEEDS_MAX] = {0.0};
-    for (int q = 0; q < st->seeds; q++) values[q] = result_of(st, v, q)->curve[curve][sample];
-    return statistics_of(st->seeds, values);
-}
-static statistics over_time(const study *st, int v, int curve) {
-    double values[SEEDS_MAX] = {0.0};
-    for (int q = 0; q < st->seeds; q++) {
-        values[q] = 0.0;
-        for (int k = 0; k < st->samples; k++) values[q] += result_of(st, v, q)->curve[curve][k] / st->samples;
-    }
-    return statistics_of(st->seeds, values);
-}
-static statistics top_time(const study *st, int v, int c) {
-    double values[SEEDS_MAX] = {0.0};
-    for (int q = 0; q < st->seeds; q++) values[q] = result_of(st, v, q)->top_time[c];
-    return statistics_of(st->seeds, values);
-}
+#include "screening_findings.h"
 
 /* Curves of a variant: mean, and low and high end of what is asked for. */
 typedef struct averages {
@@ -192,7 +30,7 @@ static int average(const study *st, int v, averages *a) {
     for (int k = 0; k < st->samples; k++) {
         a->time[k] = k * SAMPLE;
         for (int c = 0; c < CURVES; c++) {
-            const statistics s = at_sample(st, v, c, k);
+            const statistics s = measure_of(st, v, at_time(c, k * SAMPLE));
             a->mean[c][k] = s.mean, a->sd[c][k] = s.sd, a->interval[c][k] = s.interval;
         }
     }
@@ -289,8 +127,8 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
             json_array(j, "retained_small_sd", a->sd[SMALL], st->samples);
             json_array(j, "retained_near_mesh_sd", a->sd[NEAR_MESH], st->samples);
         }
-        json_number(j, "top_layer_time_small_s", top_time(st, v, SMALL).mean);
-        json_number(j, "top_layer_time_near_mesh_s", top_time(st, v, NEAR_MESH).mean);
+        json_number(j, "top_layer_time_small_s", measure_of(st, v, top_layer(SMALL)).mean);
+        json_number(j, "top_layer_time_near_mesh_s", measure_of(st, v, top_layer(NEAR_MESH)).mean);
         json_array(j, "free_fraction", a->mean[FREE], st->samples);
         json_array(j, "occupied_fraction", a->mean[OCCUPIED], st->samples);
     }
@@ -336,8 +174,8 @@ static void report_one(const study *st, double wall) {
     table_end(&rows);
     const result *r = result_of(st, 0, 0);
     if (!plate)
-        common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", top_time(st, 0, SMALL).mean,
-                     top_time(st, 0, NEAR_MESH).mean);
+        common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", measure_of(st, 0, top_layer(SMALL)).mean,
+                     measure_of(st, 0, top_layer(NEAR_MESH)).mean);
     common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n", r->steps, 1e6 * r->dt,
                  r->particle_steps, r->contact_steps, wall);
     if (s->moisture > 0.0)
@@ -405,7 +243,7 @@ static void draw_cases(const study *st) {
             averages a;
             if (average(st, 9 * m + i, &a)) continue;
             char label[20];
-            snprintf(label, sizeof label, "%.3g %%", 100.0 * case_moisture[m]);
+            snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
             plot_line(figure, label, a.time, a.mean[SMALL], st->samples), plot_style(figure, 0, m);
             plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples), plot_style(figure, PLOT_DASHED, m);
             free(a.time);
@@ -439,11 +277,12 @@ static void summary(const study *st, json *j) {
             char key[40];
             for (int c = 0; c < UNDERSIZE && sample < st->samples; c++) {
                 snprintf(key, sizeof key, "%s_%.0f_s", curve_name[c], when[k]);
-                json_statistics(j, key, at_sample(st, v, c, sample));
+                json_statistics(j, key, measure_of(st, v, at_time(c, when[k])));
             }
         }
-        json_statistics(j, "top_layer_time_small_s", top_time(st, v, SMALL));
-        json_statistics(j, "top_layer_time_near_mesh_s", top_time(st, v, NEAR_MESH));
+        json_number(j, "deviation_from_model_2", deviation_from_model(st, v));
+        json_statistics(j, "top_layer_time_small_s", measure_of(st, v, top_layer(SMALL)));
+        json_statistics(j, "top_layer_time_near_mesh_s", measure_of(st, v, top_layer(NEAR_MESH)));
         json_object_end(j);
     }
     json_array_end(j);
@@ -458,20 +297,24 @@ static void report_cases(const study *st) {
         table_cell(&t, "%.1f", 100.0 * s->moisture), table_cell(&t, "%.1f", five * SAMPLE);
         for (int k = 0; k < 2; k++)
             for (int c = 0; c < UNDERSIZE; c++) {
-                const statistics x = at_sample(st, v, c, k ? end : five);
+                const statistics x = measure_of(st, v, at_time(c, SAMPLE * (k ? end : five)));
                 table_cell(&t, "%.3f", x.mean), table_cell(&t, "%.3f", x.interval);
             }
     }
     table_end(&t);
     write_curves(st);
     draw_cases(st);
+    static findings f;
+    find_cases(&f, st);
     char path[4096];
-    json *j = json_open(output_path(path, sizeof path, st->self->out, "summary.json"));
-    summary(st, j);
-    json_close(j);
-    j = json_open(st->self->json);
-    summary(st, j);
-    json_close(j);
+    const char *const files[2] = {output_path(path, sizeof path, st->self->out, "summary.json"), st->self->json};
+    for (int k = 0; k < 2; k++) {
+        json *j = json_open(files[k]);
+        summary(st, j);
+        json_findings(j, &f);
+        json_close(j);
+    }
+    report_findings(&f, st->self->out);
 }
 
 /* ---- sensitivity: what the paper leaves open, one thing at a time ---- */
@@ -495,29 +338,29 @@ static void add_sensitivity(study *st, const settings *base) {
 
 static void report_sensitivity(const study *st) {
     const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
-    const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX];
+    const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX + 1] = {"paper"};
     plot *figure = plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
     csv *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
     table t = table_begin("variant|time [s]|small|sd|near-mesh|sd");
-    for (int v = 0; v < st->variant_count; v++) names[v] = st->variants[v].name;
+    for (int v = 0; v < st->variant_count; v++) names[v + 1] = st->variants[v].name;
     for (int w = 0; w < 2; w++) {
-        double mean[UNDERSIZE][VARIANTS_MAX];
+        double mean[UNDERSIZE][VARIANTS_MAX + 1] = {{paper[w][SMALL]}, {paper[w][NEAR_MESH]}};
         for (int v = 0; v < st->variant_count; v++) {
             statistics s[UNDERSIZE];
-            table_cell(&t, "%s", names[v]), table_cell(&t, "%.0f", when[w]);
+            table_cell(&t, "%s", names[v + 1]), table_cell(&t, "%.0f", when[w]);
             for (int c = 0; c < UNDERSIZE; c++) {
-                s[c] = at_sample(st, v, c, (int)(when[w] / SAMPLE + 0.5));
-                mean[c][v] = s[c].mean;
+                s[c] = measure_of(st, v, at_time(c, when[w]));
+                mean[c][v + 1] = s[c].mean;
                 table_cell(&t, "%.3f", s[c].mean), table_cell(&t, "%.3f", s[c].sd);
             }
-            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", names[v], when[w], s[SMALL].mean, s[SMALL].sd, s[NEAR_MESH].mean,
+            csv_line(rows, "%s,%g,%.6f,%.6f,%.6f,%.6f,%d", names[v + 1], when[w], s[SMALL].mean, s[SMALL].sd, s[NEAR_MESH].mean,
                      s[NEAR_MESH].sd, st->seeds);
         }
         plot_panel(figure, w, 0, "", "fraction retained [-]");
         plot_title(figure, heading[w]);
-        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], names, mean[c], st->variant_count);
-        plot_horizontal(figure, "paper, small", paper[w][SMALL]);
-        plot_horizontal(figure, "paper, near-mesh", paper[w][NEAR_MESH]);
+        for (int c = 0; c < UNDERSIZE; c++) plot_bars(figure, class_name[c], names, mean[c], st->variant_count + 1);
+        plot_horizontal(figure, "", paper[w][SMALL]);
+        plot_horizontal(figure, "", paper[w][NEAR_MESH]);
     }
     plot_panel_size(figure, 980, 300);
     table_end(&t);
@@ -595,9 +438,12 @@ static void report_neighbours(const study *st) {
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_array_begin(j, "trends");
+    static findings f;
+    f.count = 0;
     for (int factor = 0; factor < FACTORS; factor++) {
         int order[VARIANTS_MAX];
         const int n = along(st, factor, order);
+        find_neighbours(&f, st, factor, n, order);
         for (int row = 0; row < rows; row++) {
             plot_panel(figure, row, factor, "time [s]", what[row]);
             if (!plate) plot_range_y(figure, 0.0, 1.02);
@@ -618,7 +464,8 @@ static void report_neighbours(const study *st) {
             json_string(j, "factor", factor_name[factor]);
             json_number(j, "level", level(&st->variants[v].set, factor));
             for (int row = 0; row < rows; row++) {
-                const statistics mean = over_time(st, v, curves[row]), end = at_sample(st, v, curves[row], st->samples - 1);
+                const statistics mean = measure_of(st, v, over_time(curves[row], 0.0, base->time)),
+                                 end = measure_of(st, v, at_time(curves[row], base->time));
                 const double unit = plate ? 1e3 : 1.0;
                 const char *digits = plate ? "%.2f" : "%.3f";
                 table_cell(&t, digits, unit * mean.mean), table_cell(&t, digits, unit * mean.interval);
@@ -628,7 +475,7 @@ static void report_neighbours(const study *st) {
                 snprintf(text, sizeof text, "%s_end", curve_name[curves[row]]);
                 json_statistics(j, text, end);
             }
-            for (int c = 0; c < UNDERSIZE && !plate; c++) table_cell(&t, "%.3f", at_sample(st, v, c, st->samples - 1).mean);
+            for (int c = 0; c < UNDERSIZE && !plate; c++) table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
             json_object_end(j);
         }
     }
@@ -650,9 +497,11 @@ static void report_neighbours(const study *st) {
             }
     }
     json_array_end(j);
+    json_findings(j, &f);
     json_close(j);
     csv_close(file);
     table_end(&t);
+    report_findings(&f, st->self->out);
     plot_write(figure, st->self->out, "neighbours.svg");
 }
 
@@ -669,24 +518,6 @@ static void add_moistures(study *st, const settings *base) {
             snprintf(name, sizeof name, "%.1f %s", 100.0 * s.moisture, s.laws ? "printed" : "corrected");
             add_variant(st, &s, name);
         }
-}
-
-/* Difference of a class's retained fraction at the end between two variants. Seeds are pairs of the same mixture: the paired interval
-   is that of the differences, the other that of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). */
-typedef struct contrast {
-    double difference, paired, independent, correlation;
-} contrast;
-
-static contrast contrast_of(const study *st, int from, int to, int curve) {
-    double differences[SEEDS_MAX] = {0.0};
-    const int n = st->seeds, end = st->samples - 1;
-    for (int q = 0; q < n; q++) differences[q] = result_of(st, to, q)->curve[curve][end] - result_of(st, from, q)->curve[curve][end];
-    const statistics d = statistics_of(n, differences), a = at_sample(st, from, curve, end), b = at_sample(st, to, curve, end);
-    const double va = a.sd * a.sd / n, vb = b.sd * b.sd / n, sum = va * va + vb * vb;
-    contrast c = {d.mean, d.interval, 0.0, 0.0};
-    if (n > 1 && sum > 0.0) c.independent = student((int)((va + vb) * (va + vb) * (n - 1) / sum)) * sqrt(va + vb);
-    if (a.sd > 0.0 && b.sd > 0.0) c.correlation = (a.sd * a.sd + b.sd * b.sd - d.sd * d.sd) / (2.0 * a.sd * b.sd);
-    return c;
 }
 
 static void report_moisture(const study *st) {
@@ -708,14 +539,14 @@ static void report_moisture(const study *st) {
         json_object_begin(j, NULL);
         json_number(j, "moisture", st->variants[v].set.moisture);
         json_string(j, "laws", v == 0 ? NULL : st->variants[v].set.laws ? "printed" : "corrected");
-        for (int c = 0; c < UNDERSIZE; c++) json_statistics(j, curve_name[c], at_sample(st, v, c, st->samples - 1));
+        for (int c = 0; c < UNDERSIZE; c++) json_statistics(j, curve_name[c], measure_of(st, v, at_time(c, end)));
         json_object_end(j);
     }
     json_array_end(j);
     json_array_begin(j, "differences");
     for (int c = 0; c < UNDERSIZE; c++) {
         for (int k = 0; k < 6; k++) {
-            const contrast x = contrast_of(st, from[k], to[k], c);
+            const contrast x = contrast_of(st, from[k], to[k], at_time(c, end));
             const double low = st->variants[from[k]].set.moisture, high = st->variants[to[k]].set.moisture;
             const char *laws = st->variants[to[k]].set.laws ? "printed" : "corrected";
             table_cell(&t, "%s", class_name[c]), table_cell(&t, "%s", laws);
@@ -740,7 +571,7 @@ static void report_moisture(const study *st) {
             double x[2], y[2], plus_minus[2];
             for (int m = 0; m < 2; m++) {
                 const int v = 1 + 2 * laws + m;
-                const contrast d = contrast_of(st, 0, v, c);
+                const contrast d = contrast_of(st, 0, v, at_time(c, end));
                 x[m] = 100.0 * st->variants[v].set.moisture + (laws ? 0.08 : -0.08); /* beside each other */
                 y[m] = d.difference, plus_minus[m] = d.paired;
             }

@@ -92,7 +92,29 @@ static void free_batch(batch *b) {
     memset(b, 0, sizeof *b);
 }
 
-/* One third of the mass of each class, diameters +-0.1 mm, in random order. */
+/* Classes in random order: any, as they are poured; or evenly, so that every part of the order holds the classes' shares. */
+static void order_at_random(int *group, int n, const int *count, uint64_t *random) {
+    for (int c = 0, i = 0; c < CLASSES; c++)
+        for (int k = 0; k < count[c]; k++) group[i++] = c;
+    for (int i = n - 1; i > 0; i--) {
+        const int k = (int)(random_share(random) * (i + 1)), t = group[i];
+        group[i] = group[k], group[k] = t;
+    }
+}
+static void order_evenly(int *group, int n, const int *count, uint64_t *random) {
+    double turn[CLASSES]; /* the k-th of a class comes somewhere in the k-th part of the order */
+    int placed[CLASSES] = {0};
+    for (int c = 0; c < CLASSES; c++) turn[c] = count[c] ? random_share(random) / count[c] : HUGE_VAL;
+    for (int i = 0; i < n; i++) {
+        int next = 0;
+        for (int c = 1; c < CLASSES; c++)
+            if (turn[c] < turn[next]) next = c;
+        group[i] = next;
+        turn[next] = ++placed[next] < count[next] ? (placed[next] + random_share(random)) / count[next] : HUGE_VAL;
+    }
+}
+
+/* One third of the mass of each class, diameters +-0.1 mm. */
 static int mix_batch(batch *b, const settings *s, uint64_t *random) {
     int count[CLASSES], n = 0;
     for (int c = 0; c < CLASSES; c++) {
@@ -105,13 +127,8 @@ static int mix_batch(batch *b, const settings *s, uint64_t *random) {
     b->diameter = calloc((size_t)n + 1, sizeof *b->diameter);
     b->group = calloc((size_t)n + 1, sizeof *b->group);
     if (!b->centre || !b->diameter || !b->group) return -1;
-    for (int c = 0, i = 0; c < CLASSES; c++) {
-        for (int k = 0; k < count[c]; k++) b->group[i++] = c;
-    }
-    for (int i = n - 1; i > 0; i--) {
-        const int k = (int)(random_share(random) * (i + 1)), t = b->group[i];
-        b->group[i] = b->group[k], b->group[k] = t;
-    }
+    if (s->scene == SCENE_SCREEN) order_at_random(b->group, n, count, random);
+    else order_evenly(b->group, n, count, random);
     for (int i = 0; i < n; i++) b->diameter[i] = class_diameter[b->group[i]] + 1e-4 * (2.0 * random_share(random) - 1.0);
     return 0;
 }
@@ -125,21 +142,15 @@ static double batch_mass(const batch *b) {
     return mass;
 }
 
-static double surface(const batch *b) {
-    double area = 0.0; /* [m2] */
-    for (int i = 0; i < b->n; i++) area += RIDDLE_PI * b->diameter[i] * b->diameter[i];
-    return area;
-}
-
-/* Places in random order on a grid over the floor of the bin, z = 0, whose solid fraction is 0.12: just not too dense for the large ones. */
-static dem_status stack_layers(batch *b, double radius, uint64_t *random) {
-    const double pitch = cbrt(batch_mass(b) / GLASS / b->n / 0.12);
+/* Fills a grid over the floor, z = 0, layer by layer to a solid fraction; 0.12 is just not too dense for the large ones. */
+static dem_status stack_layers(batch *b, double radius, double solid, uint64_t *random) {
+    const double pitch = cbrt(batch_mass(b) / GLASS / b->n / solid);
     const int reach = (int)(radius / pitch) + 1;
     for (int layer = 0, i = 0; i < b->n; layer++) {
         const int before = i;
         for (int p = -reach; p <= reach; p++) {
             for (int q = -reach; q <= reach && i < b->n; q++) {
-                const double x = pitch * p, y = pitch * q, jitter = 0.35 * (pitch - b->diameter[i]);
+                const double x = pitch * p, y = pitch * q, jitter = 0.35 * fmax(pitch - b->diameter[i], 0.0);
                 if (sqrt(x * x + y * y) + 0.5 * pitch > radius) continue;
                 b->centre[3 * i] = x + jitter * (2.0 * random_share(random) - 1.0);
                 b->centre[3 * i + 1] = y + jitter * (2.0 * random_share(random) - 1.0);
@@ -163,7 +174,7 @@ static double rms_speed(const dem_world *world) {
     return mass > 0.0 ? sqrt(sum / mass) : 0.0;
 }
 
-/* Lets the batch come to rest on the floor, slower than `quiet` [m/s], with little restitution and a stiffness at which the bed's weight
+/* Lets the batch come to rest on the floor, slower than `quiet` [m/s] (infinite: as soon as it is pushed apart), with little restitution and a stiffness at which the bed's weight
    makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft spheres are swollen by twice that share, so that the true ones
    just do not overlap; what does at the start is pushed apart without gaining speed. */
 static dem_status settle(batch *b, const settings *s, double overlap, double quiet) {
@@ -207,12 +218,14 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
     return status;
 }
 
-/* The batch at rest in the bin: it falls as soft spheres, in large steps, and comes to rest as true ones. */
-static dem_status fill_bin(batch *b, const settings *s, uint64_t *random) {
-    dem_status status = stack_layers(b, 0.5 * s->screen_diameter, random);
-    if (status == DEM_OK) status = settle(b, s, 5e-3, 0.02);
-    if (status == DEM_OK) status = settle(b, s, 2.5e-4, 0.01);
-    if (status == DEM_OK) status = settle(b, s, 0.0, 0.01);
+/* In the bin the batch is at rest: it falls as soft spheres, in large steps, and comes to rest as true ones. Without a bin it is put on
+   the surface as it is mixed, a third looser than at rest, and only pushed apart: to settle would bring the large ones up. */
+static dem_status fill(batch *b, const settings *s, uint64_t *random) {
+    const bool bin = s->scene == SCENE_SCREEN;
+    dem_status status = stack_layers(b, 0.5 * s->screen_diameter, bin ? 0.12 : 0.4, random);
+    if (status == DEM_OK) status = settle(b, s, 5e-3, bin ? 0.02 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 2.5e-4, bin ? 0.01 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 0.0, bin ? 0.01 : HUGE_VAL);
     return status;
 }
 
@@ -314,19 +327,26 @@ static int make_layers(layers *l, int n, double reach) {
     return l->head && l->next && l->last_top && l->at ? 0 : -1;
 }
 
-/* Mass of a class, particles and their liquid, that has not reached the outlet's end at a time, over the mass at the start. */
-static double retained(const dem_world *world, const batch *b, const wet_scene *wet, double film, int group, double time, double delay) {
-    double whole = 0.0, gone = 0.0;
-    for (int i = 0; i < b->n; i++) {
-        const double d = b->diameter[i];
-        if (b->group[i] == group) whole += GLASS * RIDDLE_PI / 6.0 * d * d * d + WATER * film * RIDDLE_PI * d * d;
+/* Mass of each class, particles and their liquid, that has not reached the outlet's end at a time [kg] (eq 21). A particle's liquid is its
+   film and half of its bridges to others, all of those to walls. */
+static void remaining_mass(const dem_world *world, const wet_scene *wet, double time, double delay, double *mass) {
+    for (int c = 0; c < CLASSES; c++) mass[c] = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        mass[world->group[i]] += world->mass[i] + (wet ? WATER * wet->films.particle[world->id[i]] : 0.0);
     }
     for (ptrdiff_t k = 0; k < world->passed_count; k++) {
         const dem_passed *p = &world->passed[k];
-        if (p->group != group || p->time + delay > time + 1e-9) continue;
-        gone += GLASS * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter + (wet ? WATER * wet->films.particle[p->id] : 0.0);
+        if (p->time + delay <= time + 1e-9) continue;
+        mass[p->group] += GLASS * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter;
+        mass[p->group] += wet ? WATER * wet->films.particle[p->id] : 0.0;
     }
-    return whole > 0.0 ? 1.0 - gone / whole : 0.0;
+    for (ptrdiff_t k = 0; wet && k < dem_link_count(world); k++) {
+        const dem_contact_info bridge_of = dem_get_link(world, k);
+        const double liquid = WATER * bridge_of.state[0];
+        mass[world->group[bridge_of.i]] += bridge_of.j < 0 ? liquid : 0.5 * liquid;
+        if (bridge_of.j >= 0) mass[world->group[bridge_of.j]] += 0.5 * liquid;
+    }
 }
 
 static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
@@ -383,9 +403,13 @@ static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, 
     return status == BRIDGE_OK ? DEM_OK : DEM_BAD_ARGUMENT;
 }
 
-static void sample_curves(result *r, int sample, const dem_world *world, const batch *b, const settings *s, const wet_scene *wet,
-                          double film, int deck, double time) {
-    for (int c = 0; c < UNDERSIZE; c++) r->curve[c][sample] = retained(world, b, wet, film, c, time, s->outlet_delay);
+/* `initial` [CLASSES] is filled by the first sample. */
+static void sample_curves(result *r, int sample, const dem_world *world, const settings *s, const wet_scene *wet, int deck, double time,
+                          double *initial) {
+    double mass[CLASSES];
+    remaining_mass(world, wet, time, s->outlet_delay, mass);
+    if (sample == 0) memcpy(initial, mass, sizeof mass);
+    for (int c = 0; c < UNDERSIZE; c++) r->curve[c][sample] = initial[c] > 0.0 ? mass[c] / initial[c] : 0.0;
     const dem_apertures holes = dem_count_apertures(world, deck);
     r->curve[FREE][sample] = holes.total ? (double)holes.free / holes.total : 1.0;
     r->curve[OCCUPIED][sample] = holes.total ? (double)holes.occupied / holes.total : 0.0;
@@ -419,7 +443,7 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     memset(&b, 0, sizeof b);
     memset(&world, 0, sizeof world);
     memset(&bed, 0, sizeof bed);
-    r->status = mix_batch(&b, s, &seed) ? DEM_OUT_OF_MEMORY : fill_bin(&b, s, &seed);
+    r->status = mix_batch(&b, s, &seed) ? DEM_OUT_OF_MEMORY : fill(&b, s, &seed);
     if (r->status == DEM_OK && !common_interrupted()) r->status = build(&world, &b, s, &deck);
     if (r->status == DEM_OK && s->moisture > 0.0) r->status = add_liquid(&wet, &world, &b, s, deck);
     if (r->status == DEM_OK && make_layers(&bed, b.n, 0.5 * s->screen_diameter)) r->status = DEM_OUT_OF_MEMORY;
@@ -427,13 +451,13 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
     const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
     const double arrival = sqrt(2.0 * s->drop / 9.81);
-    const double film = wet ? wet->initial / surface(&b) : 0.0; /* thickness [m] */
+    double initial[CLASSES] = {0.0};
     for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
         const double time = k * WATCH;
         if (k > 0) r->status = wet ? wet_run(&world, WATCH) : dem_run(&world, WATCH, features);
         if (time >= arrival && r->status == DEM_OK) watch_layers(&bed, &world, time);
         if (k % every == 0) {
-            sample_curves(r, k / every, &world, &b, s, wet, film, deck, time);
+            sample_curves(r, k / every, &world, s, wet, deck, time, initial);
             if (wet) {
                 int bridges;
                 const double total = wet_total(wet, &world, &bridges);

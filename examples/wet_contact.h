@@ -26,9 +26,10 @@ typedef struct wet_scene {
     bridge_pair kind[WET_CLASSES][WET_CLASSES + 1]; /* classes a <= b; last column: wall and wire */
     bridge_films films;
     const int *group; /* class of particle by id */
-    int deck;         /* wall index of the screen */
+    int deck;         /* wall index of the screen, or of a plate in its place */
+    bool plate;
     double patch, pitch, wall_radius, wire;
-    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar */
+    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar; a plate's patches are one family */
     long long ruptures;
     double initial; /* liquid at the start [m3] */
     bridge_status status;
@@ -89,7 +90,7 @@ DEM_INLINE void wet_link_force_printed(const dem_contact *c, double *state, dem_
 
 /* ---- books ---- */
 
-/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall, one pitch of a bar. */
+/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a plate, one pitch of a bar. */
 static size_t wet_patch(const wet_scene *s, const dem_world *w, const dem_contact_info *c) {
     const int wall = (int)(-1 - c->j);
     const dem_vec at = dem_position(w, c->i), origin = w->wall[wall].position;
@@ -99,14 +100,15 @@ static size_t wet_patch(const wet_scene *s, const dem_world *w, const dem_contac
         const int a = (int)((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around), u = (int)(z / s->patch) + 2;
         return (size_t)((a < 0 ? 0 : a >= s->around ? s->around - 1 : a) + s->around * (u < 0 ? 0 : u >= s->up ? s->up - 1 : u));
     }
-    const int family = (int)((unsigned)c->element & 1u), bar = (c->element - family) / 2 + s->bars / 2;
+    const int family = s->plate ? 0 : (int)((unsigned)c->element & 1u);
+    const int bar = s->plate ? (int)(y / s->pitch + s->bars / 2.0) : (c->element - family) / 2 + s->bars / 2;
     const int segment = (int)((family ? y : x) / s->pitch + s->bars / 2.0);
     const int b = bar < 0 ? 0 : bar >= s->bars ? s->bars - 1 : bar, k = segment < 0 ? 0 : segment >= s->bars ? s->bars - 1 : segment;
     return (size_t)(side + (family * s->bars + b) * s->bars + k);
 }
 
 static bridge_partner wet_partner(const wet_scene *s, const dem_contact_info *c) {
-    return c->j >= 0 ? BRIDGE_SPHERE : -1 - c->j == s->deck ? BRIDGE_WIRE : BRIDGE_WALL;
+    return c->j >= 0 ? BRIDGE_SPHERE : -1 - c->j == s->deck && !s->plate ? BRIDGE_WIRE : BRIDGE_WALL;
 }
 
 /* The prepared kind of a contact's pair; swapped: the contact's i is the kind's j. */
@@ -230,9 +232,11 @@ static inline bridge_status wet_init(wet_scene *s, int n, const int *group, cons
     s->printed = printed;
     s->angle[0] = 15.0 / 180.0 * RIDDLE_PI, s->angle[1] = 45.0 / 180.0 * RIDDLE_PI;
     s->patch = 5e-3;
-    s->wire = w->wall[deck].wire;
-    s->pitch = w->wall[deck].aperture + s->wire;
-    s->wall_radius = w->wall[deck].half_x;
+    s->plate = w->wall[deck].kind == DEM_PLANE;
+    s->wire = s->plate ? s->patch : w->wall[deck].wire;
+    s->pitch = s->plate ? s->patch : w->wall[deck].aperture + s->wire;
+    for (int k = 0; k < w->walls; k++)
+        if (w->wall[k].kind == DEM_CYLINDER) s->wall_radius = w->wall[k].radius;
     s->around = (int)(2.0 * RIDDLE_PI * s->wall_radius / s->patch) + 1;
     s->up = 30;
     s->bars = 2 * ((int)(s->wall_radius / s->pitch) + 2);

@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 7, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 8, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -364,13 +364,66 @@ static void test_interrupt(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
+/* The studies of batch_screening: whole files, runs that are not run again, and the same answer from them. */
+static void test_screening_studies(void **state) {
+    const char *slash = strrchr(*state, '/');
+    if (!slash || strcmp(slash, "/batch_screening") != 0) skip();
+    static const char *const wrong[][3] = {{"--all-cases", "--vary", NULL}, {"--resume", NULL, NULL}, {"--all-cases", "--case=3", NULL}};
+    for (int i = 0; i < 3; i++) {
+        result r = run_program(*state, wrong[i], 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1) fail_msg("%s: status %d, said '%s'", wrong[i][0], r.status, r.err);
+        forget(&r);
+    }
+    const char *first[] = {"--quick", "--quiet", "--all-cases", "--seeds", "2", "--out", "all", NULL};
+    const char *again[] = {"--quick", "--quiet", "--all-cases", "--seeds", "2", "--out", "all", "--resume", "--threads", "1", NULL};
+    char path[6][LONGEST_PATH + 60];
+    static const char *const name[6] = {"curves.csv", "case_05.json", "runs/case_05_seed_2_run.csv", "runs/case_07_seed_1.csv",
+                                        "cases.svg",  "summary.json"};
+    for (int i = 0; i < 6; i++) snprintf(path[i], sizeof path[i], "%s/all/%s", folder, name[i]);
+    result r = run_program(*state, first, 0, 0.0);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    char *curves = file_text(path[0]), *summary = file_text(path[5]), *run = file_text(path[3]);
+    assert_true(curves && summary && run && is_json(summary) && lines(curves) == 1 + 27 * 2);
+    assert_int_equal(remove(path[1]) | remove(path[2]) | remove(path[4]), 0); /* one run is done again, all reports are written again */
+    char *half = strstr(run, "\n0,1,1,");                                     /* another answer in a file shows that it is read, not run */
+    assert_non_null(half);
+    memcpy(half, "\n0,1,7,", 7);
+    FILE *f = fopen(path[3], "wb");
+    assert_true(f && fputs(run, f) >= 0 && fclose(f) == 0);
+    r = run_program(*state, again, 0, 0.0);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    char *resumed = file_text(path[0]), *redone = file_text(path[1]), *drawn = file_text(path[4]);
+    assert_true(resumed && redone && drawn && is_json(redone));
+    char *marked = strstr(resumed, ",0,1.000000,7.000000");
+    assert_non_null(marked);
+    memcpy(marked, ",0,1.000000,1.000000", 20);
+    assert_string_equal(resumed, curves);
+    free(curves), free(summary), free(run), free(resumed), free(redone), free(drawn);
+
+    const char *plate[] = {"--quick", "--quiet", "--scene", "closed-plate", "--vary", "--json", "plate.json", "--out", "plate", NULL};
+    r = run_program(*state, plate, 0, 0.0);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
+    snprintf(path[0], sizeof path[0], "%s/plate.json", folder);
+    char *report = file_text(path[0]);
+    assert_true(report && is_json(report) && strstr(report, "\"h_star_m\": [") && strstr(report, "closed plate: water slows"));
+    free(report);
+}
+
 int main(void) {
     static const struct {
         const char *name;
         CMUnitTestFunction function;
-    } each[EACH] = {{"help", test_help},           {"wrong options", test_wrong_options}, {"its own options", test_its_own_options},
-                    {"quick run", test_quick_run}, {"full disk", test_full_disk},         {"Ctrl-C", test_interrupt},
-                    {"threads", test_threads}};
+    } each[EACH] = {{"help", test_help},
+                    {"wrong options", test_wrong_options},
+                    {"its own options", test_its_own_options},
+                    {"quick run", test_quick_run},
+                    {"full disk", test_full_disk},
+                    {"Ctrl-C", test_interrupt},
+                    {"threads", test_threads},
+                    {"screening studies", test_screening_studies}};
     static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
     static char names[EACH * MOST_PROGRAMS][120];
     const char *given = getenv("RIDDLE_PROGRAMS");
