@@ -56,15 +56,15 @@
 #if defined(__GNUC__)
 #define DEM_INLINE static inline __attribute__((always_inline))
 #define DEM_RESTRICT __restrict__
-#define DEM__COLD __attribute__((noinline, cold))
+#define DEM__APART __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define DEM_INLINE static __forceinline
 #define DEM_RESTRICT __restrict
-#define DEM__COLD
+#define DEM__APART
 #else
 #define DEM_INLINE static inline
 #define DEM_RESTRICT
-#define DEM__COLD
+#define DEM__APART
 #endif
 
 /* For the block of contacts: no iteration reads what another writes. */
@@ -2347,7 +2347,7 @@ static inline void dem__find_links(dem_world *w) {
 }
 
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
-static DEM__COLD int dem__rebuild(dem_world *w) {
+static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
     dem__compact(w);
     double smallest = HUGE_VAL;
@@ -2408,7 +2408,7 @@ static DEM__COLD int dem__rebuild(dem_world *w) {
 }
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
-static DEM__COLD int dem__check_list(dem_world *w) {
+static DEM__APART int dem__check_list(dem_world *w) {
     int64_t due = INT64_MAX;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
@@ -3388,7 +3388,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
 }
 
 /* Takes back what was found in a step that cannot be finished. */
-static DEM__COLD int dem__undo_look(dem_world *w) {
+static DEM__APART int dem__undo_look(dem_world *w) {
     for (; w->born__ > 0; w->born__--) {
         const int32_t p = w->live_near__[--w->live_count__];
         if (p >= 0) w->near__[p].state = 0;
@@ -3419,7 +3419,7 @@ static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, ptrdiff_
 }
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
-static DEM__COLD int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
     ptrdiff_t old = 0;
     if (w->stale__) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) { /* contacts with walls that were taken away */
