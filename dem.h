@@ -98,7 +98,7 @@ extern "C" {
 #define DEM_STATE_MAX 16     /* doubles that a law may keep per contact */
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
-#define DEM_FORMAT 1u        /* version of dem_save */
+#define DEM_FORMAT 3u        /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -109,7 +109,8 @@ extern "C" {
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
     X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present")
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present")                              \
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -199,29 +200,92 @@ typedef struct dem_screen {
     dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
-typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT } dem_wall_kind;
+/* A frustum's lateral surface, or with equal radii a tube of finite length: a thin sheet, touched from inside and outside and at its
+   rims. Made by dem_default_cone(). */
+typedef struct dem_cone {
+    dem_vec low, high;  /* centres of its ends [m], apart; default 0 and (0, 0, 0.1) */
+    double low_radius;  /* at low [m] >= 0, 0 makes a tip; default 0.02 */
+    double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
+} dem_cone;
+
+typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT, DEM_SPHERE, DEM_CONE, DEM_MESH } dem_wall_kind;
+
+/* Triangles, yours or read by dem_read_stl(). For your own arrays: set the first four fields, the rest 0. */
+typedef struct dem_mesh {
+    ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
+    double *vertex;                /* shape [vertices][3] [m] */
+    int32_t *triangle;             /* shape [triangles][3]: indices of vertices */
+    dem_allocator allocator;       /* of block */
+    void *block;                   /* what dem_free_mesh() frees */
+    size_t bytes;
+} dem_mesh;
+
+/* What dem_read_stl() found in a file. A closed, well made surface has zeros from `missing` to `wrong_normals`. */
+typedef struct dem_stl_report {
+    int binary;              /* 1: binary, 0: ASCII */
+    ptrdiff_t facets;        /* present in the file and whole */
+    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that an ASCII file breaks off or garbles */
+    ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
+    ptrdiff_t degenerate;    /* left out: without area, after welding */
+    ptrdiff_t duplicate;     /* left out: the corners of an earlier one */
+    ptrdiff_t open_edges;    /* of one triangle only: the rims of holes */
+    ptrdiff_t nonmanifold;   /* edges of more than two triangles */
+    ptrdiff_t inconsistent;  /* edges whose two triangles are turned against each other */
+    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees from the triangle's own; zero ones do not count */
+    double area;             /* [m2] */
+    double volume;           /* [m3] of a closed surface, negative if it is turned inside out; of no meaning with open edges */
+    dem_vec low, high;       /* corners of the box that holds it [m] */
+} dem_stl_report;
+
+/* Where a prescribed motion has brought a wall: turned about the centre given to dem_prescribe(), then shifted. */
+typedef struct dem_pose {
+    dem_vec shift; /* [m] */
+    dem_vec turn;  /* axis times angle [rad] */
+} dem_pose;
+/* A wall's motion: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is asked
+   for times in any order, one time step before and after the run included. *pose is zero at entry. */
+typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
+
+typedef enum dem_drive {
+    DEM_KINEMATIC,        /* at rest, or by dem_vibrate, dem_move, dem_rotate */
+    DEM_PRESCRIBED,       /* dem_prescribe */
+    DEM_FORCE_CONTROLLED, /* dem_control_force */
+    DEM_TORQUE_CONTROLLED /* dem_control_torque */
+} dem_drive;
+
+struct dem__tree;
 
 /* A wall. Read only; change it by functions. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    dem_vec origin;                           /* where it was put [m] */
-    dem_vec axis[3];                          /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
-    dem_vec rest_axis[3];                     /* the same at time 0 */
-    double radius;                            /* cylinder [m] */
-    int inside;                               /* cylinder: 1 particles inside, 0 outside */
-    double aperture, wire;                    /* screen [m] */
-    int profile, circular;                    /* screen */
-    double half_x, half_y;                    /* screen [m] */
-    dem_vec amplitude, phase;                 /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double frequency;                         /* [Hz] */
-    dem_vec drift;                            /* constant velocity [m/s] */
-    dem_vec spin_axis, spin_centre;           /* rotation about a fixed line */
-    double spin;                              /* [rad/s] */
-    double motion_start;                      /* time at which the motion began [s] */
+    dem_vec origin;                       /* where it was put [m] */
+    dem_vec axis[3];                      /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec rest_axis[3];                 /* the same at time 0 */
+    double radius;                        /* cylinder, sphere; cone: at its low end, the origin [m] */
+    double high_radius, length;           /* cone: at the other end, distance of the ends [m] */
+    int inside;                           /* cylinder, sphere: 1 particles inside, 0 outside */
+    double aperture, wire;                /* screen [m] */
+    int profile, circular;                /* screen */
+    double half_x, half_y;                /* screen [m] */
+    dem_vec amplitude, phase;             /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;                     /* [Hz] */
+    dem_vec drift;                        /* constant velocity [m/s] */
+    dem_vec spin_axis, spin_centre;       /* rotation about a line; force-controlled: axis of the motion */
+    double spin, spin_rate;               /* now [rad/s], [rad/s2] */
+    dem_vec belt;                         /* velocity of its surface within itself [m/s] */
+    int slides;                           /* 1: its surface moves otherwise than its origin */
+    int drive;                            /* dem_drive */
+    double coordinate, rate, rate_change; /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
+    double inertia, load, damping;        /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
+    dem_motion_fn motion;                 /* prescribed */
+    void *motion_user;
+    double interval;                          /* prescribed: for its differences in time [s] */
+    double motion_start;                      /* time at which the motion began; controlled: of the coordinate [s] */
     dem_vec position, velocity, acceleration; /* of its origin, now */
-    double speed_bound;                       /* no point of it is ever faster, spin apart [m/s] */
-    double acceleration_bound;                /* nor accelerates more [m/s2] */
+    double speed_bound, spin_bound;           /* its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
+    double acceleration_bound;                /* kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
     double side_bound;                        /* the same perpendicular to axis[2] */
+    struct dem__tree *tree;                   /* mesh: the triangles, owned */
     dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m] */
     dem_vec impulse;                          /* time integral of the force [N s] */
 } dem_wall;
@@ -373,7 +437,8 @@ typedef struct dem_world {
     double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int fresh__, stale__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__, ledger_started__;
+    int fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
+        ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
@@ -403,6 +468,7 @@ typedef struct dem_world {
     int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *order__, *order_spare__;
     uint8_t *live_event__, *live_ended__;
     double *live_gap__, *live_force__, *live_predict__, *live_mass__;
+    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
     double *live_out__[9];                                     /* force on i, torque on i, torque on j */
     double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
@@ -536,6 +602,16 @@ DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen);
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
+DEM_API dem_cone dem_default_cone(void);
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
+/* Triangles, copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and corners; how it is oriented,
+   welded or cut into triangles does not matter. Places whose normals differ by less than 26 degrees are one contact (its friction goes
+   with it from triangle to triangle), the deepest; a sharper concave corner makes two. Triangles without area are left out. Besides the
+   common statuses: DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
+/* Six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall to be moved as one. */
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
@@ -544,7 +620,32 @@ DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled);                          /* 0: as if it were not there */
+/* The wall goes where a function of time says; that replaces its other motions. Velocities follow from differences over the time step.
+   Called again for a wall that is prescribed already, as after dem_load (functions are not saved: until then running gives
+   DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
+/* A piston: the wall moves along axis only, as a body of mass [kg] > 0 under the particles' forces, a force along the axis [N] (its own
+   weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with the speed along the axis that it has, so that it can be
+   called again to change the force. At rest the particles exert -force on it. A contact's damping takes the wall's mass for
+   infinite: it should be 20 times a particle's or more. */
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping);
+/* A rotor: the wall turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the particles' torques, a torque
+   [N m] and a damper [N m s/rad] >= 0. Else as dem_control_force. world->wall[].rate is its speed [rad/s], coordinate its angle [rad]. */
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
+                                      double damping);
+/* A belt: the surface runs with this velocity [m/s], or with its part along the surface, while the wall stays where it is. */
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+
+/* ---- meshes from files ---- */
+
+/* Reads an STL file from memory (3D Systems 1988), binary or ASCII, whatever its first word says. bytes: [size]; scale [m per unit of the
+   file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may be NULL;
+   report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if no triangle is left;
+   DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
+                                dem_stl_report *report);
+DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
 
 /* ---- running ---- */
 
@@ -593,7 +694,7 @@ typedef struct dem_contact_info {
     ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
     double gap;                  /* [m] */
     dem_vec force;               /* on i [N] */
-    int element;                 /* of a wall: the bar */
+    int element;                 /* of a screen: the bar; of a mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
 /* Link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
@@ -679,7 +780,7 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group);
    theorem). radius > 0, low <= high by axis; NaN else. */
 DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 
-/* A number that depends on every bit of the particles' state and histories. */
+/* A number that depends on every bit of the particles' state and histories, and of controlled walls. */
 DEM_API uint64_t dem_hash(const dem_world *world);
 
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if
@@ -1047,8 +1148,70 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, d
     return amplitude * (s - riddle_sin(phase));
 }
 
+/* The frame and place that a pose gives a wall. */
+static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
+    const double angle = dem__length(pose->turn);
+    dem_vec arm = dem__sub(w->origin, w->spin_centre);
+    for (int k = 0; k < 3; k++) axis[k] = w->rest_axis[k];
+    if (angle > 0.0) {
+        const dem_vec about = dem__scale(1.0 / angle, pose->turn);
+        for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
+        arm = dem__rotated(arm, about, angle);
+    }
+    return dem__add(dem__add(w->spin_centre, arm), pose->shift);
+}
+
+static inline void dem__prescribed_wall(dem_wall *w, double time) {
+    dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
+    const double rate = 0.5 / w->interval;
+    if (!w->motion) return;
+    for (int k = 0; k < 3; k++) {
+        dem_pose pose;
+        memset(&pose, 0, sizeof pose);
+        w->motion(w->motion_user, time + (k - 1) * w->interval, &pose);
+        at[k] = dem__posed(w, &pose, axis[k]);
+    }
+    for (int k = 0; k < 3; k++) { /* w = sum of a x da/dt over the axes, halved */
+        w->axis[k] = axis[1][k];
+        omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
+    }
+    w->position = at[1];
+    w->velocity = dem__scale(rate, dem__sub(at[2], at[0]));
+    w->acceleration = dem__scale(4.0 * rate * rate, dem__sub(dem__add(at[0], at[2]), dem__scale(2.0, at[1])));
+    w->spin = dem__length(omega);
+    if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
+}
+
+/* Velocity and acceleration that a controlled wall's rate gives it where it is. */
+static inline void dem__rated_wall(dem_wall *w, double rate) {
+    if (w->drive == DEM_FORCE_CONTROLLED) {
+        w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
+        return;
+    }
+    const dem_vec arm = dem__sub(w->position, w->spin_centre), across = dem__cross(w->spin_axis, arm);
+    w->spin = rate, w->spin_rate = w->rate_change;
+    w->velocity = dem__scale(rate, across);
+    w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
+}
+
+/* Predicted, as a particle is. */
+static inline void dem__controlled_wall(dem_wall *w, double time) {
+    const double tau = time - w->motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
+    dem_pose pose;
+    memset(&pose, 0, sizeof pose);
+    if (w->drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
+    else pose.turn = dem__scale(way, w->spin_axis);
+    w->position = dem__posed(w, &pose, w->axis);
+    dem__rated_wall(w, w->rate + tau * w->rate_change);
+}
+
 /* Puts a wall where it is at a time. */
 static inline void dem__move_wall(dem_wall *w, double time) {
+    if (w->drive != DEM_KINEMATIC) {
+        if (w->drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+        else dem__controlled_wall(w, time);
+        return;
+    }
     double t = time - w->motion_start, rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
     dem_vec shift, v, a;
     shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &v.x, &a.x);
@@ -1077,7 +1240,8 @@ typedef struct dem__touch {
     int32_t element;
 } dem__touch;
 
-enum { DEM__TOUCHES = 4 };
+enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a particle with a mesh, those that end this step included */
+#define DEM__SMOOTH 0.9 /* cosine of the angle, 26 degrees, up to which facets are one surface: a drum of 16 sides is round */
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
@@ -1116,7 +1280,137 @@ DEM_INLINE double dem__third_bar(const dem_wall *w, double radius) {
     return sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
 }
 
-/* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES); *least becomes a lower bound of the gap. */
+/* The nearest point of a frustum lies in the plane of axis and centre, on a segment. d: the centre, seen from the low end. */
+static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out, double *least) {
+    const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
+    const double rho = dem__length(radial), rise = w->high_radius - w->radius, slant = sqrt(rise * rise + w->length * w->length);
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a ring touches: any of it */
+    const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
+    const double x = rho - (w->radius + along * rise), y = up - along * w->length;
+    double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
+    if (along > 0.0 && along < 1.0) { /* from the side's own normal, which does not lose its figures near the surface */
+        const double side = (rho - w->radius) * nx + up * ny;
+        distance = fabs(side);
+        if (side < 0.0) nx = -nx, ny = -ny;
+    } else if (distance > 0.0) nx = x / distance, ny = y / distance;
+    *least = out[0].gap = distance - radius;
+    if (!(*least < limit)) return 0;
+    out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
+    /* half way up, so that a contact's constants do not depend on when they are asked for */
+    out[0].curvature = (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
+    return 1;
+}
+
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
+   takes the first child first; `skip` is where the walk goes on without a node's children. */
+typedef struct dem__node {
+    double low[3], high[3];
+    int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
+} dem__node;
+typedef struct dem__tree {
+    size_t bytes;
+    int32_t vertices, triangles, nodes;
+    dem_vec *vertex, *normal;
+    int32_t *corner; /* [triangles][3] */
+    dem__node *node;
+} dem__tree;
+enum { DEM__LEAF = 4 };
+
+/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), and its length. */
+static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
+    const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp), c1 = dem__dot(ab, cp),
+                 c2 = dem__dot(ac, cp);
+    const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
+    dem_vec v;
+    if (a1 <= 0.0 && a2 <= 0.0) v = ap;
+    else if (b1 >= 0.0 && b2 <= b1) v = bp;
+    else if (c2 >= 0.0 && c1 <= c2) v = cp;
+    else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
+    else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
+    else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2) v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
+    else { /* above the face: along its normal, the same for all faces of a plane */ const double up = dem__dot(ap, t->normal[k]);
+        *distance = fabs(up);
+        return dem__scale(up, t->normal[k]);
+    }
+    *distance = dem__length(v);
+    return v;
+}
+
+DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
+    const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
+                 z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
+    return !(x * x + y * y + z * z < reach * reach);
+}
+
+/* One surface is touched once: a place is in the shadow of a nearer one if their normals agree to 26 degrees, or if it does not rise over
+   the nearer one's tangent plane, as edges and corners of a face that is touched do not. */
+DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+    const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
+    return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
+}
+
+static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
+    double distance;
+    const dem_vec v = dem__from_triangle(t, k, p, &distance);
+    touch->gap = distance - radius;
+    touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
+    touch->curvature = 0.0;
+}
+
+/* The nearest place of a mesh, if its gap is below limit; and with a gap below deep, the others that are none's shadow: the nearest
+   DEM__TOUCHES, nearest first. */
+static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
+    const dem__tree *t = w->tree;
+    const dem_vec p = dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+    dem__touch here;
+    int n = 0;
+    *least = limit;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + *least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (here.gap < *least) *least = here.gap, out[0] = here, n = 1;
+        }
+    }
+    for (int32_t b = *least < deep ? 0 : t->nodes; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, radius + deep)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            int at = 0, kept;
+            dem__meet_triangle(t, k, p, radius, &here);
+            if (!(here.gap < deep)) continue;
+            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
+            kept = at;
+            for (int q = at; q < n; q++) { /* it shadows others itself */
+                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+            }
+            n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
+            for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
+            out[at] = here;
+        }
+    }
+    for (int q = 0; q < n; q++) {
+        const dem_vec v = out[q].normal;
+        out[q].normal = dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+        out[q].element = q;
+    }
+    return n;
+}
+
+/* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
+   becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
     dem_vec d = dem__sub(centre, w->position);
     double up = dem__dot(d, w->axis[2]);
@@ -1139,6 +1433,17 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
         out[0].curvature = (w->inside ? -0.5 : 0.5) / w->radius;
         return 1;
     }
+    if (w->kind == DEM_SPHERE) {
+        const double distance = dem__length(d);
+        out[0].gap = (w->inside ? w->radius - distance : distance - w->radius) - radius;
+        *least = out[0].gap;
+        if (!(out[0].gap < limit) || !(distance > 0.0)) return 0;
+        out[0].normal = dem__scale((w->inside ? -1.0 : 1.0) / distance, d);
+        out[0].curvature = (w->inside ? -1.0 : 1.0) / w->radius;
+        return 1;
+    }
+    if (w->kind == DEM_CONE) return dem__touch_cone(w, d, up, radius, limit, out, least);
+    if (w->kind == DEM_MESH) return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
     *least = fabs(up) - radius - 0.5 * w->wire;
     if (!(*least < limit)) return 0;
     const double pitch = w->aperture + w->wire;
@@ -1175,15 +1480,15 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     dem__touch_wall(w, centre, radius, HUGE_VAL, out, &least);
 }
 
-/* Velocity of a wall's material point. */
-DEM_INLINE dem_vec dem__wall_velocity(const dem_wall *w, dem_vec point) {
-    if (w->spin == 0.0) return w->velocity;
-    return dem__add(w->velocity, dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position)));
+/* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
+DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
+    const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->belt, dem__scale(dem__dot(w->belt, n), n)));
 }
-DEM_INLINE dem_vec dem__wall_acceleration(const dem_wall *w, dem_vec point) {
-    if (w->spin == 0.0) return w->acceleration;
-    dem_vec omega = dem__scale(w->spin, w->spin_axis);
-    return dem__add(w->acceleration, dem__cross(omega, dem__cross(omega, dem__sub(point, w->position))));
+DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
+    const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
+    const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
+    return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
 }
 
 #ifdef DEM__BODIES
@@ -1237,6 +1542,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
     for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
     for (int k = 0; k < 6; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
+    for (int k = 0; w->meshes__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
     if (w->ledger_on__) {
         list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
@@ -1441,6 +1747,9 @@ DEM_API void dem_free(dem_world *world) {
     if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
     if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
     if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
+    for (int k = 0; k < world->walls; k++) {
+        if (world->wall[k].tree) a.fn(a.user, world->wall[k].tree, world->wall[k].tree->bytes, 0);
+    }
     memset(world, 0, sizeof *world);
 }
 
@@ -1660,18 +1969,51 @@ DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec
 }
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
 
-DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || material < 0 || material >= world->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) ||
-        !dem__positive(radius))
+    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
-    wall.kind = DEM_CYLINDER;
+    wall.kind = kind;
     wall.material = material;
     wall.origin = point;
     wall.radius = radius;
     wall.inside = inside != 0;
+    return dem__add_wall(w, &wall);
+}
+
+DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    return dem__add_round(world, DEM_CYLINDER, material, point, axis, radius, inside);
+}
+DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside) {
+    return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
+}
+
+DEM_API dem_cone dem_default_cone(void) {
+    dem_cone c;
+    c.low = dem_vec3(0, 0, 0);
+    c.high = dem_vec3(0, 0, 0.1);
+    c.low_radius = 0.02;
+    c.high_radius = 0.1;
+    return c;
+}
+
+DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!world || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) || !dem__finite_vec(cone->high))
+        return -(int)DEM_BAD_ARGUMENT;
+    const dem_vec axis = dem__sub(cone->high, cone->low);
+    if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
+        !dem__positive(cone->low_radius + cone->high_radius) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)DEM_BAD_ARGUMENT;
+    wall.kind = DEM_CONE;
+    wall.material = material;
+    wall.origin = cone->low;
+    wall.radius = cone->low_radius;
+    wall.high_radius = cone->high_radius;
+    wall.length = dem__length(axis);
     return dem__add_wall(world, &wall);
 }
 
@@ -1712,6 +2054,503 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     return dem__add_wall(world, &wall);
 }
 
+/* Every third bit of a Morton code, from 21 bits. */
+static inline uint64_t dem__interleave(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+/* Sorts by key, then index; temporary has room for n. */
+typedef struct dem__keyed {
+    uint64_t key;
+    int32_t index;
+} dem__keyed;
+static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
+    for (ptrdiff_t width = 1; width < n; width *= 2) {
+        for (ptrdiff_t low = 0; low < n; low += 2 * width) {
+            const ptrdiff_t mid = low + width < n ? low + width : n, high = mid + width < n ? mid + width : n;
+            for (ptrdiff_t a = low, b = mid, to = low; to < high; to++) {
+                const int left = a < mid && (b >= high || items[a].key < items[b].key ||
+                                             (items[a].key == items[b].key && items[a].index < items[b].index));
+                temporary[to] = left ? items[a++] : items[b++];
+            }
+        }
+        memcpy(items, temporary, (size_t)n * sizeof *items);
+    }
+}
+
+/* Nodes for the triangles first .. end-1, which are sorted along a space-filling curve: halves of halves. */
+static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
+    const int32_t at = t->nodes++;
+    dem__node *node = &t->node[at];
+    node->first = first;
+    node->count = end - first <= DEM__LEAF ? end - first : 0;
+    for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
+    for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
+        const double *v = &t->vertex[t->corner[k]].x;
+        for (int a = 0; a < 3; a++) {
+            node->low[a] = v[a] < node->low[a] ? v[a] : node->low[a];
+            node->high[a] = v[a] > node->high[a] ? v[a] : node->high[a];
+        }
+    }
+    if (node->count == 0) {
+        const int32_t middle = first + (end - first) / 2;
+        for (int side = 0; side < 2; side++) {
+            const int32_t child = t->nodes;
+            dem__grow_node(t, side ? middle : first, side ? end : middle);
+            for (int a = 0; a < 3; a++) {
+                const double low = t->node[child].low[a], high = t->node[child].high[a];
+                node->low[a] = low < node->low[a] ? low : node->low[a];
+                node->high[a] = high > node->high[a] ? high : node->high[a];
+            }
+        }
+    }
+    node->skip = t->nodes;
+}
+
+/* An empty tree with room; NULL when out of memory. */
+static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+    const size_t v = (size_t)vertices, k = (size_t)triangles;
+    const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
+    dem__tree *t = (dem__tree *)a->fn(a->user, NULL, 0, bytes);
+    if (!t) return NULL;
+    memset(t, 0, bytes);
+    t->bytes = bytes;
+    t->vertices = (int32_t)vertices;
+    t->vertex = (dem_vec *)(void *)(t + 1);
+    t->normal = t->vertex + v;
+    t->node = (dem__node *)(void *)(t->normal + k);
+    t->corner = (int32_t *)(void *)(t->node + k);
+    return t;
+}
+
+/* Twice the area, as a vector along the normal; by the two shorter edges, which keeps the figures of a sliver. */
+static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
+    const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
+    if (x >= y && x >= z) return dem__cross(bc, ca);
+    return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
+}
+
+/* Has a triangle an area that its corners' round-off has not made? Its normal becomes *unit. */
+static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
+    const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
+    double longest = dem__dot(ab, ab);
+    longest = dem__dot(ac, ac) > longest ? dem__dot(ac, ac) : longest;
+    longest = dem__dot(bc, bc) > longest ? dem__dot(bc, bc) : longest;
+    return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
+}
+
+/* The tree of the triangles that have an area. NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
+static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
+                                        const int32_t *corner, dem_status *status) {
+    const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
+    dem_vec low = vertex[0], high = vertex[0], normal;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t v = 0; v < vertices; v++) {
+        for (int c = 0; c < 3; c++) {
+            double *l = &low.x + c, *h = &high.x + c, x = (&vertex[v].x)[c];
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    *status = DEM_OUT_OF_MEMORY;
+    dem__keyed *items = (dem__keyed *)a->fn(a->user, NULL, 0, scratch);
+    if (!items) return NULL;
+    for (int32_t k = 0; k < (int32_t)triangles; k++) {
+        const dem_vec p[3] = {vertex[corner[3 * k]], vertex[corner[3 * k + 1]], vertex[corner[3 * k + 2]]};
+        if (!dem__has_area(p[0], p[1], p[2], &normal)) continue;
+        items[n].index = k;
+        items[n].key = 0;
+        for (int c = 0; c < 3; c++) {
+            const double from = (&low.x)[c], span = (&high.x)[c] - from;
+            const double x = ((&p[0].x)[c] + (&p[1].x)[c] + (&p[2].x)[c]) / 3.0 - from;
+            items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
+        }
+        n++;
+    }
+    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    if (n == 0) *status = DEM_BAD_ARGUMENT;
+    if (t) {
+        dem__sort_keyed(items, items + n, n);
+        memcpy(t->vertex, vertex, (size_t)vertices * sizeof *vertex);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            const int32_t *from = &corner[3 * items[k].index];
+            memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
+            dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
+        }
+        t->triangles = (int32_t)n;
+        dem__grow_node(t, 0, (int32_t)n);
+        *status = DEM_OK;
+    }
+    a->fn(a->user, items, scratch, 0);
+    return t;
+}
+
+/* Room for what a mesh keeps of each contact. */
+static inline int dem__make_places(dem_world *w) {
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->meshes__++ > 0 || w->live_capacity__ == 0) return 1;
+    if (dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_capacity__))
+        return 1;
+    w->meshes__--;
+    return 0;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    dem_world *w = world;
+    dem_wall wall;
+    memset(&wall, 0, sizeof wall);
+    if (!w || !w->def.allocator.fn || !mesh || material < 0 || material >= w->def.materials || !mesh->vertex || !mesh->triangle ||
+        mesh->vertices < 1 || mesh->triangles < 1 || mesh->vertices > INT32_MAX / 4 || mesh->triangles > INT32_MAX / 4)
+        return -(int)DEM_BAD_ARGUMENT;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (ptrdiff_t k = 0; k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) return -(int)DEM_BAD_ARGUMENT;
+    }
+    for (ptrdiff_t k = 0; k < 3 * mesh->vertices; k++) {
+        const double x = mesh->vertex[k];
+        if (!(fabs(x) < 1e50)) return -(int)DEM_BAD_ARGUMENT; /* so that squares of areas are finite */
+        low[k % 3] = x < low[k % 3] ? x : low[k % 3];
+        high[k % 3] = x > high[k % 3] ? x : high[k % 3];
+    }
+    if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    wall.kind = DEM_MESH;
+    wall.material = material;
+    wall.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
+
+    const dem_allocator *a = &w->def.allocator;
+    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
+    dem_status status = DEM_OUT_OF_MEMORY;
+    dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
+    for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
+        const double *x = &mesh->vertex[3 * k];
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.origin);
+    }
+    if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
+    if (local) a->fn(a->user, local, bytes, 0);
+    if (wall.tree && !dem__make_places(w)) {
+        a->fn(a->user, wall.tree, wall.tree->bytes, 0);
+        wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
+    }
+    return wall.tree ? dem__add_wall(w, &wall) : -(int)status;
+}
+
+DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
+    /* corner k: bit c chooses low or high of axis c */
+    int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    double corners[24];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? (&high.x)[k % 3] : (&low.x)[k % 3];
+    mesh.vertices = 8, mesh.vertex = corners;
+    mesh.triangles = 12, mesh.triangle = faces;
+    return dem_add_mesh(world, material, &mesh);
+}
+
+/* ---- STL ---- */
+
+/* Open addressing: slots of 64-bit keys, each with a number; capacity is a power of two, key 0 is empty. */
+typedef struct dem__slot {
+    uint64_t key;
+    int32_t value, forward, backward; /* edges: triangles that run along it each way */
+} dem__slot;
+
+static inline uint64_t dem__scramble(uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+static inline dem__slot *dem__find_slot(dem__slot *table, size_t capacity, uint64_t key) {
+    size_t at = (size_t)dem__scramble(key) & (capacity - 1);
+    while (table[at].key != 0 && table[at].key != key) at = (at + 1) & (capacity - 1);
+    return &table[at];
+}
+
+/* What a facet is before welding: normal, then three corners. */
+typedef struct dem__facet {
+    dem_vec normal, corner[3];
+} dem__facet;
+
+static inline double dem__little_float(const unsigned char *byte) {
+    const uint32_t bits = (uint32_t)byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+/* Binary: 80 bytes, a count, 50 bytes a facet. facets may be NULL, to count. Returns the whole ones. */
+static inline ptrdiff_t dem__read_binary(const unsigned char *bytes, size_t size, dem__facet *facets, ptrdiff_t *missing) {
+    const uint32_t announced = (uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24;
+    const size_t present = (size - 84) / 50, n = present < announced ? present : announced;
+    for (size_t k = 0; facets && k < n; k++) {
+        double *to = &facets[k].normal.x;
+        for (size_t a = 0; a < 12; a++) to[a] = dem__little_float(bytes + 84 + 50 * k + 4 * a);
+    }
+    *missing = (ptrdiff_t)(announced - n);
+    return (ptrdiff_t)n;
+}
+
+/* The next word of a text: blanks of any kind part them. Returns its length, 0 at the end. */
+static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
+    size_t length = 0;
+    while (*at < size && bytes[*at] <= ' ') ++*at;
+    while (*at + length < size && bytes[*at + length] > ' ') length++;
+    return length;
+}
+
+static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    size_t k = 0;
+    for (; name[k]; k++) {
+        const unsigned char c = k < length ? bytes[at + k] : 0;
+        if ((c >= 'A' && c <= 'Z' ? c + 32 : c) != (unsigned char)name[k]) return 0;
+    }
+    return k == length;
+}
+
+/* A decimal number, free of the locale; within an ulp or two. NaN if it is none. */
+static inline double dem__number(const unsigned char *text, size_t length) {
+    size_t k = 0;
+    int digits = 0, point = 0, exponent = 0, down = 0;
+    double value = 0.0;
+    const int minus = length > 0 && text[0] == '-';
+    if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
+    for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
+        if (text[k] == '.') {
+            point = 1;
+            continue;
+        }
+        if (value < 9007199254740992.0 / 10.0 - 1.0) value = 10.0 * value + (text[k] - '0'), exponent -= point;
+        else exponent += !point; /* digits beyond what a double holds */
+        digits++;
+    }
+    if (digits && k < length && (text[k] == 'e' || text[k] == 'E')) {
+        int power = 0, any = 0;
+        k++;
+        if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
+        for (; k < length && text[k] >= '0' && text[k] <= '9'; k++, any = 1) power = power < 10000 ? 10 * power + (text[k] - '0') : power;
+        if (!any) return (double)NAN;
+        exponent += down ? -power : power;
+    }
+    if (!digits || k != length) return (double)NAN;
+    double ten = 1.0, base = 10.0; /* up to 10^22 exact, as the value is: one rounding */
+    if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
+    for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
+    value = value == 0.0 ? 0.0 : (exponent < 0 ? value / ten : value * ten);
+    return minus ? -value : value;
+}
+
+/* ASCII: facets are where "facet" stands with its three vertices before the next one; whatever else there is does not matter. */
+static inline ptrdiff_t dem__read_ascii(const unsigned char *bytes, size_t size, dem__facet *facets, ptrdiff_t *missing) {
+    ptrdiff_t n = 0, begun = 0;
+    dem__facet facet;
+    int corners = 3, wanted = 0; /* numbers of the present triple still to come */
+    double *to = NULL;
+    memset(&facet, 0, sizeof facet);
+    for (size_t at = 0, length; (length = dem__word(bytes, size, &at)) > 0; at += length) {
+        if (dem__is_word(bytes, at, length, "facet")) {
+            begun++;
+            corners = 0, wanted = 0;
+            facet.normal = dem_vec3(0.0, 0.0, 0.0);
+        } else if (dem__is_word(bytes, at, length, "normal")) {
+            wanted = 3, to = &facet.normal.x;
+        } else if (dem__is_word(bytes, at, length, "vertex") && corners < 3) {
+            wanted = 3, to = &facet.corner[corners].x;
+        } else if (wanted > 0) {
+            *to++ = dem__number(bytes + at, length);
+            if (--wanted > 0 || to == &facet.normal.x + 3) continue;
+            if (++corners < 3) continue;
+            if (facets) facets[n] = facet;
+            n++;
+        }
+    }
+    *missing = begun > n ? begun - n : 0;
+    return n;
+}
+
+/* Many binary files begin with "solid" too: the size decides, then whether there is a facet in the text. */
+static inline int dem__is_binary(const unsigned char *bytes, size_t size) {
+    ptrdiff_t missing;
+    size_t at = 0;
+    if (size < 84) return 0;
+    dem__read_binary(bytes, size, NULL, &missing);
+    if (missing == 0 && (size - 84) / 50 > 0) {
+        const uint32_t n = (uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24;
+        if (size == 84 + 50 * (size_t)n) return 1;
+    }
+    if (!dem__is_word(bytes, at, dem__word(bytes, size, &at), "solid")) return 1;
+    return dem__read_ascii(bytes, size, NULL, &missing) == 0;
+}
+
+/* The vertex at a place, an earlier one if that is within `weld`. Vertices hang in chains from the cells of a grid. */
+static inline int32_t dem__weld(dem__slot *cells, size_t capacity, int32_t *next, dem_vec *vertex, ptrdiff_t *count, dem_vec p, dem_vec low,
+                                double weld, double cell) {
+    double from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        const double x = (&p.x)[a] - (&low.x)[a];
+        from[a] = floor((x - weld) / cell), to[a] = floor((x + weld) / cell);
+    }
+    for (double i = from[0]; i <= to[0]; i++) {
+        for (double j = from[1]; j <= to[1]; j++) {
+            for (double k = from[2]; k <= to[2]; k++) {
+                const uint64_t key = dem__interleave((uint64_t)(i + 2.0)) | dem__interleave((uint64_t)(j + 2.0)) << 1 |
+                                     dem__interleave((uint64_t)(k + 2.0)) << 2;
+                const dem__slot *slot = dem__find_slot(cells, capacity, key);
+                for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = next[v]) {
+                    if (dem__length(dem__sub(vertex[v], p)) <= weld) return v;
+                }
+            }
+        }
+    }
+    const int32_t fresh = (int32_t)(*count)++;
+    uint64_t key = 0;
+    for (int a = 0; a < 3; a++) key |= dem__interleave((uint64_t)(floor(((&p.x)[a] - (&low.x)[a]) / cell) + 2.0)) << a;
+    dem__slot *slot = dem__find_slot(cells, capacity, key);
+    vertex[fresh] = p;
+    next[fresh] = slot->key ? slot->value : -1;
+    slot->key = key;
+    slot->value = fresh;
+    return fresh;
+}
+
+/* Edge (a, b) of a triangle. */
+static inline void dem__count_edge(dem__slot *edges, size_t capacity, int32_t a, int32_t b) {
+    const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
+    dem__slot *slot = dem__find_slot(edges, capacity, low << 32 | high);
+    slot->key = low << 32 | high; /* never 0, as a < b */
+    if (a < b) slot->forward++;
+    else slot->backward++;
+}
+
+/* Fills an empty mesh, whose arrays have room, from n facets, and the report. table has room for `capacity` slots, next for 3 n. */
+static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, double scale, double weld, dem__slot *table,
+                                  size_t capacity, int32_t *next, dem_stl_report *report) {
+    dem_vec *vertex = (dem_vec *)(void *)m->vertex, low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        int finite = 1;
+        for (int c = 0; c < 9; c++) {
+            double *x = &facets[k].corner[0].x + c;
+            *x *= scale;
+            finite &= fabs(*x) < 1e50;
+        }
+        if (!finite) {
+            report->not_finite++;
+            continue;
+        }
+        facets[kept++] = facets[k];
+        for (int c = 0; c < 9; c++) {
+            double *l = &low.x + c % 3, *h = &high.x + c % 3, x = (&facets[k].corner[0].x)[c];
+            *l = x < *l ? x : *l;
+            *h = x > *h ? x : *h;
+        }
+    }
+    if (kept == 0) return;
+    /* cells: some times the welding distance, and few enough to be numbered by 21 bits an axis */
+    const double size = dem__length(dem__sub(high, low)), least = size / 1048576.0;
+    weld = weld < size ? weld : size;
+    const double cell = 4.0 * weld > least ? 4.0 * weld : (least > 0.0 ? least : 1.0);
+    for (ptrdiff_t k = 0; k < kept; k++) {
+        int32_t *to = &m->triangle[3 * k];
+        for (int c = 0; c < 3; c++) to[c] = dem__weld(table, capacity, next, vertex, &m->vertices, facets[k].corner[c], low, weld, cell);
+    }
+    report->low = low, report->high = high;
+    memset(table, 0, capacity * sizeof *table);
+    for (ptrdiff_t k = 0; k < kept; k++) {
+        const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
+        dem_vec normal;
+        const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !dem__has_area(a, b, c, &normal)) {
+            report->degenerate++;
+            continue;
+        }
+        const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
+        const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
+        const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
+        /* three numbers to a key that others share only by a chance of 2^-64 a pair */
+        const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+        dem__slot *slot = dem__find_slot(table, capacity, key);
+        if (slot->key) {
+            report->duplicate++;
+            continue;
+        }
+        slot->key = key;
+        const dem_vec twice = dem__area(a, b, c), given = facets[k].normal;
+        const double length = dem__length(given);
+        if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
+        report->area += 0.5 * dem__length(twice);
+        report->volume += dem__dot(dem__sub(a, low), twice) / 6.0;
+        memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
+    }
+    memset(table, 0, capacity * sizeof *table);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++)
+        dem__count_edge(table, capacity, m->triangle[k], m->triangle[k % 3 == 2 ? k - 2 : k + 1]);
+    for (size_t k = 0; k < capacity; k++) {
+        const int32_t f = table[k].forward, b = table[k].backward;
+        report->open_edges += f + b == 1;
+        report->nonmanifold += f + b > 2;
+        report->inconsistent += f + b == 2 && f != b;
+    }
+}
+
+DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
+                                dem_stl_report *report) {
+    const unsigned char *text = (const unsigned char *)bytes;
+    dem_stl_report found;
+    dem_allocator memory;
+    if (!mesh) return DEM_BAD_ARGUMENT;
+    memset(mesh, 0, sizeof *mesh);
+    memset(&found, 0, sizeof found);
+    if (report) *report = found;
+    if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
+    memory.fn = dem__default_allocator;
+    memory.user = NULL;
+    if (allocator) memory = *allocator;
+
+    found.binary = dem__is_binary(text, size);
+    found.facets = found.binary ? dem__read_binary(text, size, NULL, &found.missing) : dem__read_ascii(text, size, NULL, &found.missing);
+    if (report) *report = found;
+    if (found.facets == 0) return DEM_BAD_DATA;
+    if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
+    const size_t n = (size_t)found.facets;
+    size_t capacity = 64;
+    while (capacity < 6 * n) capacity *= 2;
+    const size_t scratch = n * sizeof(dem__facet) + capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
+    mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
+    mesh->allocator = memory;
+    mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
+    dem__facet *facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
+    if (!facets) {
+        dem_free_mesh(mesh);
+        return DEM_OUT_OF_MEMORY;
+    }
+    dem__slot *table = (dem__slot *)(void *)(facets + n);
+    int32_t *next = (int32_t *)(void *)(table + capacity);
+    memset(table, 0, capacity * sizeof *table);
+    mesh->vertex = (double *)mesh->block;
+    mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
+    if (found.binary) dem__read_binary(text, size, facets, &found.missing);
+    else dem__read_ascii(text, size, facets, &found.missing);
+    dem__make_mesh(mesh, facets, found.facets, scale, weld, table, capacity, next, &found);
+    memory.fn(memory.user, facets, scratch, 0);
+    if (report) *report = found;
+    if (mesh->triangles > 0) return DEM_OK;
+    dem_free_mesh(mesh);
+    return DEM_BAD_DATA;
+}
+
+DEM_API void dem_free_mesh(dem_mesh *mesh) {
+    if (!mesh) return;
+    if (mesh->block) mesh->allocator.fn(mesh->allocator.user, mesh->block, mesh->bytes, 0);
+    memset(mesh, 0, sizeof *mesh);
+}
+
 /* A new motion begins where the wall is. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
@@ -1721,6 +2560,8 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     for (int k = 0; k < 3; k++) a->rest_axis[k] = a->axis[k];
     a->spin_centre = dem__add(a->spin_centre, dem__scale(w->time - a->motion_start, a->drift));
     a->motion_start = w->time;
+    if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->drive = DEM_KINEMATIC;
     w->stale__ = 1;
     return a;
 }
@@ -1732,6 +2573,8 @@ static inline void dem__bound_speed(dem_wall *a) {
     a->speed_bound = rate * (x + y + z) + dem__length(a->drift);
     a->acceleration_bound = rate * rate * (x + y + z);
     a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->spin_bound = fabs(a->spin);
+    a->slides = a->spin != 0.0 || a->belt.x != 0.0 || a->belt.y != 0.0 || a->belt.z != 0.0;
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -1764,7 +2607,101 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     a->spin_centre = centre;
     a->spin_axis = unit;
     a->spin = spin;
+    dem__bound_speed(a);
     return DEM_OK;
+}
+
+/* From now on the wall moves by a drive alone. */
+static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
+    dem_wall *a = dem__rebase_wall(w, wall);
+    a->amplitude = a->drift = dem_vec3(0.0, 0.0, 0.0);
+    a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
+    a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
+    a->slides = 1;
+    a->drive = (int)drive;
+    w->fresh__ = 1; /* its acceleration is to be found */
+    return a;
+}
+
+static inline int dem__wall_is_finite(const dem_wall *a) {
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
+           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
+}
+
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = &world->wall[wall], before = *a, probe = *a;
+    if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
+    probe.drive = DEM_PRESCRIBED;
+    probe.spin_centre = centre;
+    probe.motion = motion, probe.motion_user = user;
+    probe.interval = world->dt__;
+    dem__move_wall(&probe, world->time);
+    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->dt__;
+    a->spin_centre = centre;
+    a->motion = motion, a->motion_user = user;
+    return DEM_OK;
+}
+
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
+                                      double damping) {
+    dem_vec unit;
+    if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
+        return DEM_BAD_ARGUMENT;
+    dem__move_wall(&w->wall[wall], w->time);
+    const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
+    const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
+    dem_wall *a = dem__drive(w, wall, drive);
+    a->spin_centre = centre;
+    a->spin_axis = unit;
+    a->inertia = inertia;
+    a->load = load;
+    a->damping = damping;
+    a->rate = rate;
+    w->controls__ = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
+    return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
+}
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
+                                      double damping) {
+    return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
+}
+
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    world->wall[wall].belt = velocity;
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
+/* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
+static inline void dem__kick_walls(dem_world *w, double h) {
+    for (int k = 0; k < w->walls && w->controls__; k++) {
+        dem_wall *a = &w->wall[k];
+        if (a->drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
+        const double push = a->load + dem__dot(a->drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis), half = 0.5 * h;
+        const double rate = (a->rate + half * (a->rate_change + push / a->inertia)) / (1.0 + half * a->damping / a->inertia);
+        a->coordinate += h * (a->rate + half * a->rate_change);
+        a->rate = rate;
+        a->rate_change = (push - a->damping * rate) / a->inertia;
+        a->motion_start = h > 0.0 ? w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__ : w->time;
+        dem__rated_wall(a, a->rate);
+    }
+}
+
+/* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
+    a->impulse = dem__add(a->impulse, impulse);
+    if (a->drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->spin_centre), impulse));
+    a->rate += dem__dot(a->drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->inertia;
+    dem__rated_wall(a, a->rate);
 }
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
@@ -1909,6 +2846,103 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
     return -1;
 }
 
+/* No point of a wall at x is faster than speed_bound + spin_bound times this. */
+DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
+    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
+}
+
+/* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
+   second place, and what else a mesh has is found by dem__follow. */
+DEM_INLINE int dem__awaits(const dem_world *w, ptrdiff_t i, int wall) {
+    if (w->wall[wall].kind == DEM_SCREEN) return 1;
+    for (int32_t c = w->wall_head__[i]; c >= 0; c = w->live_wall_next__[c]) {
+        if (w->live_j__[c] == -1 - wall) return 0;
+    }
+    return 1;
+}
+
+/* A contact with a place of a mesh. */
+static inline int dem__bear_at_mesh(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
+    if (!dem__bear(w, i, -1 - wall, element, -1)) return 0;
+    const ptrdiff_t c = w->live_count__ - 1;
+    w->live_place__[0][c] = touch->normal.x, w->live_place__[1][c] = touch->normal.y, w->live_place__[2][c] = touch->normal.z;
+    w->live_place__[3][c] = touch->gap;
+    return 1;
+}
+
+/* The contacts of one particle with one mesh, order__[first .. end-1], to a step at which the wall already is: each goes on at the deepest
+   place whose normal is near its own, or ends. Are there places left for new ones? */
+static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end, int64_t step, int bear) {
+    const ptrdiff_t i = w->live_i__[w->order__[first]];
+    const int k = -1 - (int)w->live_j__[w->order__[first]];
+    const dem_wall *wall = &w->wall[k];
+    const double tau = (double)(step - w->origin[i]) * w->dt__;
+    const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
+    const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
+    double **place = w->live_place__, least;
+    dem__touch touch[DEM__TOUCHES];
+    int n, taken = 0, used = 0, left = 0;
+    const double leaves = 2.0 * w->dt__ * speed; /* as far as a contact can open in a step */
+    n = dem__touch_mesh(wall, d, w->radius[i], leaves > w->link_near__ ? leaves : w->link_near__, w->radius[i], touch, &least);
+    for (ptrdiff_t m = first; m < end; m++) {
+        const int32_t c = w->order__[m];
+        int q = 0;
+        used |= 1 << w->live_element__[c];
+        while (q < n &&
+               ((taken >> q & 1) ||
+                !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
+            q++;
+        if (q == n) { /* merged with another, at whatever depth: no force goes on */
+            place[3][c] = w->radius[i];
+            w->live_force__[c] = 0.0;
+            continue;
+        }
+        taken |= 1 << q;
+        place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
+        place[3][c] = touch[q].gap;
+    }
+    for (int q = 0; q < n; q++) {
+        int32_t free_number = 0;
+        if ((taken >> q & 1) || !(touch[q].gap < 0.0)) continue;
+        left = 1;
+        while (used >> free_number & 1) free_number++;
+        if (free_number == DEM__NUMBERS) break;
+        used |= 1 << free_number;
+        if (bear && !dem__bear_at_mesh(w, i, k, &touch[q], free_number)) break;
+    }
+    return left;
+}
+
+/* The end of the run of contacts with the same mesh that begins at order__[k]; k + 1 if it is none. */
+DEM_INLINE ptrdiff_t dem__mesh_run(const dem_world *w, ptrdiff_t k) {
+    const int32_t i = w->live_i__[w->order__[k]], j = w->live_j__[w->order__[k]];
+    if (j < 0 && w->wall[-1 - j].kind == DEM_MESH) {
+        while (k + 1 < w->live_count__ && w->live_i__[w->order__[k + 1]] == i && w->live_j__[w->order__[k + 1]] == j) k++;
+    }
+    return k + 1;
+}
+
+/* Contacts with meshes to a step at which the walls already are. */
+static inline void dem__follow(dem_world *w, int64_t step) {
+    const ptrdiff_t live = w->live_count__;
+    ptrdiff_t k;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) num_threads(w->def.threads) if (w->def.threads > 1 && live >= 4 * DEM_BLOCK)
+#endif
+    for (k = 0; k < live; k++) {
+        const int32_t c = w->order__[k], j = w->live_j__[c];
+        if (j >= 0 || w->wall[-1 - j].kind != DEM_MESH) continue;
+        w->live_event__[c] = 0;
+        if (k > 0 && w->live_i__[w->order__[k - 1]] == w->live_i__[c] && w->live_j__[w->order__[k - 1]] == j) continue;
+        w->live_event__[c] = (uint8_t)dem__follow_mesh(w, k, dem__mesh_run(w, k), step, 0);
+    }
+    for (k = 0; k < live && w->status == DEM_OK; k++) {
+        const int32_t c = w->order__[k], j = w->live_j__[c];
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && w->live_event__[c]) dem__follow_mesh(w, k, dem__mesh_run(w, k), step, 1);
+    }
+}
+
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
 
 /* Time before which a sphere near the inside of a cylinder cannot touch it: both move on, and apart from that by at most `stray`. */
@@ -1928,7 +2962,7 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
     const double stray = 2.0 * w->course__[i].ball, a = w->fall__ + wall->acceleration_bound, near = w->link_near__ + w->blur__;
     const dem_vec u = dem__sub(v, wall->velocity);
     double least = HUGE_VAL;
-    if (wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_CYLINDER) {
         const dem_vec g = w->def.gravity;
         const double along = dem__dot(g, wall->axis[2]), side = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
@@ -1952,7 +2986,7 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
 static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     const ptrdiff_t i = e / w->walls;
     const int k = (int)(e % w->walls);
-    int found;
+    int found, touches = 0;
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
@@ -1971,19 +3005,21 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
             const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
             if (touch[q].gap < (linked ? w->link_near__ : 0.0)) {
-                if (!dem__bear(w, i, -1 - k, touch[q].element, -1)) return;
-                if (wall->kind != DEM_SCREEN) return; /* one contact is all there can be */
+                if (wall->kind == DEM_MESH ? !dem__bear_at_mesh(w, i, k, &touch[q], touch[q].element)
+                                           : !dem__bear(w, i, -1 - k, touch[q].element, -1))
+                    return;
+                touches = 1;
             } else least = touch[q].gap - w->link_near__ < least ? touch[q].gap - w->link_near__ : least;
         }
+        if (touches && wall->kind != DEM_SCREEN) return;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
     double speed = dem__length(v) + 2.0 * w->course__[i].ball;
     if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
-    if (wall->spin != 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
+    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
         const double turn = DEM_WHEEL * w->dt__, out = turn * (speed + turn * w->fall__);
-        const double arm = dem__length(dem__sub(x, wall->position)) + dem__length(dem__sub(wall->origin, wall->spin_centre));
-        speed += fabs(wall->spin) * (arm + out);
+        speed += wall->spin_bound * (dem__arm(wall, x) + out);
     }
     const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
     int better = 0;
@@ -2026,6 +3062,41 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
         const dem__timer *timer = &w->wall_timers__.at[e];
         if (timer->due >= 0 && (faster || timer->directed)) dem__set_timer(&w->wall_timers__, e, step + 1); /* the look finds the time */
     }
+}
+
+/* All look at wall k at a step. */
+static inline void dem__hurry(dem_world *w, int k, int64_t step) {
+    for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        if (w->wall_timers__.at[e].due >= 0) dem__set_timer(&w->wall_timers__, e, step);
+    }
+}
+
+/* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
+   looked at by all in this very step. */
+static inline int dem__move_walls(dem_world *w, int64_t step) {
+    const double time = w->start_time__ + (double)(step - w->start_step__) * w->dt__;
+    for (int k = 0; k < w->walls; k++) {
+        dem_wall *a = &w->wall[k];
+        if (a->drive == DEM_KINEMATIC) {
+            if (a->speed_bound > 0.0 || a->spin_bound > 0.0) dem__move_wall(a, time);
+            continue;
+        }
+        const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
+        double turn = 0.0;
+        dem__move_wall(a, time);
+        if (!dem__wall_is_finite(a)) return 0;
+        const double speed = dem__length(dem__sub(a->position, from)) / w->dt__;
+        for (int q = 0; q < 3; q++) { /* at least one axis turns by sqrt(2/3) of the angle */
+            const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / w->dt__;
+            turn = tip > turn ? tip : turn;
+        }
+        if (speed <= a->speed_bound && turn <= a->spin_bound) continue;
+        a->speed_bound = speed > a->speed_bound ? 1.5 * speed : a->speed_bound;
+        a->spin_bound = turn > a->spin_bound ? 1.5 * turn : a->spin_bound;
+        dem__hurry(w, k, step);
+    }
+    return 1;
 }
 
 /* Particle i has left its course: a new one, and new timers. */
@@ -2398,10 +3469,16 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         if (q->state == 0) dem__wait_on_course(w, p, w->step, &w->course__[q->i], &w->course__[q->j]);
     }
     if (w->status != DEM_OK) return 0;
+    for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
+        dem_wall *a = &w->wall[k];
+        const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
+        if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
+        a->speed_bound = speed, a->spin_bound = spin;
+        if (keeps) dem__hurry(w, k, w->step + 1);
+    }
     for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0))
-                dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls + k, w->step + 1);
+            if (dem__awaits(w, i, k)) dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
     return 1;
@@ -2596,21 +3673,29 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_res
     at->elastic[c] = r->elastic;
 }
 
-/* Particle i at an element of a wall: where, and how fast the wall is there. Fills row k; returns the wall's velocity at the point. */
-DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, dem__rows *b, int k, double half,
-                                    dem__touch *touch) {
+/* Particle i at an element of a wall, for the contact in a slot or, without one (-1), for a link: where, and how fast the wall is there.
+   Fills row k; returns the wall's velocity at the point. */
+DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b, int k,
+                                    double half, dem__touch *touch) {
     const dem_wall *wall = &w->wall[number];
     const dem_vec x = dem_vec3(w->x[i], w->y[i], w->z[i]);
-    dem__touch_element(wall, x, w->radius[i], element, touch);
+    if (slot >= 0 && wall->kind == DEM_MESH) {
+        touch->normal = dem_vec3(w->live_place__[0][slot], w->live_place__[1][slot], w->live_place__[2][slot]);
+        touch->gap = w->live_place__[3][slot];
+    } else dem__touch_element(wall, x, w->radius[i], element, touch);
     const double reach = w->radius[i] + touch->gap;
-    const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
-    const dem_vec a = dem__wall_acceleration(wall, point), v = dem__wall_velocity(wall, point), middle = dem__sub(v, dem__scale(half, a));
+    dem_vec v = wall->velocity, a = wall->acceleration, spin = dem_vec3(0.0, 0.0, 0.0);
+    if (wall->slides) {
+        const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
+        v = dem__surface_velocity(wall, point, touch->normal), a = dem__surface_acceleration(wall, point);
+        spin = dem__scale(wall->spin, wall->spin_axis);
+    }
+    const dem_vec middle = dem__sub(v, dem__scale(half, a));
     b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
     b->sum[k] = b->part_i[k] = w->radius[i], b->part_j[k] = 0.0;
     b->vx[k] = w->mx__[i] - middle.x, b->vy[k] = w->my__[i] - middle.y, b->vz[k] = w->mz__[i] - middle.z;
     b->ax[k] = w->ax[i] - a.x, b->ay[k] = w->ay[i] - a.y, b->az[k] = w->az[i] - a.z;
-    b->wj[0][k] = wall->spin * wall->spin_axis.x, b->wj[1][k] = wall->spin * wall->spin_axis.y,
-    b->wj[2][k] = wall->spin * wall->spin_axis.z;
+    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
     return v;
 }
 
@@ -2740,7 +3825,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 dem__gather_pair(w, i, j, &b, k, turns);
                 busy = busy > w->touching[j] ? busy : w->touching[j];
             } else {
-                wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], &b, k, half, &touch[walls]);
+                wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
                 wall[walls++] = k;
             }
             b.share[k] = busy > 1 ? 1.0 / (double)busy : 1.0;
@@ -2831,7 +3916,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             b.share[k] = 1.0;
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
             else {
-                dem__gather_wall(w, i, -1 - j, w->link_element__[c], &b, k, 0.0, &touch[walls]);
+                dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &touch[walls]);
                 wall[walls++] = k;
             }
         }
@@ -3172,7 +4257,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
         } else {
             dem__unlink_wall_contact(w, i, c, -1);
             /* a screen's timer went on for its other bars, but did not wait for this one */
-            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE))
+            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__awaits(w, i, -1 - (int)j))
                 dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
         }
     }
@@ -3301,7 +4386,8 @@ static inline void dem__settle_events(dem_world *w, int turns) {
             }
         }
         if (j < 0) {
-            w->wall[-1 - j].impulse = dem__sub(w->wall[-1 - j].impulse, impulse);
+            const dem_vec place = dem_vec3(w->x[i], w->y[i], w->z[i]), t = dem_vec3(out[3][c], out[4][c], out[5][c]);
+            dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
             continue;
         }
         /* a pair that is moved apart turns more slowly, as its angular momentum stays */
@@ -3363,6 +4449,7 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 
 /* Looks at everything whose time has come, at the given step. */
 static inline void dem__look(dem_world *w, int64_t step) {
+    if (w->meshes__) dem__follow(w, step);
     int32_t *pairs = &w->pair_timers__.wheel[step & (DEM_WHEEL - 1)], *walls = &w->wall_timers__.wheel[step & (DEM_WHEEL - 1)];
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
@@ -3371,8 +4458,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            const int k = (int)(e % w->walls);
-            if (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, e / w->walls, k, 0)) dem__look_at_wall(w, e, step);
+            if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
     while (*pairs >= 0) {
@@ -3444,9 +4530,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
-                const int32_t e = (int32_t)i * w->walls + k;
-                if (w->wall[k].kind != DEM_EXIT && (w->wall[k].kind == DEM_SCREEN || !dem__touches_element(w, i, k, 0)))
-                    dem__look_at_wall(w, e, w->step);
+                if (w->wall[k].kind != DEM_EXIT && dem__awaits(w, i, k)) dem__look_at_wall(w, (int32_t)i * w->walls + k, w->step);
             }
         }
         w->def.skip = skip;
@@ -3469,6 +4553,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         dem__call_kernel(w, kernel, w->live_count__, 0.0);
         int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+        dem__kick_walls(w, 0.0);
         if (ended) dem__bury(w, w->step);
         dem__watch(w);
         if (w->status != DEM_OK) return 0;
@@ -3531,11 +4616,8 @@ static inline void dem__step_links(dem_world *w) {
 static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].speed_bound > 0.0 || w->wall[k].spin != 0.0)
-            dem__move_wall(&w->wall[k], w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__);
-    }
-    dem__look(w, w->step + 1);
+    if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
+    else dem__look(w, w->step + 1);
     if (w->status != DEM_OK) return dem__undo_look(w);
     if (w->born__) {
         ptrdiff_t old = w->live_count__ - w->born__;
@@ -3547,6 +4629,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     dem__call_kernel(w, kernel, w->live_count__, w->dt__);
     int ended = dem__gather(w, w->dt__, turns);
     const int finite = dem__kick(w, w->dt__);
+    dem__kick_walls(w, w->dt__);
     dem__settle_events(w, turns);
     if (features & DEM_ENERGY) dem__gather_losses(w);
     w->particle_steps += w->count - w->dropped__;
@@ -3580,6 +4663,9 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     double remaining = (w->target__ + duration - w->time) / w->dt__;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
+    }
     for (int a = 0; a < 3; a++) {
         double longest = 0.0;
         for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->radius[i] > longest ? w->radius[i] : longest;
@@ -4773,15 +5859,17 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 }
 
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular};
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->drive};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    double *numbers[] = {&w->radius,      &w->aperture,           &w->wire,      &w->half_x,
-                         &w->half_y,      &w->frequency,          &w->spin,      &w->motion_start,
-                         &w->speed_bound, &w->acceleration_bound, &w->side_bound};
+    double *numbers[] = {
+        &w->radius,    &w->high_radius, &w->length,    &w->aperture,     &w->wire,        &w->half_x,      &w->half_y,
+        &w->frequency, &w->spin,        &w->spin_rate, &w->coordinate,   &w->rate,        &w->rate_change, &w->inertia,
+        &w->load,      &w->damping,     &w->interval,  &w->motion_start, &w->speed_bound, &w->spin_bound,  &w->acceleration_bound,
+        &w->side_bound};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
     dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
-    dem_vec *vectors[] = {&w->origin,   &w->amplitude, &w->phase,        &w->drift, &w->spin_axis, &w->spin_centre,
-                          &w->position, &w->velocity,  &w->acceleration, &w->force, &w->torque,    &w->impulse};
+    dem_vec *vectors[] = {&w->origin,   &w->belt,     &w->amplitude,    &w->phase, &w->drift,  &w->spin_axis, &w->spin_centre,
+                          &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
 }
 
@@ -4818,6 +5906,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
         dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
         for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
         if (!with_forces) continue;
+        for (int a = 0; w->meshes__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
         for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
         if (w->ledger_on__) {
             dem__f64(s, &w->live_elastic__[c]);
@@ -4839,6 +5928,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem_world w = *world; /* shares the arrays; a stream that saves changes none of them */
     dem__number_present(&w);
     dem__i64(&s, &w.step);
+    for (int k = 0; k < w.walls && w.controls__; k++) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     dem__stream_state(&s, &w, w.remap__, 0);
     return s.hash;
 }
@@ -4879,6 +5969,46 @@ static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
     }
 }
 
+/* The triangles of meshes, which a tree is made from anew. */
+static inline dem_status dem__stream_mesh(dem__stream *s, dem_wall *a, const dem_allocator *memory) {
+    int64_t vertices = s->loading ? 0 : a->tree->vertices, triangles = s->loading ? 0 : a->tree->triangles;
+    dem_vec *vertex = s->loading ? NULL : a->tree->vertex;
+    int32_t *corner = s->loading ? NULL : a->tree->corner;
+    size_t bytes = 0;
+    dem_status status = DEM_OK;
+    dem__i64(s, &vertices), dem__i64(s, &triangles);
+    if (s->loading) {
+        const int64_t room = (int64_t)((s->size - s->at) / 24);
+        if (s->failed || vertices < 1 || triangles < 1 || vertices > room || triangles > room - vertices) return DEM_BAD_DATA;
+        bytes = (size_t)vertices * sizeof *vertex + 3 * (size_t)triangles * sizeof *corner;
+        vertex = (dem_vec *)memory->fn(memory->user, NULL, 0, bytes);
+        if (!vertex) return DEM_OUT_OF_MEMORY;
+        corner = (int32_t *)(void *)(vertex + vertices);
+    }
+    dem__vecs(s, vertex, (size_t)vertices);
+    for (int64_t k = 0; k < 3 * triangles; k++) dem__i32(s, &corner[k]);
+    if (!s->loading) return DEM_OK;
+    for (int64_t k = 0; k < vertices; k++) {
+        if (!(fabs(vertex[k].x) < 1e50 && fabs(vertex[k].y) < 1e50 && fabs(vertex[k].z) < 1e50)) s->failed = 1;
+    }
+    for (int64_t k = 0; k < 3 * triangles; k++) {
+        if (corner[k] < 0 || corner[k] >= vertices) s->failed = 1;
+    }
+    if (s->failed) status = DEM_BAD_DATA;
+    else a->tree = dem__make_tree(memory, (ptrdiff_t)vertices, vertex, (ptrdiff_t)triangles, corner, &status);
+    memory->fn(memory->user, vertex, bytes, 0);
+    return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
+}
+
+static inline dem_status dem__stream_meshes(dem__stream *s, dem_world *w) {
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind != DEM_MESH) continue;
+        const dem_status status = dem__stream_mesh(s, &w->wall[k], &w->def.allocator);
+        if (status != DEM_OK) return status;
+    }
+    return DEM_OK;
+}
+
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     dem__stream s;
     if (!world || !world->def.allocator.fn) return 0;
@@ -4894,6 +6024,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
         dem__stream_head(&s, &w, &present);
         dem__stream_state(&s, &w, w.remap__, 1);
         dem__stream_passed(&s, &w);
+        dem__stream_meshes(&s, &w);
         check = s.hash;
         dem__u64(&s, &check);
         if (s.at > capacity) break; /* too small: nothing is written */
@@ -4912,6 +6043,7 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
     for (ptrdiff_t c = 0; c < w->live_count__; c++) {
         const int32_t i = w->live_i__[c], j = w->live_j__[c];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
         if (w->origin[i] != w->step || (j >= 0 && w->origin[j] != w->step)) return 0;
         if (c > 0 && !dem__before(w, (int32_t)c - 1, (int32_t)c)) return 0;
     }
@@ -4921,8 +6053,11 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
     }
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
-        if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_EXIT) return 0;
+        if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
         if (a->kind == DEM_SCREEN && !(a->aperture > 0.0 && a->wire > 0.0)) return 0;
+        if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+        if (a->drive < DEM_KINEMATIC || a->drive > DEM_TORQUE_CONTROLLED || (a->drive == DEM_PRESCRIBED && !(a->interval > 0.0))) return 0;
+        if (a->drive >= DEM_FORCE_CONTROLLED && !(a->inertia > 0.0)) return 0;
     }
     return 1;
 }
@@ -4955,6 +6090,10 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     ptrdiff_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
     int enough;
     w->live_count__ = w->passed_count = w->link_count__ = 0;
+    for (int k = 0; k < w->walls; k++) {
+        w->meshes__ += w->wall[k].kind == DEM_MESH;
+        w->controls__ |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+    }
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
                              (ptrdiff_t)present + 1);
     enough =
@@ -4977,9 +6116,14 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = w->link_head__[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
+    const dem_status meshes = dem__stream_meshes(&s, w);
     check = s.hash;
     dem__u64(&s, &found);
-    if (s.failed || found != check || s.at != size || !dem__loaded_is_sound(w)) {
+    if (meshes == DEM_OUT_OF_MEMORY) {
+        dem_free(w);
+        return meshes;
+    }
+    if (meshes != DEM_OK || s.failed || found != check || s.at != size || !dem__loaded_is_sound(w)) {
         dem_free(w);
         return DEM_BAD_DATA;
     }
