@@ -1153,7 +1153,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->origin, w->spin_centre);
     for (int k = 0; k < 3; k++) axis[k] = w->rest_axis[k];
-    if (angle > 0.0) {
+    if (angle != 0.0) { /* NaN goes on */
         const dem_vec about = dem__scale(1.0 / angle, pose->turn);
         for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
         arm = dem__rotated(arm, about, angle);

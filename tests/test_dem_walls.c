@@ -1,0 +1,848 @@
+/* dem.h: cone, sphere, box and mesh walls, the STL reader, prescribed, force- and torque-controlled walls, belts. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "dem_scenes.h"
+#include "failing_allocator.h"
+
+static void near_absolute(double got, double wanted, double tolerance, const char *what) {
+    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
+}
+static void near_relative(double got, double wanted, double tolerance, const char *what) {
+    near_absolute(got, wanted, tolerance * fabs(wanted), what);
+}
+static void near_vec(dem_vec got, dem_vec wanted, double tolerance, const char *what) {
+    near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what),
+        near_absolute(got.z, wanted.z, tolerance, what);
+}
+static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
+static const dem_vec zero = {0.0, 0.0, 0.0}, up = {0.0, 0.0, 1.0};
+static const double nan_ = (double)NAN, inf = (double)INFINITY, radius = 2.5e-3, diameter = 5e-3;
+
+static dem_def one_material(double e, double friction) {
+    dem_def def = dem_default_def();
+    int m = dem_add_material(&def, 2534.1, 1e8, 0.2);
+    dem_pair(&def, m, m)->restitution = e, dem_pair(&def, m, m)->friction = friction;
+    def.dt = 4e-6;
+    return def;
+}
+static void start(dem_world *w, const dem_def *def) { assert_int_equal(dem_init(w, def, NULL), DEM_OK); }
+static void add(dem_world *w, dem_vec at, double d) { assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, 0), DEM_OK); }
+static void move(dem_world *w, ptrdiff_t i, dem_vec v, dem_vec spin) { assert_int_equal(dem_set_motion(w, i, v, spin), DEM_OK); }
+static void run(dem_world *w, double t, int features) {
+    dem_status status = dem_run(w, t, features);
+    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+}
+static int wall_index(int answer) {
+    if (answer < 0) fail_msg("%s", dem_status_text((dem_status)-answer));
+    return answer;
+}
+
+/* ---- meshes made here ---- */
+
+typedef struct soup {
+    double vertex[3 * 20000];
+    int32_t triangle[3 * 40000];
+    dem_mesh mesh;
+} soup;
+
+static dem_mesh *soup_mesh(soup *s) {
+    s->mesh.vertex = s->vertex, s->mesh.triangle = s->triangle;
+    return &s->mesh;
+}
+static int32_t corner(soup *s, dem_vec p) {
+    double *to = &s->vertex[3 * s->mesh.vertices];
+    to[0] = p.x, to[1] = p.y, to[2] = p.z;
+    return (int32_t)s->mesh.vertices++;
+}
+static void facet(soup *s, int32_t a, int32_t b, int32_t c) {
+    int32_t *to = &s->triangle[3 * s->mesh.triangles++];
+    to[0] = a, to[1] = b, to[2] = c;
+}
+static soup *new_soup(void) {
+    soup *s = (soup *)calloc(1, sizeof *s);
+    assert_non_null(s);
+    return s;
+}
+/* A plane patch of nx by ny irregular cells between origin, origin + u, origin + v, each cut along either diagonal. */
+static void patch(soup *s, dem_vec origin, dem_vec u, dem_vec v, int nx, int ny, double jitter, scene_random *r) {
+    const int32_t base = (int32_t)s->mesh.vertices;
+    for (int b = 0; b <= ny; b++) {
+        for (int a = 0; a <= nx; a++) {
+            const int inner = a > 0 && b > 0 && a < nx && b < ny;
+            const double x = (a + (inner ? scene_between(r, -jitter, jitter) : 0.0)) / nx,
+                         y = (b + (inner ? scene_between(r, -jitter, jitter) : 0.0)) / ny;
+            corner(s, dem__add(origin, dem__add(dem__scale(x, u), dem__scale(y, v))));
+        }
+    }
+    for (int b = 0; b < ny; b++) {
+        for (int a = 0; a < nx; a++) {
+            const int32_t p = base + b * (nx + 1) + a, q = p + 1, t = p + nx + 1, z = t + 1;
+            if (scene_uniform(r) < 0.5) facet(s, p, q, z), facet(s, p, z, t);
+            else facet(s, p, q, t), facet(s, q, z, t);
+        }
+    }
+}
+/* A surface of revolution about z through points (radius, height). */
+static void lathe(soup *s, int n_points, const double *rho, const double *height, int around) {
+    const int32_t base = (int32_t)s->mesh.vertices;
+    for (int k = 0; k < n_points; k++) {
+        for (int a = 0; a < around; a++) {
+            const double angle = 2.0 * RIDDLE_PI * a / around;
+            corner(s, v3(rho[k] * cos(angle), rho[k] * sin(angle), height[k]));
+        }
+    }
+    for (int k = 0; k + 1 < n_points; k++) {
+        for (int a = 0; a < around; a++) {
+            const int32_t p = base + k * around + a, q = base + k * around + (a + 1) % around, t = p + around, z = q + around;
+            facet(s, p, q, z), facet(s, p, z, t);
+        }
+    }
+}
+
+/* ---- geometry ---- */
+
+static dem_vec on_segment(dem_vec a, dem_vec b, dem_vec p) {
+    const dem_vec ab = dem__sub(b, a);
+    double t = dem__dot(dem__sub(p, a), ab) / dem__dot(ab, ab);
+    t = t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t);
+    return dem__add(a, dem__scale(t, ab));
+}
+/* By projection and the three edges: not the way of dem.h. */
+static double to_triangle(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
+    const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+    const double above = dem__dot(dem__sub(p, a), n) / dem__length(n);
+    const dem_vec foot = dem__sub(p, dem__scale(above / dem__length(n), n));
+    double least = HUGE_VAL;
+    if (dem__dot(dem__cross(dem__sub(b, a), dem__sub(foot, a)), n) >= 0.0 &&
+        dem__dot(dem__cross(dem__sub(c, b), dem__sub(foot, b)), n) >= 0.0 &&
+        dem__dot(dem__cross(dem__sub(a, c), dem__sub(foot, c)), n) >= 0.0)
+        return fabs(above);
+    const dem_vec q[3] = {on_segment(a, b, p), on_segment(b, c, p), on_segment(c, a, p)};
+    for (int k = 0; k < 3; k++) {
+        const double d = dem__length(dem__sub(p, q[k]));
+        least = d < least ? d : least;
+    }
+    return least;
+}
+
+static void test_mesh_distance(void **state) {
+    (void)state;
+    scene_random r = {5};
+    for (int size = 1; size <= 3000; size = size * 3 + 1) {
+        soup *s = new_soup();
+        dem_world w;
+        dem_def def = one_material(0.8, 0.0);
+        for (int k = 0; k < size; k++) {
+            const dem_vec at = scene_vector(&r, 1.0);
+            const double edge = scene_uniform(&r) < 0.1 ? 1.0 : 0.05;
+            const int32_t a = corner(s, at), b = corner(s, dem__add(at, scene_vector(&r, edge))),
+                          c = corner(s, dem__add(at, scene_vector(&r, edge)));
+            facet(s, a, b, c);
+        }
+        start(&w, &def);
+        const int k = wall_index(dem_add_mesh(&w, 0, soup_mesh(s)));
+        assert_int_equal(dem_rotate(&w, k, v3(0.3, 0, 0), v3(1, 2, 3), 1.0), DEM_OK);
+        for (int q = 0; q < 60; q++) {
+            const dem_vec p = scene_vector(&r, q < 30 ? 1.2 : 4.0);
+            const double time = 0.1 * q;
+            dem__touch touch[DEM__TOUCHES];
+            double least = 0.0, wanted = HUGE_VAL;
+            for (int t = 0; t < size; t++) {
+                dem_vec c[3];
+                for (int a = 0; a < 3; a++) {
+                    const double *x = &s->vertex[3 * s->triangle[3 * t + a]];
+                    c[a] =
+                        dem__add(v3(0.3, 0, 0), dem__rotated(v3(x[0] - 0.3, x[1], x[2]), dem__scale(1.0 / sqrt(14.0), v3(1, 2, 3)), time));
+                }
+                const double d = to_triangle(c[0], c[1], c[2], p);
+                wanted = d < wanted ? d : wanted;
+            }
+            dem__move_wall(&w.wall[k], time);
+            assert_int_equal(dem__touch_wall(&w.wall[k], p, 0.01, 100.0, touch, &least) > 0, 1);
+            near_absolute(least, wanted - 0.01, 1e-12, "gap to a mesh");
+            near_absolute(touch[0].gap, least, 0.0, "nearest place");
+            near_absolute(dem__length(touch[0].normal), 1.0, 1e-12, "normal");
+            near_absolute(dem__touch_wall(&w.wall[k], p, 0.01, 0.5 * (wanted - 0.01), touch, &least), 0, 0, "nothing within half");
+            assert_true(least <= wanted - 0.01 && least >= 0.49 * (wanted - 0.01));
+        }
+        dem_free(&w);
+        free(s);
+    }
+}
+
+static void test_cone_and_sphere_distance(void **state) {
+    (void)state;
+    scene_random r = {11};
+    dem_world w;
+    dem_def def = one_material(0.8, 0.0);
+    start(&w, &def);
+    for (int n = 0; n < 12; n++) {
+        dem_cone cone = dem_default_cone();
+        cone.low = scene_vector(&r, 1.0), cone.high = scene_vector(&r, 1.0);
+        cone.low_radius = n % 3 == 0 ? 0.0 : scene_between(&r, 0.05, 0.5),
+        cone.high_radius = n % 3 == 2 ? cone.low_radius : scene_between(&r, 0.05, 0.5);
+        const int k = wall_index(dem_add_cone(&w, 0, &cone));
+        const dem_wall *wall = &w.wall[k];
+        for (int q = 0; q < 40; q++) {
+            const dem_vec p = scene_vector(&r, 1.5);
+            dem__touch touch[DEM__TOUCHES];
+            double least = 0.0, wanted = HUGE_VAL;
+            const dem_vec axis = dem__sub(cone.high, cone.low);
+            for (int a = 0; a < 1440; a++) { /* the nearest of many generatrices */
+                const double angle = 2.0 * RIDDLE_PI * a / 1440;
+                const dem_vec out = dem__add(dem__scale(cos(angle), wall->axis[0]), dem__scale(sin(angle), wall->axis[1]));
+                const dem_vec from = dem__add(cone.low, dem__scale(cone.low_radius, out)),
+                              to = dem__add(dem__add(cone.low, axis), dem__scale(cone.high_radius, out));
+                const double d = dem__length(dem__sub(p, on_segment(from, to, p)));
+                wanted = d < wanted ? d : wanted;
+            }
+            assert_int_equal(dem__touch_wall(wall, p, 0.01, 10.0, touch, &least), 1);
+            near_absolute(least, wanted - 0.01, 2e-5, "gap to a cone");
+            const dem_vec foot = dem__sub(p, dem__scale(touch[0].gap + 0.01, touch[0].normal));
+            double zero_there = 0.0;
+            dem__touch_wall(wall, foot, 0.0, 10.0, touch, &zero_there);
+            near_absolute(zero_there, 0.0, 1e-12, "the normal leads to the surface");
+        }
+        if (n % 6 == 5) dem_free(&w), start(&w, &def);
+    }
+    const int inside = wall_index(dem_add_sphere_wall(&w, 0, v3(1, 2, 3), 0.5, 1)),
+              outside = wall_index(dem_add_sphere_wall(&w, 0, v3(1, 2, 3), 0.5, 0));
+    dem__touch touch;
+    double least;
+    assert_int_equal(dem__touch_wall(&w.wall[inside], v3(1.3, 2, 3), 0.1, 1.0, &touch, &least), 1);
+    near_absolute(touch.gap, 0.1, 1e-15, "inside"), near_vec(touch.normal, v3(-1, 0, 0), 1e-14, "inside");
+    assert_int_equal(dem__touch_wall(&w.wall[outside], v3(1, 2, 2.3), 0.1, 1.0, &touch, &least), 1);
+    near_absolute(touch.gap, 0.1, 1e-15, "outside"), near_vec(touch.normal, v3(0, 0, -1), 1e-14, "outside");
+    assert_int_equal(dem__touch_wall(&w.wall[inside], v3(1, 2, 3), 0.1, 1.0, &touch, &least), 0); /* the centre has no direction */
+    dem_free(&w);
+}
+
+/* ---- smooth surfaces are touched once ---- */
+
+/* A ball on an incline, once of one plane and once of triangles. */
+static void incline(double tangent, double friction, dem_vec spin, int cells, double drop) {
+    const double angle = atan(tangent);
+    const dem_vec down = v3(cos(angle), 0, -sin(angle)), across = v3(0, 1, 0), normal = v3(sin(angle), 0, cos(angle));
+    scene_random r = {(uint64_t)cells};
+    dem_world w[2];
+    for (int k = 0; k < 2; k++) {
+        dem_def def = one_material(0.6, friction);
+        soup *s = new_soup();
+        start(&w[k], &def);
+        if (k == 0) dem_add_plane(&w[k], 0, zero, normal);
+        else {
+            patch(s, dem__add(dem__scale(-0.02, down), dem__scale(-0.05, across)), dem__scale(0.3, down), dem__scale(0.1, across), cells,
+                  cells / 2 + 1, 0.3, &r);
+            wall_index(dem_add_mesh(&w[k], 0, soup_mesh(s)));
+        }
+        add(&w[k], dem__scale(radius + drop, normal), diameter);
+        move(&w[k], 0, v3(0.01, 0.03, 0.0), spin);
+        free(s);
+    }
+    for (int n = 0; n < 25; n++) {
+        for (int k = 0; k < 2; k++) run(&w[k], 0.01, DEM_LINEAR | DEM_FRICTION);
+        assert_int_equal(dem_contact_count(&w[1]), dem_contact_count(&w[0]));
+        near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-9, "position on triangles");
+        near_vec(dem_velocity(&w[1], 0), dem_velocity(&w[0], 0), 1e-9, "velocity on triangles");
+        for (int k = 0; k < 2; k++) dem__settle(&w[k], 0);
+        near_vec(v3(w[1].wx[0], w[1].wy[0], w[1].wz[0]), v3(w[0].wx[0], w[0].wy[0], w[0].wz[0]), 1e-9 / radius, "spin on triangles");
+    }
+    assert_true(dem__dot(dem_position(&w[1], 0), down) > 0.04); /* over many facets */
+    for (int k = 0; k < 2; k++) dem_free(&w[k]);
+}
+static void test_triangles_equal_the_plane(void **state) {
+    (void)state;
+    incline(0.4, 0.3, zero, 60, 0.0);            /* rolls */
+    incline(1.5, 0.2, zero, 150, 1e-5);          /* slides, bounces */
+    incline(0.3, 0.4, v3(30, 200, 50), 97, 0.0); /* spins, facets smaller than the ball */
+    incline(0.3, 0.4, v3(0, 100, 0), 5, 1e-3);
+}
+
+/* Unwelded, doubled, turned over at random, in another frame and with slivers: the plane all the same. */
+static void test_bad_triangles_equal_the_plane(void **state) {
+    (void)state;
+    scene_random r = {3};
+    soup *s = new_soup(), *bad = new_soup();
+    dem_world w[2];
+    dem_def def = one_material(0.6, 0.3);
+    patch(s, v3(-0.1, -0.1, 0), v3(0.2, 0, 0), v3(0, 0.2, 0), 30, 30, 0.3, &r);
+    for (int k = 0; k < s->mesh.triangles; k++) {
+        dem_vec c[3];
+        for (int a = 0; a < 3; a++) {
+            const double *x = &s->vertex[3 * s->triangle[3 * k + a]];
+            c[a] = v3(x[0], x[1], x[2]);
+        }
+        for (int twice = 0; twice < (k % 5 == 0 ? 2 : 1); twice++) {
+            const int flip = scene_uniform(&r) < 0.5;
+            const int32_t p = corner(bad, c[0]), q = corner(bad, c[flip ? 2 : 1]), t = corner(bad, c[flip ? 1 : 2]);
+            facet(bad, p, q, t);
+        }
+        const int32_t p = corner(bad, c[0]), q = corner(bad, c[1]), t = corner(bad, dem__scale(0.5, dem__add(c[0], c[1])));
+        facet(bad, p, q, t); /* no area: left out */
+    }
+    for (int k = 0; k < 2; k++) {
+        start(&w[k], &def);
+        if (k == 0) dem_add_plane(&w[k], 0, zero, up);
+        else wall_index(dem_add_mesh(&w[k], 0, soup_mesh(bad)));
+        add(&w[k], v3(-0.05, 0.001, radius), diameter);
+        move(&w[k], 0, v3(0.7, 0.05, 0), v3(10, 20, 30));
+        run(&w[k], 0.1, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING);
+    }
+    near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-12, "position on a bad mesh");
+    near_vec(dem_velocity(&w[1], 0), dem_velocity(&w[0], 0), 1e-10, "velocity on a bad mesh");
+    for (int k = 0; k < 2; k++) dem_free(&w[k]);
+    free(s), free(bad);
+}
+
+/* A drum of 24 sides and a ball in it: one contact at any time, which is never lost, and the energy of the true cylinder's. */
+static void test_round_drum(void **state) {
+    (void)state;
+    const double rho[2] = {0.05, 0.05}, height[2] = {-0.05, 0.05};
+    soup *s = new_soup();
+    dem_world w;
+    dem_def def = one_material(0.5, 0.5);
+    def.gravity = v3(0, -9.81, 0);
+    lathe(s, 2, rho, height, 24);
+    start(&w, &def);
+    wall_index(dem_add_mesh(&w, 0, soup_mesh(s)));
+    add(&w, v3(-0.05 * cos(RIDDLE_PI / 24) + radius - 1e-6, 0, 0.001), diameter); /* at the height of the axis, begins in contact */
+    double lowest = 0.0;
+    for (int n = 0; n < 4000; n++) {
+        run(&w, def.dt * 25, DEM_LINEAR | DEM_FRICTION);
+        assert_true(dem_contact_count(&w) <= 1);
+        const double v = dem__length(dem_velocity(&w, 0));
+        lowest = dem_position(&w, 0).y < -0.046 ? (v > lowest ? v : lowest) : lowest;
+    }
+    /* rolls or slides down: between 5/7 and all of the energy less friction */
+    assert_true(lowest > 0.4 && lowest < sqrt(2.0 * 9.81 * 0.0475));
+    dem_free(&w), free(s);
+}
+
+/* Over the edge of a block: the contact goes round the edge and lets go; without friction nothing is lost. */
+static void test_convex_edge(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(1.0, 0.0);
+    def.dt = 1e-6;
+    start(&w, &def);
+    wall_index(dem_add_box(&w, 0, v3(-0.05, -0.05, -0.1), v3(0, 0.05, 0)));
+    dem_pair(&w.def, 0, 0)->stiffness = 1e5;
+    const double rest = sqrt(1.0) * RIDDLE_PI / 6.0 * diameter * diameter * diameter * 2534.1 * 9.81 / 1e5;
+    add(&w, v3(-0.004, 0.0013, radius - rest), diameter);
+    move(&w, 0, v3(0.02, 0, 0), zero);
+    const double before = 0.5 * 0.02 * 0.02 + 9.81 * (radius - rest);
+    int edges = 0, most = 0;
+    for (int n = 0; n < 300; n++) {
+        run(&w, 1e-3, DEM_LINEAR);
+        const dem_vec x = dem_position(&w, 0), v = dem_velocity(&w, 0);
+        const int contacts = (int)dem_contact_count(&w);
+        most = contacts > most ? contacts : most;
+        if (contacts && x.x > 1e-5) edges++;
+        if (x.z > -0.05) near_relative(0.5 * dem__dot(v, v) + 9.81 * x.z, before, 1e-4, "energy over an edge");
+    }
+    assert_int_equal(most, 1);
+    assert_true(edges > 10);
+    dem_free(&w);
+}
+
+/* In the corner of a box under a tilted gravity: three contacts, each with its component of the weight. */
+static void test_concave_corner(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(0.3, 0.0);
+    def.gravity = v3(-2, -3, -9);
+    start(&w, &def);
+    const int box = wall_index(dem_add_box(&w, 0, zero, v3(0.05, 0.06, 0.07)));
+    add(&w, v3(0.005, 0.0051, 0.0052), diameter);
+    run(&w, 0.4, DEM_LINEAR);
+    const double m = w.mass[0];
+    assert_int_equal(dem_contact_count(&w), 3);
+    near_vec(w.wall[box].force, dem__scale(m, def.gravity), 1e-9 * m, "force on a box");
+    double found[3] = {0, 0, 0};
+    for (int k = 0; k < 3; k++) {
+        dem_contact_info c = dem_get_contact(&w, k);
+        found[0] += c.force.x > 1e-9 * m, found[1] += c.force.y > 1e-9 * m, found[2] += c.force.z > 1e-9 * m;
+    }
+    assert_true(found[0] == 1 && found[1] == 1 && found[2] == 1);
+    /* friction holds it in the corner of a frictional box as well */
+    dem_free(&w);
+    def = one_material(0.3, 0.4);
+    def.gravity = v3(-2, -3, -9);
+    start(&w, &def);
+    wall_index(dem_add_box(&w, 0, zero, v3(0.05, 0.06, 0.07)));
+    add(&w, v3(0.005, 0.0051, 0.0052), diameter);
+    run(&w, 0.5, DEM_LINEAR | DEM_FRICTION);
+    assert_true(dem__length(dem_velocity(&w, 0)) < 1e-4);
+    dem_free(&w);
+}
+
+/* Settles in a cone, a tip of half angle 40 degrees: r/sin(40) over it. */
+static void test_ball_in_a_cone(void **state) {
+    (void)state;
+    const double half = 40.0 * RIDDLE_PI / 180.0, depth = 0.05;
+    for (int meshed = 0; meshed < 2; meshed++) {
+        dem_world w;
+        dem_def def = one_material(0.4, 0.3);
+        soup *s = new_soup();
+        const double rho[2] = {1e-9, depth * tan(half)}, height[2] = {0.0, depth};
+        dem_cone cone = dem_default_cone();
+        cone.low_radius = 0.0, cone.high_radius = depth * tan(half), cone.high = v3(0, 0, depth);
+        lathe(s, 2, rho, height, 64);
+        dem_pair(&def, 0, 0)->rolling = 5e-4;
+        def.dt = 8e-6;
+        start(&w, &def);
+        if (meshed) wall_index(dem_add_mesh(&w, 0, soup_mesh(s)));
+        else wall_index(dem_add_cone(&w, 0, &cone));
+        add(&w, v3(0.012, 0.003, 0.03), diameter);
+        move(&w, 0, v3(0.0, 0.1, 0.0), zero);
+        run(&w, 2.0, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        const dem_vec x = dem_position(&w, 0);
+        const double inner = meshed ? atan(tan(half) * cos(RIDDLE_PI / 64)) : half; /* of the polygon's inscribed circle */
+        near_absolute(x.z, radius / sin(inner), 3e-7, "height in a cone");
+        near_absolute(hypot(x.x, x.y), 0.0, 1e-6, "on its axis");
+        assert_true(dem__length(dem_velocity(&w, 0)) < 1e-3);
+        dem_free(&w), free(s);
+    }
+}
+
+/* Bouncing in a bowl without friction and without loss: the energy stays, in a spherical wall and in a meshed one. */
+static void test_bouncing_in_a_bowl(void **state) {
+    (void)state;
+    const double bowl = 0.05;
+    for (int meshed = 0; meshed < 2; meshed++) {
+        double rho[25], height[25];
+        soup *s = new_soup();
+        dem_world w;
+        dem_def def = one_material(1.0, 0.0);
+        def.dt = 1e-6;
+        start(&w, &def);
+        for (int k = 0; k < 25; k++) { /* to 96 degrees from the lowest point */
+            const double angle = k == 0 ? 1e-7 : RIDDLE_PI * k / 45.0;
+            rho[k] = bowl * sin(angle), height[k] = -bowl * cos(angle);
+        }
+        lathe(s, 25, rho, height, 90);
+        if (meshed) wall_index(dem_add_mesh(&w, 0, soup_mesh(s)));
+        else wall_index(dem_add_sphere_wall(&w, 0, zero, bowl, 1));
+        add(&w, v3(0.013, 0.002, -0.01), diameter);
+        const double before = 9.81 * -0.01;
+        int hits = 0;
+        double pushed = 0.0;
+        for (int n = 0; n < 1500; n++) {
+            run(&w, 4e-4, DEM_LINEAR);
+            const dem_vec v = dem_velocity(&w, 0);
+            hits += w.wall[0].impulse.z != pushed, pushed = w.wall[0].impulse.z;
+            if (!dem_contact_count(&w))
+                near_relative(0.5 * dem__dot(v, v) + 9.81 * dem_position(&w, 0).z, before, 2e-4, "energy in a bowl");
+        }
+        assert_true(hits >= 4);
+        dem_free(&w), free(s);
+    }
+}
+
+/* ---- walls that move ---- */
+
+static void shake(void *user, double time, dem_pose *pose) {
+    const double *amplitude = (const double *)user;
+    pose->shift.z = *amplitude * riddle_sin(2.0 * RIDDLE_PI * 50.0 * time);
+    pose->shift.x = 0.3 * *amplitude * riddle_sin(2.0 * RIDDLE_PI * 50.0 * time);
+}
+static void turn_it(void *user, double time, dem_pose *pose) {
+    (void)user;
+    pose->turn = dem__scale(12.0 * time / sqrt(14.0), v3(1, 2, 3));
+}
+static void lose_it(void *user, double time, dem_pose *pose) {
+    (void)user;
+    pose->shift.x = time > 0.01 ? (double)NAN : 0.0;
+}
+
+static void nowhere(void *user, double time, dem_pose *pose) {
+    (void)user, (void)time;
+    pose->turn.y = (double)NAN;
+}
+
+static void test_prescribed_motion(void **state) {
+    (void)state;
+    double amplitude = 1e-3;
+    dem_world w[2];
+    for (int k = 0; k < 2; k++) {
+        dem_def def = one_material(0.7, 0.3);
+        start(&w[k], &def);
+        dem_add_plane(&w[k], 0, zero, up);
+        if (k == 0) dem_vibrate(&w[k], 0, v3(0.3 * amplitude, 0, amplitude), zero, 50.0);
+        else assert_int_equal(dem_prescribe(&w[k], 0, v3(0.5, 0, 0), shake, &amplitude), DEM_OK);
+        add(&w[k], v3(0, 0, radius + 1e-3), diameter);
+    }
+    for (int n = 0; n < 20; n++) {
+        for (int k = 0; k < 2; k++) run(&w[k], 0.002, DEM_LINEAR | DEM_FRICTION);
+        near_vec(w[1].wall[0].position, w[0].wall[0].position, 1e-14, "place of a function's wall");
+        near_vec(w[1].wall[0].velocity, w[0].wall[0].velocity, 3e-7, "its velocity"); /* (2 pi f dt)^2/6 of 0.3 m/s */
+        near_vec(w[1].wall[0].acceleration, w[0].wall[0].acceleration, 1e-4, "its acceleration");
+        near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-8, "a ball on it");
+    }
+    for (int k = 0; k < 2; k++) dem_free(&w[k]);
+
+    for (int k = 0; k < 2; k++) { /* a turning wall: frame, velocity and acceleration of its surface */
+        dem_def def = one_material(0.7, 0.3);
+        start(&w[k], &def);
+        dem_add_cylinder(&w[k], 0, v3(0.02, 0, 0), v3(0, 1, 0), 0.05, 1);
+        if (k == 0) dem_rotate(&w[k], 0, v3(0.01, 0.02, 0), v3(1, 2, 3), 12.0);
+        else assert_int_equal(dem_prescribe(&w[k], 0, v3(0.01, 0.02, 0), turn_it, NULL), DEM_OK);
+        add(&w[k], v3(0.02, 0, -0.04), diameter);
+    }
+    for (int n = 0; n < 20; n++) {
+        for (int k = 0; k < 2; k++) run(&w[k], 0.002, DEM_LINEAR | DEM_FRICTION);
+        const dem_vec at = v3(0.03, -0.02, 0.04);
+        for (int a = 0; a < 3; a++) near_vec(w[1].wall[0].axis[a], w[0].wall[0].axis[a], 1e-13, "axis");
+        near_vec(dem__surface_velocity(&w[1].wall[0], at, up), dem__surface_velocity(&w[0].wall[0], at, up), 1e-8, "surface velocity");
+        near_vec(dem__surface_acceleration(&w[1].wall[0], at), dem__surface_acceleration(&w[0].wall[0], at), 1e-4, "surface acceleration");
+        near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-7, "a ball in it");
+    }
+    for (int k = 0; k < 2; k++) dem_free(&w[k]);
+
+    dem_def def = one_material(0.7, 0.3);
+    start(&w[0], &def);
+    dem_add_plane(&w[0], 0, zero, up);
+    assert_int_equal(dem_prescribe(&w[0], 0, zero, lose_it, NULL), DEM_OK);
+    add(&w[0], v3(0, 0, 0.1), diameter);
+    assert_int_equal(dem_run(&w[0], 0.1, DEM_LINEAR), DEM_NOT_FINITE);
+    near_absolute(w[0].time, 0.01, 2.0 * def.dt, "ended where the motion did");
+    near_vec(w[0].wall[0].position, zero, 0.0, "and stayed there");
+    assert_int_equal(dem_prescribe(&w[0], 0, zero, nowhere, NULL), DEM_BAD_ARGUMENT);
+    dem_free(&w[0]);
+}
+
+/* A piston presses a column of five against a fixed plane; and without a column it is a body under a force and a damper. */
+static void test_piston(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(0.3, 0.3);
+    const double target = 0.25, mass = 0.02;
+    start(&w, &def);
+    const int lid = wall_index(dem_add_plane(&w, 0, v3(0, 0, 5.2 * diameter), v3(0, 0, -1)));
+    const int piston = wall_index(dem_add_plane(&w, 0, zero, up));
+    for (int k = 0; k < 5; k++) add(&w, v3(0, 0, radius + k * diameter), diameter);
+    assert_int_equal(dem_control_force(&w, piston, v3(0, 0, 2), mass, target, 2.0), DEM_OK);
+    run(&w, 1.5, DEM_LINEAR | DEM_FRICTION);
+    const double weight = 5.0 * w.mass[0] * 9.81;
+    near_relative(w.wall[piston].force.z, -target, 1e-6, "force on the piston");
+    near_relative(w.wall[lid].force.z, target - weight, 1e-6, "force on the lid");
+    near_absolute(w.wall[piston].rate, 0.0, 1e-9, "piston at rest");
+    near_absolute(w.wall[piston].position.z, w.wall[piston].coordinate, 1e-15, "position");
+    assert_true(w.wall[piston].coordinate > 0.2 * diameter); /* the gap above is closed, the column compressed */
+    assert_int_equal(dem_control_force(&w, piston, up, mass, 0.4 * target, 2.0), DEM_OK); /* another target */
+    run(&w, 1.5, DEM_LINEAR | DEM_FRICTION);
+    near_relative(w.wall[piston].force.z, -0.4 * target, 1e-6, "the new force");
+    dem_free(&w);
+
+    start(&w, &def);
+    const int free_one = wall_index(dem_add_plane(&w, 0, zero, up));
+    assert_int_equal(dem_move(&w, free_one, v3(0, 0, 0.5)), DEM_OK);
+    assert_int_equal(dem_control_force(&w, free_one, up, 2.0, 3.0, 4.0), DEM_OK);
+    run(&w, 0.7, DEM_LINEAR);
+    const double decay = exp(-0.7 * 4.0 / 2.0), last = 3.0 / 4.0;
+    near_relative(w.wall[free_one].rate, last + (0.5 - last) * decay, 1e-10, "speed under force and damper");
+    near_relative(w.wall[free_one].coordinate, last * 0.7 + (0.5 - last) * 2.0 / 4.0 * (1.0 - decay), 1e-9, "its way");
+    dem_free(&w);
+}
+
+/* A ball hits a free piston: momentum goes over, e of the pair as the heavy wall has it. */
+static void test_piston_momentum(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(1.0, 0.4);
+    def.gravity = zero;
+    start(&w, &def);
+    const int wall = wall_index(dem_add_plane(&w, 0, zero, up));
+    add(&w, v3(0, 0, 2.0 * radius), diameter);
+    const double m = w.mass[0], mass = 30.0 * m;
+    assert_int_equal(dem_control_force(&w, wall, up, mass, 0.0, 0.0), DEM_OK);
+    move(&w, 0, v3(0.1, 0, -1.0), zero);
+    run(&w, 0.02, DEM_LINEAR);
+    assert_int_equal(dem_contact_count(&w), 0);
+    near_absolute(m * dem_velocity(&w, 0).z + mass * w.wall[wall].rate, -m, 1e-14 * m, "momentum of ball and piston");
+    near_relative(dem_velocity(&w, 0).z - w.wall[wall].rate, 1.0, 1e-3, "elastic");
+    near_vec(w.wall[wall].impulse, v3(0, 0, mass * w.wall[wall].rate), 1e-12 * m, "impulse");
+    dem_free(&w);
+}
+
+/* No gravity; a ball runs round in a free drum and drags it along, until it rolls. Angular momentum stays, and says how fast. */
+static void test_rotor(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(0.5, 0.3);
+    const double drum = 0.05, inertia = 2e-6, v0 = 1.0;
+    def.gravity = zero;
+    def.dt = 2e-6;
+    start(&w, &def);
+    const int k = wall_index(dem_add_cylinder(&w, 0, zero, v3(0, 1, 0), drum, 1));
+    add(&w, v3(drum - radius, 0.01, 0), diameter);
+    const double m = w.mass[0], i = 0.4 * m * radius * radius;
+    assert_int_equal(dem_control_torque(&w, k, v3(0, 3, 0), v3(0, 1, 0), inertia, 0.0, 0.0), DEM_OK);
+    move(&w, 0, v3(0, 0, -v0), zero); /* about +y */
+    const double before = m * v0 * (drum - radius);
+    for (int n = 0; n < 50; n++) {
+        run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
+        dem__settle(&w, 0);
+        const dem_vec moment = dem__cross(dem_position(&w, 0), dem_velocity(&w, 0));
+        near_relative(m * moment.y + i * w.wy[0] + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
+    }
+    /* the same impulse j brakes the ball, and turns ball and drum: v - j/m + j r^2/i ... until the surfaces run alike */
+    const double j = v0 / (1.0 / m + radius * radius / i + drum * drum / inertia);
+    near_relative(w.wall[k].rate, j * drum / inertia, 2e-3, "rate of the drum"); /* the overlap is 1e-4 of the radius */
+    near_relative(w.wall[k].spin, w.wall[k].rate, 0.0, "spin");
+    dem_free(&w);
+
+    start(&w, &def); /* torque and damper */
+    assert_int_equal(wall_index(dem_add_box(&w, 0, v3(0, 0, 0), v3(1, 0.1, 0.1))), 0);
+    assert_int_equal(dem_control_torque(&w, 0, v3(0.2, 0, 0), v3(0, 0, 3), 0.5, 2.0, 0.7), DEM_OK);
+    run(&w, 0.4, DEM_LINEAR);
+    const double decay = exp(-0.4 * 0.7 / 0.5), angle = 2.0 / 0.7 * (0.4 - 0.5 / 0.7 * (1.0 - decay));
+    near_relative(w.wall[0].rate, 2.0 / 0.7 * (1.0 - decay), 1e-9, "rate");
+    near_relative(w.wall[0].coordinate, angle, 1e-9, "angle");
+    near_vec(w.wall[0].axis[0], v3(cos(angle), sin(angle), 0), 1e-9, "axis");
+    near_vec(w.wall[0].position, v3(0.2 + 0.3 * cos(angle) - 0.05 * sin(angle), 0.3 * sin(angle) + 0.05 * cos(angle), 0.05), 1e-9, "place");
+    dem_free(&w);
+}
+
+/* On a belt of speed u a ball slips until 2 u/(7 mu g), then rolls with 2/7 u and its surface at u; on a plane and on triangles. */
+static void test_belt(void **state) {
+    (void)state;
+    const double u = 0.35, mu = 0.25, slips = 2.0 * u / (7.0 * mu * 9.81);
+    for (int meshed = 0; meshed < 2; meshed++) {
+        dem_world w;
+        dem_def def = one_material(0.5, mu);
+        start(&w, &def);
+        const double rest = RIDDLE_PI / 6.0 * diameter * diameter * diameter * 2534.1 * 9.81 / 1e5;
+        if (meshed) wall_index(dem_add_box(&w, 0, v3(-1, -1, -0.1), v3(1, 1, 0)));
+        else wall_index(dem_add_plane(&w, 0, zero, up));
+        assert_int_equal(dem_set_belt(&w, 0, v3(u, 0, 5.0)), DEM_OK); /* the part along the surface counts */
+        add(&w, v3(0, 0, radius - rest), diameter);
+        run(&w, 0.5 * slips, DEM_LINEAR | DEM_FRICTION);
+        near_relative(dem_velocity(&w, 0).x, mu * 9.81 * 0.5 * slips, 2e-3, "slipping on a belt");
+        run(&w, 0.48 * slips, DEM_LINEAR | DEM_FRICTION);
+        near_relative(dem_velocity(&w, 0).x, mu * 9.81 * 0.98 * slips, 2e-3, "still slipping");
+        run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
+        near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * u, 2e-3, "rolling on a belt");
+        dem__settle(&w, 0);
+        near_relative(w.vx[0] - radius * w.wy[0], u, 2e-3, "its surface");
+        near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
+        dem_free(&w);
+    }
+}
+
+/* ---- everything at once: skipping, threads, saving, memory ---- */
+
+/* A box of triangles with a falling lid, a free paddle, a shaken cone, a belt and spheres of three sizes. */
+static dem_status busy_scene(dem_world *w, int skip, int threads, const dem_allocator *allocator) {
+    static double amplitude = 1e-3;
+    const double sizes[3] = {5e-3, 4e-3, 3e-3};
+    scene_random r = {77};
+    dem_def def = scene_def(5e-6);
+    soup *s;
+    dem_cone cone = dem_default_cone();
+    int box, lid, paddle, funnel, ball;
+    dem_status status;
+    def.skip = skip, def.threads = threads;
+    def.gravity = v3(0, 0, -30);
+    if (allocator) def.allocator = *allocator;
+    status = dem_init(w, &def, NULL);
+    if (status != DEM_OK) return status;
+    s = (soup *)calloc(1, sizeof *s);
+    if (!s) return DEM_OUT_OF_MEMORY;
+    box = dem_add_box(w, 1, v3(-0.02, -0.02, -0.01), v3(0.02, 0.02, 0.06));
+    lid = dem_add_plane(w, 1, v3(0, 0, 0.055), v3(0, 0, -1));
+    patch(s, v3(-0.015, 0, 0.003), v3(0.03, 0, 0), v3(0, 0, 0.008), 7, 3, 0.3, &r);
+    paddle = dem_add_mesh(w, 1, soup_mesh(s));
+    free(s);
+    cone.low = v3(0, 0, 0.015), cone.high = v3(0, 0, 0.03), cone.low_radius = 0.008, cone.high_radius = 0.018;
+    funnel = dem_add_cone(w, 1, &cone);
+    ball = dem_add_sphere_wall(w, 1, v3(0.012, 0.01, -0.006), 0.005, 0);
+    if (box < 0 || lid < 0 || paddle < 0 || funnel < 0 || ball < 0) return DEM_OUT_OF_MEMORY;
+    dem_set_belt(w, box, v3(0.1, 0, 0));
+    dem_control_force(w, lid, up, 0.01, -0.2, 0.05);
+    dem_control_torque(w, paddle, zero, up, 1e-6, 2e-4, 1e-6);
+    dem_prescribe(w, funnel, zero, shake, &amplitude);
+    status = scene_fill(w, &r, 6, 6, 4, v3(-0.0195, -0.0195, 0.031), 0.006, sizes, 3, 0.2);
+    return status == DEM_OK ? scene_fill(w, &r, 5, 5, 1, v3(-0.015, -0.015, -0.0095), 0.006, sizes, 3, 0.2) : status;
+}
+
+enum { BUSY = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
+
+static void test_skipping_changes_nothing(void **state) {
+    (void)state;
+    uint64_t hash[4] = {0, 0, 0, 0};
+    int64_t looks[2] = {0, 0};
+    for (int setting = 0; setting < 7; setting++) {
+        const int threads[3] = {1, 2, 5};
+        dem_world w;
+        assert_int_equal(busy_scene(&w, setting < 4 ? setting : DEM_SKIP_ALL, setting < 4 ? 1 : threads[setting - 4], NULL), DEM_OK);
+        for (int n = 0; n < 4; n++) {
+            run(&w, 0.025, BUSY);
+            if (setting == 0) hash[n] = dem_hash(&w);
+            assert_int_equal(dem_hash(&w), hash[n]);
+        }
+        if (setting == 0) {
+            assert_true(w.contact_steps > 100000 && w.wall[1].coordinate < -1e-3 && fabs(w.wall[2].coordinate) > 0.1);
+        }
+        if (setting == 0 || setting == 3) looks[setting / 3] = w.looks;
+        dem_free(&w);
+    }
+    assert_true(20 * looks[1] < looks[0]);
+}
+
+static void test_saving(void **state) {
+    (void)state;
+    static double amplitude = 1e-3;
+    dem_world w, again;
+    assert_int_equal(busy_scene(&w, DEM_SKIP_ALL, 1, NULL), DEM_OK);
+    for (int n = 0; n < 3; n++) {
+        run(&w, 0.01, BUSY);
+        const size_t size = dem_save(&w, NULL, 0);
+        unsigned char *bytes = (unsigned char *)malloc(2 * size);
+        assert_non_null(bytes);
+        assert_int_equal(dem_save(&w, bytes, size), size);
+        assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+        assert_int_equal(dem_save(&again, bytes + size, size), size);
+        assert_memory_equal(bytes, bytes + size, size);
+        assert_int_equal(dem_run(&again, 0.001, BUSY), DEM_NO_MOTION);
+        assert_int_equal(dem_prescribe(&again, 3, zero, shake, &amplitude), DEM_OK);
+        run(&w, 0.01, BUSY), run(&again, 0.01, BUSY);
+        assert_int_equal(dem_hash(&again), dem_hash(&w));
+        near_vec(again.wall[3].position, w.wall[3].position, 0.0, "a function's wall");
+        dem_free(&again);
+        scene_random r = {(uint64_t)n}; /* forged: refused, or it runs */
+        for (int k = 0; k < 60; k++) {
+            uint64_t check = 0xcbf29ce484222325u;
+            memcpy(bytes + size, bytes, size);
+            for (int flips = 0; flips < 3; flips++) {
+                const size_t at =
+                    k < 30 ? size - 8 - (size_t)(6000.0 * scene_uniform(&r)) : (size_t)(scene_uniform(&r) * (double)(size - 8));
+                bytes[size + at] = (unsigned char)(256.0 * scene_uniform(&r));
+            }
+            for (size_t q = 0; q + 8 < size; q++) check = (check ^ bytes[size + q]) * 0x100000001b3u;
+            for (int q = 0; q < 8; q++) bytes[2 * size - 8 + (size_t)q] = (unsigned char)(check >> (8 * q));
+            if (dem_load(&again, bytes + size, size, NULL) != DEM_OK) continue;
+            dem_prescribe(&again, 3, zero, shake, &amplitude);
+            dem_run(&again, 2e-5, BUSY);
+            dem_free(&again);
+        }
+        for (size_t cut = 0; cut < size; cut += 997) assert_int_equal(dem_load(&again, bytes, cut, NULL), DEM_BAD_DATA);
+        free(bytes);
+    }
+    dem_free(&w);
+}
+
+static void test_out_of_memory(void **state) {
+    (void)state;
+    failing_allocator memory;
+    dem_allocator hook = {failing_fn, NULL};
+    hook.user = &memory;
+    for (int k = 0;; k++) {
+        dem_world w, again;
+        failing_init_at(&memory, k);
+        dem_status status = busy_scene(&w, DEM_SKIP_ALL, 1, &hook);
+        if (status == DEM_OK) status = dem_run(&w, 0.02, BUSY);
+        assert_true(status == DEM_OK || status == DEM_OUT_OF_MEMORY);
+        if (status == DEM_OK) {
+            const size_t size = dem_save(&w, NULL, 0);
+            unsigned char *bytes = (unsigned char *)malloc(size);
+            dem_save(&w, bytes, size);
+            dem_free(&w);
+            for (int q = 0; !memory.has_failed; q++) {
+                failing_allocator other;
+                hook.user = &other;
+                failing_init_at(&other, q);
+                status = dem_load(&again, bytes, size, &hook);
+                assert_int_equal(status, other.has_failed ? DEM_OUT_OF_MEMORY : DEM_OK);
+                if (status == DEM_OK) dem_free(&again);
+                assert_int_equal(failing_live(&other), 0);
+                hook.user = &memory;
+                if (!other.has_failed) break;
+            }
+            free(bytes);
+        } else dem_free(&w);
+        assert_int_equal(failing_live(&memory), 0);
+        if (!memory.has_failed) break;
+    }
+}
+
+static void test_bad_arguments(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(0.8, 0.3);
+    double vertex[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    int32_t triangle[3] = {0, 1, 2};
+    dem_mesh mesh;
+    const int bad = -(int)DEM_BAD_ARGUMENT;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.vertices = 3, mesh.triangles = 1, mesh.vertex = vertex, mesh.triangle = triangle;
+    start(&w, &def);
+    assert_int_equal(dem_add_mesh(NULL, 0, &mesh), bad), assert_int_equal(dem_add_mesh(&w, 0, NULL), bad);
+    assert_int_equal(dem_add_mesh(&w, 1, &mesh), bad), assert_int_equal(dem_add_mesh(&w, -1, &mesh), bad);
+    for (int k = 0; k < 9; k++) {
+        const double kept = vertex[k];
+        const double wrong[3] = {nan_, inf, 1e60};
+        for (int q = 0; q < 3; q++) vertex[k] = wrong[q], assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+        vertex[k] = kept;
+    }
+    triangle[1] = 3, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+    triangle[1] = -1, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+    triangle[1] = 2, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad); /* no area */
+    triangle[1] = 1, mesh.triangles = 0, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+    mesh.triangles = PTRDIFF_MAX, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+    mesh.triangles = 1, vertex[3] = 1e-300, vertex[7] = 1e-300, assert_int_equal(dem_add_mesh(&w, 0, &mesh), bad);
+    vertex[3] = vertex[7] = 1.0;
+    dem_cone cone = dem_default_cone();
+    cone.low_radius = cone.high_radius = 0.0, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
+    cone.low_radius = nan_, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
+    cone = dem_default_cone(), cone.high = cone.low, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
+    cone.high.x = inf, assert_int_equal(dem_add_cone(&w, 0, &cone), bad), assert_int_equal(dem_add_cone(&w, 0, NULL), bad);
+    assert_int_equal(dem_add_sphere_wall(&w, 0, zero, 0.0, 1), bad),
+        assert_int_equal(dem_add_sphere_wall(&w, 0, v3(nan_, 0, 0), 1.0, 1), bad);
+    assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, 0)), bad), assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, nan_)), bad);
+    assert_int_equal(w.walls, 0);
+    assert_int_equal(dem_add_mesh(&w, 0, &mesh), 0);
+    assert_int_equal(dem_set_belt(&w, 1, up), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_belt(&w, 0, v3(0, inf, 0)), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_prescribe(&w, 0, zero, NULL, NULL), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_force(&w, 0, zero, 1.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_force(&w, 0, up, 0.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_force(&w, 0, up, 1.0, nan_, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_torque(&w, 0, zero, up, 1.0, 1.0, -1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_torque(&w, 0, v3(nan_, 0, 0), up, 1.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(w.wall[0].drive, DEM_KINEMATIC);
+    for (int k = 1; k < DEM_WALLS_MAX; k++) assert_int_equal(dem_add_mesh(&w, 0, &mesh), k);
+    assert_int_equal(dem_add_mesh(&w, 0, &mesh), -(int)DEM_TOO_MANY), assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
+    dem_free(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_mesh_distance),
+        cmocka_unit_test(test_cone_and_sphere_distance),
+        cmocka_unit_test(test_triangles_equal_the_plane),
+        cmocka_unit_test(test_bad_triangles_equal_the_plane),
+        cmocka_unit_test(test_round_drum),
+        cmocka_unit_test(test_convex_edge),
+        cmocka_unit_test(test_concave_corner),
+        cmocka_unit_test(test_ball_in_a_cone),
+        cmocka_unit_test(test_bouncing_in_a_bowl),
+        cmocka_unit_test(test_prescribed_motion),
+        cmocka_unit_test(test_piston),
+        cmocka_unit_test(test_piston_momentum),
+        cmocka_unit_test(test_rotor),
+        cmocka_unit_test(test_belt),
+        cmocka_unit_test(test_skipping_changes_nothing),
+        cmocka_unit_test(test_saving),
+        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_bad_arguments),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
