@@ -3673,16 +3673,22 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_res
     at->elastic[c] = r->elastic;
 }
 
-/* Particle i at an element of a wall, for the contact in a slot or, without one (-1), for a link: where, and how fast the wall is there.
+/* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
+                                 dem__touch *touch) {
+    if (slot >= 0 && wall->kind == DEM_MESH) {
+        touch->normal = dem_vec3(w->live_place__[0][slot], w->live_place__[1][slot], w->live_place__[2][slot]);
+        touch->gap = w->live_place__[3][slot];
+    } else dem__touch_element(wall, x, radius, element, touch);
+}
+
+/* Particle i at an element of a wall, for the contact in a slot or a link (-1): where, and how fast the wall is there.
    Fills row k; returns the wall's velocity at the point. */
 DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b, int k,
                                     double half, dem__touch *touch) {
     const dem_wall *wall = &w->wall[number];
     const dem_vec x = dem_vec3(w->x[i], w->y[i], w->z[i]);
-    if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(w->live_place__[0][slot], w->live_place__[1][slot], w->live_place__[2][slot]);
-        touch->gap = w->live_place__[3][slot];
-    } else dem__touch_element(wall, x, w->radius[i], element, touch);
+    dem__touch_place(w, slot, wall, x, w->radius[i], element, touch);
     const double reach = w->radius[i] + touch->gap;
     dem_vec v = wall->velocity, a = wall->acceleration, spin = dem_vec3(0.0, 0.0, 0.0);
     if (wall->slides) {
@@ -5520,7 +5526,7 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_element(&w->wall[-1 - c.j], *to, w->radius[c.i], c.element, &touch);
+        dem__touch_place(w, k < w->live_count__ ? w->order__[k] : -1, &w->wall[-1 - c.j], *to, w->radius[c.i], c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->radius[c.i] + touch.gap, touch.normal));
     }
     return dem__dot(c.force, c.force) > 0.0;
