@@ -823,6 +823,228 @@ static void test_bad_arguments(void **state) {
     dem_free(&w);
 }
 
+/* ---- STL ---- */
+
+typedef struct text {
+    char bytes[200000];
+    size_t size;
+} text;
+
+static void put_float(text *t, double v) {
+    const float f = (float)v;
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    for (int k = 0; k < 4; k++) t->bytes[t->size++] = (char)(unsigned char)(bits >> (8 * k) & 255u);
+}
+/* A mesh as STL, with normals times `turned`; ends: line ends of ASCII. */
+static void write_stl(text *t, const dem_mesh *m, int binary, double turned, const char *head, const char *ends) {
+    t->size = 0;
+    memset(t->bytes, 0, 80);
+    if (binary) {
+        memcpy(t->bytes, head, strlen(head));
+        t->size = 80;
+        for (int k = 0; k < 4; k++) t->bytes[t->size++] = (char)(unsigned char)((size_t)m->triangles >> (8 * k) & 255u);
+    } else t->size = (size_t)sprintf(t->bytes, "%s%s", head, ends);
+    for (ptrdiff_t k = 0; k < m->triangles; k++) {
+        dem_vec c[3];
+        for (int a = 0; a < 3; a++) {
+            const double *x = &m->vertex[3 * m->triangle[3 * k + a]];
+            c[a] = v3(x[0], x[1], x[2]);
+        }
+        const dem_vec n = dem__scale(turned, dem__cross(dem__sub(c[1], c[0]), dem__sub(c[2], c[0])));
+        if (binary) {
+            put_float(t, n.x), put_float(t, n.y), put_float(t, n.z);
+            for (int a = 0; a < 3; a++) put_float(t, c[a].x), put_float(t, c[a].y), put_float(t, c[a].z);
+            t->bytes[t->size++] = 0, t->bytes[t->size++] = 0;
+            continue;
+        }
+        char *to = t->bytes + t->size;
+        t->size += (size_t)sprintf(to, "  facet normal %.9g %.9g %.9g%s    outer loop%s", n.x, n.y, n.z, ends, ends);
+        for (int a = 0; a < 3; a++)
+            t->size += (size_t)sprintf(t->bytes + t->size, "      vertex %.9g %.9e %+.9f%s", c[a].x, c[a].y, c[a].z, ends);
+        t->size += (size_t)sprintf(t->bytes + t->size, "    endloop%s  endfacet%s", ends, ends);
+    }
+    if (!binary) t->size += (size_t)sprintf(t->bytes + t->size, "endsolid%s", ends);
+}
+
+/* The box of dem_add_box as a mesh, in millimetres. */
+static void cube(soup *s, double edge) {
+    static const int32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                      2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    for (int k = 0; k < 8; k++) corner(s, v3((k & 1) * edge, (k >> 1 & 1) * edge, (k >> 2) * edge));
+    memcpy(s->triangle, faces, sizeof faces);
+    s->mesh.triangles = 12;
+    soup_mesh(s);
+}
+
+static void check_report(const dem_stl_report *r, const dem_stl_report *wanted) {
+    assert_int_equal(r->binary, wanted->binary), assert_int_equal(r->facets, wanted->facets), assert_int_equal(r->missing, wanted->missing);
+    assert_int_equal(r->not_finite, wanted->not_finite), assert_int_equal(r->degenerate, wanted->degenerate);
+    assert_int_equal(r->duplicate, wanted->duplicate), assert_int_equal(r->open_edges, wanted->open_edges);
+    assert_int_equal(r->nonmanifold, wanted->nonmanifold), assert_int_equal(r->inconsistent, wanted->inconsistent);
+    assert_int_equal(r->wrong_normals, wanted->wrong_normals);
+}
+
+static void test_stl_of_a_cube(void **state) {
+    (void)state;
+    soup *s = new_soup();
+    text *t = (text *)malloc(sizeof *t);
+    assert_non_null(t);
+    cube(s, 50.0);
+    const char *heads[4] = {"solid a cube", "SOLID", "solid", "COLOR=  facet normal"}, *ends[4] = {"\n", "\r\n", "\r", "\n\n\t"};
+    for (int k = 0; k < 8; k++) {
+        dem_mesh m;
+        dem_stl_report r, wanted;
+        memset(&wanted, 0, sizeof wanted);
+        wanted.binary = k % 2, wanted.facets = 12;
+        write_stl(t, &s->mesh, k % 2, 1.0, k % 2 ? heads[k / 2] : heads[k / 2 % 3], ends[k / 2]);
+        assert_int_equal(dem_read_stl(t->bytes, t->size, 1e-3, k < 4 ? 0.0 : 1e-6, NULL, &m, &r), DEM_OK);
+        check_report(&r, &wanted);
+        assert_int_equal(m.vertices, 8), assert_int_equal(m.triangles, 12);
+        near_relative(r.area, 6.0 * 0.05 * 0.05, 1e-12, "area"), near_relative(r.volume, 0.05 * 0.05 * 0.05, 1e-12, "volume");
+        near_vec(r.low, zero, 0.0, "corner"), near_vec(r.high, v3(0.05, 0.05, 0.05), 1e-16, "corner");
+        dem_world w; /* as good as the box */
+        dem_def def = one_material(0.5, 0.3);
+        start(&w, &def);
+        const int box = wall_index(dem_add_mesh(&w, 0, &m));
+        dem_free_mesh(&m), dem_free_mesh(&m);
+        add(&w, v3(0.02, 0.02, 0.05 + radius - 1e-7), diameter);
+        run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
+        near_relative(w.wall[box].force.z, -w.mass[0] * 9.81, 1e-3, "weight on a cube from a file");
+        dem_free(&w);
+    }
+    free(s), free(t);
+}
+
+/* Faults, each counted: first nothing wrong, then one thing after the other. */
+static void test_stl_with_faults(void **state) {
+    (void)state;
+    text *t = (text *)malloc(sizeof *t);
+    assert_non_null(t);
+    for (int fault = 0; fault < 9; fault++) {
+        soup *s = new_soup();
+        dem_mesh m;
+        dem_stl_report r, wanted;
+        double turned = 1.0, volume = 8.0;
+        ptrdiff_t triangles = 12;
+        cube(s, 2.0);
+        memset(&wanted, 0, sizeof wanted);
+        wanted.binary = 1, wanted.facets = 12;
+        switch (fault) {
+        case 0: turned = -1.0, wanted.wrong_normals = 12; break;
+        case 1: s->mesh.triangles = triangles = 10, wanted.facets = 10, wanted.open_edges = 4, volume = nan_; break; /* a face away */
+        case 2: facet(s, 3, 0, 2), triangles = 12, wanted.facets = 13, wanted.duplicate = 1; break;
+        case 3: facet(s, 4, 4, 5), wanted.facets = 13, wanted.degenerate = 1; break;
+        case 4: facet(s, 0, corner(s, v3(1, 0, 0)), 1), wanted.facets = 13, wanted.degenerate = 1; break; /* in a line */
+        case 5: facet(s, 0, 7, corner(s, v3(nan_, 0, 0))), wanted.facets = 13, wanted.not_finite = 1; break;
+        case 6: { /* one triangle turned over: three edges run the same way */
+            const int32_t kept = s->triangle[1];
+            s->triangle[1] = s->triangle[2], s->triangle[2] = kept;
+            wanted.inconsistent = 3, volume = nan_;
+            break;
+        }
+        case 7:
+            facet(s, 0, 1, corner(s, v3(1, -1, -1))), wanted.facets = triangles = 13, wanted.nonmanifold = 1, wanted.open_edges = 2,
+                                                      volume = nan_;
+            break;
+        default: { /* cracks of 1e-6: open without welding, closed with */
+            soup *loose = new_soup();
+            scene_random rr = {4};
+            for (int k = 0; k < 36; k++) {
+                const double *x = &s->vertex[3 * s->triangle[k]];
+                const dem_vec off = scene_vector(&rr, 1e-6);
+                corner(loose, dem__add(v3(x[0], x[1], x[2]), off));
+                if (k % 3 == 2) facet(loose, k - 2, k - 1, k);
+            }
+            write_stl(t, soup_mesh(loose), 1, 1.0, "", "");
+            assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
+            assert_int_equal(r.open_edges, 36);
+            dem_free_mesh(&m);
+            memcpy(s, loose, sizeof *s), free(loose), soup_mesh(s);
+        }
+        }
+        write_stl(t, &s->mesh, 1, turned, "solid", "");
+        assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, fault == 8 ? 1e-5 : 0.0, NULL, &m, &r), DEM_OK);
+        check_report(&r, &wanted);
+        assert_int_equal(m.triangles, triangles);
+        if (fault == 8) assert_int_equal(m.vertices, 8);
+        if (volume == volume) near_relative(r.volume, volume, 1e-5, "volume");
+        dem_free_mesh(&m), free(s);
+    }
+    free(t);
+}
+
+static void test_hostile_stl(void **state) {
+    (void)state;
+    soup *s = new_soup();
+    text *t = (text *)malloc(sizeof *t);
+    dem_mesh m;
+    dem_stl_report r;
+    scene_random random = {9};
+    assert_non_null(t);
+    cube(s, 1.0);
+    for (int binary = 0; binary < 2; binary++) {
+        write_stl(t, &s->mesh, binary, 1.0, "solid", "\n");
+        for (size_t size = 0; size < t->size; size += 1 + size / 40) { /* cut off anywhere */
+            char *exact = (char *)malloc(size + 1);
+            memcpy(exact, t->bytes, size);
+            const dem_status status = dem_read_stl(size ? exact : NULL, size, 1.0, 1e-6, NULL, &m, &r);
+            assert_true(status == DEM_OK || status == DEM_BAD_DATA);
+            assert_int_equal(status == DEM_OK, r.facets > r.not_finite + r.degenerate);
+            if (status == DEM_OK) assert_true(r.missing == 12 - r.facets || (!binary && r.missing <= 1));
+            dem_free_mesh(&m), free(exact);
+        }
+    }
+    t->bytes[80] = t->bytes[81] = t->bytes[82] = t->bytes[83] = (char)0xff; /* more facets than there are bytes in the world */
+    memset(t->bytes, ' ', 80);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
+    assert_true(r.facets == 12 && r.missing == (ptrdiff_t)0xffffffffu - 12);
+    dem_free_mesh(&m);
+    const char *texts[] = {"",
+                           "solid",
+                           "facet",
+                           "facet normal 0 0 1 vertex 1 2 vertex 1 vertex",
+                           "hello world, this is a file about cats",
+                           "solid\nfacet normal 0 0 1\nvertex nan 0 0\nvertex 0 1 0\nvertex 1 1 0\n",
+                           "facet vertex 0 0 0 vertex 1 1 1 vertex 2 2 2 vertex 3 3 3 vertex 4 4 4",
+                           "facet normal vertex vertex vertex vertex vertex 1e999 1e-999 1e vertex 1 1 1 vertex 2 3 4"};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        assert_int_equal(dem_read_stl(texts[k], strlen(texts[k]), 1.0, 0.0, NULL, &m, &r), DEM_BAD_DATA);
+        assert_true(!m.vertex && !m.triangle && !m.block && m.triangles == 0);
+    }
+    const char *odd = "solid x\nFACET NORMAL 0 0 0 OUTER LOOP\tVERTEX 0 0 -0.0\rVERTEX 1000000000000000000000e-21 0 0 vertex +0 .1e+1 0. "
+                      "endloop endfacet facet";
+    assert_int_equal(dem_read_stl(odd, strlen(odd), 2.0, 0.0, NULL, &m, &r), DEM_OK);
+    assert_int_equal(r.missing, 1), near_relative(r.area, 2.0, 1e-15, "area of a triangle in capitals");
+    dem_free_mesh(&m);
+    for (int k = 0; k < 20000; k++) { /* numbers as a library reads them */
+        char number[64];
+        const double wanted = (scene_uniform(&random) - 0.5) * pow(10.0, floor(scene_between(&random, -30, 30)));
+        const int digits = 1 + (int)(17.0 * scene_uniform(&random)),
+                  n = snprintf(number, sizeof number, k % 2 ? "%.*g" : "%.*e", digits, wanted);
+        near_relative(dem__number((const unsigned char *)number, (size_t)n), strtod(number, NULL), 4e-16, number);
+    }
+    write_stl(t, &s->mesh, 1, 1.0, "", "");
+    assert_int_equal(dem_read_stl(NULL, 5, 1.0, 0.0, NULL, &m, &r), DEM_BAD_ARGUMENT);
+    const double bad[4] = {0.0, -1.0, nan_, inf};
+    for (int k = 0; k < 4; k++) assert_int_equal(dem_read_stl(t->bytes, t->size, bad[k], 0.0, NULL, &m, &r), DEM_BAD_ARGUMENT);
+    for (int k = 1; k < 4; k++) assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, bad[k], NULL, &m, &r), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, NULL, &r), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1e300, 0.0, NULL, &m, &r), DEM_BAD_DATA), assert_true(r.not_finite > 0);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1e-300, 0.0, NULL, &m, &r), DEM_BAD_DATA);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 1e30, NULL, &m, NULL), DEM_BAD_DATA); /* all one vertex */
+    failing_allocator memory;
+    dem_allocator hook = {failing_fn, NULL};
+    hook.user = &memory;
+    for (int k = 0; k < 3; k++) {
+        failing_init_at(&memory, k);
+        assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, &hook, &m, &r), k < 2 ? DEM_OUT_OF_MEMORY : DEM_OK);
+        dem_free_mesh(&m);
+        assert_int_equal(failing_live(&memory), 0);
+    }
+    free(s), free(t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_distance),
@@ -843,6 +1065,9 @@ int main(void) {
         cmocka_unit_test(test_saving),
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_stl_of_a_cube),
+        cmocka_unit_test(test_stl_with_faults),
+        cmocka_unit_test(test_hostile_stl),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
