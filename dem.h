@@ -2318,7 +2318,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
-    double value = 0.0;
+    uint64_t whole = 0; /* the first 18 digits */
     const int minus = length > 0 && text[0] == '-';
     if (length > 0 && (text[0] == '-' || text[0] == '+')) k++;
     for (; k < length && ((text[k] >= '0' && text[k] <= '9') || (text[k] == '.' && !point)); k++) {
@@ -2326,8 +2326,8 @@ static inline double dem__number(const unsigned char *text, size_t length) {
             point = 1;
             continue;
         }
-        if (value < 9007199254740992.0 / 10.0 - 1.0) value = 10.0 * value + (text[k] - '0'), exponent -= point;
-        else exponent += !point; /* digits beyond what a double holds */
+        if (whole < 100000000000000000u) whole = 10u * whole + (uint64_t)(text[k] - '0'), exponent -= point;
+        else exponent += !point;
         digits++;
     }
     if (digits && k < length && (text[k] == 'e' || text[k] == 'E')) {
@@ -2339,10 +2339,10 @@ static inline double dem__number(const unsigned char *text, size_t length) {
         exponent += down ? -power : power;
     }
     if (!digits || k != length) return (double)NAN;
-    double ten = 1.0, base = 10.0; /* up to 10^22 exact, as the value is: one rounding */
+    double ten = 1.0, base = 10.0; /* exact up to 10^22 */
     if (exponent < -400 || exponent > 400) exponent = exponent < 0 ? -400 : 400;
     for (int e = exponent < 0 ? -exponent : exponent; e > 0; e >>= 1, base *= base) ten *= e & 1 ? base : 1.0;
-    value = value == 0.0 ? 0.0 : (exponent < 0 ? value / ten : value * ten);
+    const double value = whole == 0 ? 0.0 : (exponent < 0 ? (double)whole / ten : (double)whole * ten);
     return minus ? -value : value;
 }
 
