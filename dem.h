@@ -5627,7 +5627,7 @@ typedef struct dem__load {
     dem_vec velocity, force, along; /* of a sphere; of a branch */
 } dem__load;
 
-static inline void dem__spread(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
+static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -5668,7 +5668,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (!w->alive[i]) continue;
         load.mass = w->mass[i];
         load.velocity = dem_velocity(w, i);
-        dem__spread(w, c, field, dem_position(w, i), &load);
+        dem__smear(w, c, field, dem_position(w, i), &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < w->live_count__ + w->link_count__; k++) {
@@ -5678,7 +5678,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         for (int p = 0; p < 8; p++) {
             const double at = 0.5 + (p < 4 ? -0.5 : 0.5) * node[p % 4];
             load.stress = 0.5 * weight[p % 4];
-            dem__spread(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
+            dem__smear(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
         }
     }
     for (ptrdiff_t k = 0; k < number; k++) {

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "common.h"
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 
@@ -599,6 +600,79 @@ static void test_memory(void **state) {
     }
 }
 
+/* ---- from a table ---- */
+
+static void test_start_from_a_table(void **state) {
+    (void)state;
+    particles p;
+    char message[200] = "";
+    const char *const text = "# comment\nx_m,y,z,diameter_m,vx,vy,vz_m_s,class\n0.1,-2e-3,0.3,0.005,1,2,3,7\n0,0,1,0.01,,,,\n";
+    assert_int_equal(particles_parse(text, strlen(text), "a.csv", &p, message, sizeof message), -1); /* an empty velocity is not a number */
+    assert_non_null(strstr(message, "sphere 2"));
+    const char *const good =
+        "x_m,y,z,radius,vx,vy,vz_m_s,class,omega_x,omega_y,omega_z\n0.1,-2e-3,0.3,0.0025,1,2,3,7,4,5,6\n0,0,1,0.005,0,0,0,0,0,0,0\n";
+    assert_int_equal(particles_parse(good, strlen(good), "a.csv", &p, message, sizeof message), 0);
+    assert_true(p.n == 2 && p.centre[0] == 0.1 && p.centre[1] == -2e-3 && p.centre[5] == 1.0 && p.diameter[0] == 0.005 &&
+                p.diameter[1] == 0.01);
+    assert_true(p.velocity[2] == 3.0 && p.velocity[3] == 0.0 && p.spin[0] == 4.0 && p.spin[2] == 6.0 && p.group[0] == 7 && p.group[1] == 0);
+
+    /* written as .vtp and read again: the same to single precision, and into a world */
+    dem_world w = plain_world();
+    const vtk_array arrays[] = {vtk_scalar("diameter_m", p.diameter), vtk_vector("velocity_m_s", p.velocity),
+                                vtk_vector("spin_rad_s", p.spin), vtk_ints("class", p.group)};
+    const char *folder = getenv("TMPDIR");
+    char path[600];
+    snprintf(path, sizeof path, "%s/riddle-%06.0f.vtp", folder ? folder : "/tmp", fmod(machine_seconds() * 1e6, 1e6));
+    assert_int_equal(vtp_points(NULL, path, p.n, vtk_vector("position", p.centre), arrays, 4), 0);
+    particles q;
+    assert_int_equal(particles_read(path, &q, message, sizeof message), 0);
+    assert_int_equal(q.n, 2);
+    for (int k = 0; k < 6; k++) {
+        near_absolute(q.centre[k], p.centre[k], 1e-7, "centre");
+        near_absolute(q.velocity[k] + q.spin[k], p.velocity[k] + p.spin[k], 1e-6, "velocity, spin");
+    }
+    assert_true(q.group[0] == 7 && fabs(q.diameter[0] - 0.005) < 1e-9);
+    assert_int_equal(dem_add_spheres(&w, q.n, q.centre, q.diameter, 0, 0), DEM_OK);
+    particles_free(&q);
+
+    /* cut short or with a byte changed: a message or a table, never a crash */
+    FILE *file = fopen(path, "rb");
+    static char bytes[8192], damaged[8192];
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    remove(path);
+    scene_random r = {9};
+    int refused = 0;
+    for (int k = 0; k < 20000; k++) {
+        const size_t length = k % 3 ? size : (size_t)(scene_uniform(&r) * (double)size);
+        memcpy(damaged, bytes, size);
+        for (int b = 0; b < 1 + k % 4; b++) damaged[(size_t)(scene_uniform(&r) * (double)size)] = (char)(scene_uniform(&r) * 256.0);
+        char *exact = malloc(length + 1); /* so that a sanitizer sees a read past the end */
+        memcpy(exact, damaged, length);
+        message[0] = '\0';
+        const int status = particles_parse(exact, length, "a.vtp", &q, message, sizeof message);
+        assert_true(status == 0 ? q.n >= 0 && !message[0] : message[0] && !q.memory);
+        refused += status != 0;
+        particles_free(&q);
+        free(exact);
+    }
+    assert_true(refused > 8000 && refused < 20000);
+    particles_free(&p);
+    static const char *const bad[] = {"",
+                                      "x,y,z\n1,2,3\n",
+                                      "x,y,diameter\n1,2,3\n",
+                                      "x,y,z,diameter\n1,2,3,0\n",
+                                      "x,y,z,diameter\n1,2,nan,1\n",
+                                      "x,y,z,diameter\n1,inf,3,1\n",
+                                      "x,y,z,radius\n1,2,3,a\n"};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        assert_int_equal(particles_parse(bad[k], strlen(bad[k]), "a.csv", &p, message, sizeof message), -1);
+        assert_true(message[0] && !p.memory);
+    }
+    assert_int_equal(particles_read("/nowhere/a.csv", &p, message, sizeof message), -1);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_near_pairs_of_any_size),
@@ -615,6 +689,7 @@ int main(void) {
         cmocka_unit_test(test_regions),
         cmocka_unit_test(test_bad_feeds),
         cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_start_from_a_table),
     };
     return cmocka_run_group_tests_name("dem_feed", tests, NULL, NULL);
 }

@@ -24,7 +24,7 @@
 
    options.h   the command line         output.h  folders and files that are whole or absent   plot.h     SVG figures
    progress.h  bar, Ctrl-C, exit status json.h    csv.h    table.h                             vtk.h      .vtp .vti .pvd
-   machine.h   clock, memory, cores, jobs on threads
+   machine.h   clock, memory, cores, jobs on threads                                                   particles.h spheres from CSV or .vtp
    Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL), and every
    function takes the NULL that another returned and does nothing. A program that only ends with common_exit_status() is right. */
 #ifndef RIDDLE_COMMON_H
@@ -35,6 +35,7 @@
 #include "machine.h"
 #include "options.h"
 #include "output.h"
+#include "particles.h"
 #include "plot.h"
 #include "progress.h"
 #include "table.h"

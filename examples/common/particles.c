@@ -1,0 +1,214 @@
+#define _POSIX_C_SOURCE 200809L
+#include "particles.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "csv.h"
+
+static int refuse(particles *p, char *message, int message_size, const char *format, ...) COMMON_PRINTF(4, 5);
+static int refuse(particles *p, char *message, int message_size, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, (size_t)message_size, format, arguments);
+    va_end(arguments);
+    particles_free(p);
+    return -1;
+}
+
+void particles_free(particles *p) {
+    free(p->memory);
+    memset(p, 0, sizeof *p);
+}
+
+static bool make(particles *p, int n) {
+    const size_t each = 10 * sizeof(double) + sizeof(int);
+    memset(p, 0, sizeof *p);
+    double *at = calloc((size_t)n + 1, each);
+    if (!at) return false;
+    p->memory = at;
+    p->n = n;
+    p->centre = at, p->velocity = at + 3 * (size_t)n, p->spin = at + 6 * (size_t)n, p->diameter = at + 9 * (size_t)n;
+    p->group = (int *)(void *)(at + 10 * (size_t)n);
+    return true;
+}
+
+/* Every sphere must have a place and a size, and nothing may be infinite. */
+static int check(particles *p, const char *path, char *message, int message_size) {
+    for (int i = 0; i < p->n; i++) {
+        for (int k = 0; k < 9; k++) {
+            if (!(fabs(p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)]) <= 1e300))
+                return refuse(p, message, message_size, "%s: sphere %d: a coordinate, velocity or spin is not a number", path, i + 1);
+        }
+        if (!(p->diameter[i] > 0.0 && p->diameter[i] <= 1e300))
+            return refuse(p, message, message_size, "%s: sphere %d: its diameter is not above 0", path, i + 1);
+    }
+    return 0;
+}
+
+/* ---- CSV ---- */
+
+/* The column of that name, alone or with a unit after an underscore; -1. */
+static int column_of(const csv_data *data, const char *name) {
+    const size_t length = strlen(name);
+    for (int k = 0; k < data->columns; k++) {
+        if (strncmp(data->names[k], name, length) == 0 && (data->names[k][length] == '\0' || data->names[k][length] == '_')) return k;
+    }
+    return -1;
+}
+
+static int parse_csv(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
+    static const char *const vectors[9] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z"};
+    csv_data data;
+    int column[9];
+    if (size > LONG_MAX) return refuse(p, message, message_size, "%s: too long", path);
+    if (csv_parse(bytes, (long)size, path, &data, message, message_size) != 0) return -1;
+    const int diameter = column_of(&data, "diameter"), radius = column_of(&data, "radius");
+    const int group = column_of(&data, "group") >= 0 ? column_of(&data, "group") : column_of(&data, "class");
+    int status = 0;
+    for (int k = 0; k < 9; k++) column[k] = column_of(&data, vectors[k]);
+    for (int k = 0; k < 3 && status == 0; k++) {
+        if (column[k] < 0) status = refuse(p, message, message_size, "%s: no column %s", path, vectors[k]);
+    }
+    if (status == 0 && diameter < 0 && radius < 0) status = refuse(p, message, message_size, "%s: no column diameter or radius", path);
+    if (status == 0 && !make(p, data.rows)) status = refuse(p, message, message_size, "%s: out of memory", path);
+    for (int i = 0; i < data.rows && status == 0; i++) {
+        const double *row = data.values + (size_t)i * (size_t)data.columns;
+        for (int k = 0; k < 9; k++) {
+            if (column[k] >= 0) p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = row[column[k]];
+        }
+        p->diameter[i] = diameter >= 0 ? row[diameter] : 2.0 * row[radius];
+        if (group >= 0 && fabs(row[group]) < 2e9) p->group[i] = (int)row[group];
+    }
+    csv_free(&data);
+    return status == 0 ? check(p, path, message, message_size) : -1;
+}
+
+/* ---- .vtp ---- */
+
+static const char *find(const char *text, const char *end, const char *what) {
+    const size_t length = strlen(what);
+    for (; text && (size_t)(end - text) >= length; text++) {
+        if (memcmp(text, what, length) == 0) return text;
+    }
+    return NULL;
+}
+
+/* The value of an attribute within one tag, "" if it is not there. */
+static void attribute(const char *tag, const char *end, const char *name, char *value, size_t size) {
+    char key[64];
+    snprintf(key, sizeof key, " %s=\"", name);
+    const char *at = find(tag, end, key);
+    size_t n = 0;
+    for (at = at ? at + strlen(key) : end; at < end && *at != '"' && n + 1 < size; at++) value[n++] = *at;
+    value[n] = '\0';
+}
+
+static uint64_t little(const unsigned char *bytes, int n) {
+    uint64_t value = 0;
+    for (int k = 0; k < n; k++) value |= (uint64_t)bytes[k] << (8 * k);
+    return value;
+}
+
+/* One array of the appended block; to: with `stride` doubles between spheres, or a list of integers. */
+static bool fetch(const char *raw, const char *end, const char *tag, const char *tag_end, int components, int n, double *to,
+                  int *integers) {
+    char type[16], offset_text[24], count_text[8];
+    attribute(tag, tag_end, "type", type, sizeof type);
+    attribute(tag, tag_end, "offset", offset_text, sizeof offset_text);
+    attribute(tag, tag_end, "NumberOfComponents", count_text, sizeof count_text);
+    const unsigned long long offset = strtoull(offset_text, NULL, 10), room = (unsigned long long)(end - raw);
+    const unsigned long long bytes = 4ull * (unsigned long long)components * (unsigned long long)n;
+    const bool is_float = strcmp(type, "Float32") == 0;
+    if ((!is_float && strcmp(type, "Int32") != 0) || atoi(count_text) != components || room < 8 || offset > room - 8 ||
+        bytes > room - 8 - offset)
+        return false;
+    const unsigned char *at = (const unsigned char *)raw + offset;
+    if (little(at, 8) != bytes) return false;
+    at += 8;
+    for (int i = 0; i < n * components; i++, at += 4) {
+        const uint32_t bits = (uint32_t)little(at, 4);
+        float value;
+        int32_t whole;
+        memcpy(&value, &bits, sizeof value);
+        memcpy(&whole, &bits, sizeof whole);
+        if (integers) integers[i] = is_float ? 0 : whole;
+        else to[i] = is_float ? (double)value : whole;
+    }
+    return true;
+}
+
+static int parse_vtp(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
+    const char *end = bytes + size, *raw = find(bytes, end, "<AppendedData encoding=\"raw\">"),
+               *piece = find(bytes, raw ? raw : bytes, "<Piece ");
+    const char *points = piece ? find(piece, raw, "<Points>") : NULL;
+    char text[64];
+    if (!find(bytes, raw ? raw : bytes, "header_type=\"UInt64\"") || !points || !(raw = find(raw, end, "_")))
+        return refuse(p, message, message_size, "%s: not a .vtp file of raw appended data with 64-bit headers", path);
+    raw++;
+    attribute(piece, points, "NumberOfPoints", text, sizeof text);
+    const long n = strtol(text, NULL, 10);
+    if (n < 0 || n > INT_MAX / 16 || (size_t)n > size / 12) return refuse(p, message, message_size, "%s: NumberOfPoints is wrong", path);
+    if (!make(p, (int)n)) return refuse(p, message, message_size, "%s: out of memory", path);
+    bool sized = false, placed = false;
+    for (const char *tag = piece; (tag = find(tag, raw, "<DataArray ")) != NULL; tag++) {
+        const char *tag_end = find(tag, raw, ">");
+        if (!tag_end) break;
+        attribute(tag, tag_end, "Name", text, sizeof text);
+        bool good = true;
+        if (tag > points) {
+            if (placed) break; /* what follows the points are cells */
+            good = placed = fetch(raw, end, tag, tag_end, 3, p->n, p->centre, NULL);
+        } else if (strncmp(text, "diameter", 8) == 0 || strcmp(text, "radius") == 0 || strcmp(text, "radius_m") == 0) {
+            good = fetch(raw, end, tag, tag_end, 1, p->n, p->diameter, NULL);
+            for (int i = 0; i < p->n && text[0] == 'r'; i++) p->diameter[i] *= 2.0;
+            sized = true;
+        } else if (strncmp(text, "velocity", 8) == 0) good = fetch(raw, end, tag, tag_end, 3, p->n, p->velocity, NULL);
+        else if (strncmp(text, "spin", 4) == 0) good = fetch(raw, end, tag, tag_end, 3, p->n, p->spin, NULL);
+        else if (strcmp(text, "group") == 0 || strcmp(text, "class") == 0 || strcmp(text, "species") == 0)
+            good = fetch(raw, end, tag, tag_end, 1, p->n, NULL, p->group);
+        if (!good)
+            return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", path, *text ? text : "of points");
+    }
+    if (!placed || !sized) return refuse(p, message, message_size, "%s: no %s", path, placed ? "diameter or radius" : "points");
+    return check(p, path, message, message_size);
+}
+
+/* ---- both ---- */
+
+int particles_parse(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
+    const size_t length = strlen(path);
+    memset(p, 0, sizeof *p);
+    if (length > 4 && strcmp(path + length - 4, ".vtp") == 0) return parse_vtp(bytes, size, path, p, message, message_size);
+    return parse_csv(bytes, size, path, p, message, message_size);
+}
+
+int particles_read(const char *path, particles *p, char *message, int message_size) {
+    memset(p, 0, sizeof *p);
+    FILE *file = fopen(path, "rb");
+    char *bytes = NULL;
+    size_t size = 0, capacity = 0, got = 1;
+    if (!file) return refuse(p, message, message_size, "%s: cannot be read", path);
+    while (got > 0) {
+        if (size == capacity) {
+            capacity = 2 * capacity + 65536;
+            char *larger = realloc(bytes, capacity);
+            if (!larger) break;
+            bytes = larger;
+        }
+        got = fread(bytes + size, 1, capacity - size, file);
+        size += got;
+    }
+    const bool failed = ferror(file) != 0 || got > 0;
+    fclose(file);
+    const int status = failed ? refuse(p, message, message_size, "%s: cannot be read whole", path)
+                              : particles_parse(bytes, size, path, p, message, message_size);
+    free(bytes);
+    return status;
+}

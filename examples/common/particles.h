@@ -1,0 +1,29 @@
+/* particles.h: spheres from a table: CSV with named columns, or .vtp as vtp_points() writes it (binary, appended, raw).
+
+       particles start;
+       if (particles_read("start.csv", &start, message, sizeof message) == 0)
+           dem_add_spheres(&world, start.n, start.centre, start.diameter, glass, 0);
+       particles_free(&start);
+
+   CSV columns: x, y, z, and diameter or radius; if there are: vx, vy, vz; omega_x, omega_y, omega_z; group or class. A unit may follow after
+   an underscore (x_m, diameter_m, vx_m_s); numbers are SI all the same. .vtp arrays: the points; diameter_m, diameter or radius; velocity_m_s or
+   velocity; spin_rad_s or spin; group, class or species. */
+#ifndef RIDDLE_PARTICLES_H
+#define RIDDLE_PARTICLES_H
+
+#include <stddef.h>
+
+typedef struct particles {
+    int n;
+    double *centre, *velocity, *spin; /* [n][3] [m], [m/s], [rad/s]; what the table lacks is 0 */
+    double *diameter;                 /* [n] [m] > 0 */
+    int *group;                       /* [n] */
+    void *memory;                     /* everything above points into here */
+} particles;
+
+/* 0, or -1 with one line in message; *p is then empty. Free with particles_free. A path that ends in .vtp is one, else CSV. */
+int particles_read(const char *path, particles *p, char *message, int message_size);
+int particles_parse(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size); /* from memory */
+void particles_free(particles *p);
+
+#endif
