@@ -158,10 +158,11 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     plot_line(figure, "radial segregation", c->time, c->radial, c->n);
     plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
-    snprintf(text, sizeof text, "mean %.1f \xc2\xb1 %.1f", angle, error);
+    snprintf(text, sizeof text, "second half: %.1f \xc2\xb1 %.1f", angle, error);
     plot_line(figure, NULL, c->time, c->angle, c->n);
     plot_range_y(figure, 0.0, 60.0);
-    plot_horizontal(figure, text, angle);
+    plot_horizontal(figure, NULL, angle);
+    plot_text_share(figure, 0.4, 0.92, text);
     plot_panel(figure, 1, 0, "time [s]", "small spheres [-]");
     for (int q = 0; q < 4; q++) {
         static const char *const names[] = {"upper right", "upper left", "lower left", "lower right"};
@@ -185,7 +186,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
 }
 
 int main(int argc, char **argv) {
-    drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 2.0, 0.4, 300.0, 0.5, 0.5, 0.0};
+    drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 5.0;
     option options[] = {
         option_choice("scene", &d.dosta, "sizes|dosta", "two sizes of one material, or the drum of Dosta et al. (2024)"),
