@@ -523,15 +523,16 @@ static void add_moistures(study *st, const settings *base) {
 static void report_moisture(const study *st) {
     static const int from[] = {0, 0, 1, 0, 0, 3}, to[] = {1, 2, 2, 3, 4, 4};
     const double end = (st->samples - 1) * SAMPLE;
-    char title[120], text[100];
-    snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %s otherwise, %d seeds, 95 %% intervals", end,
-             describe(text, sizeof text, &st->variants[0].set), st->seeds);
+    const settings *dry = &st->variants[0].set;
+    char title[120];
+    snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %.3g mm, %.3g Hz, %d seeds, 95 %% intervals", end,
+             1e3 * dry->amplitude, dry->frequency, st->seeds);
     plot *figure = plot_new(title, 1, 2);
     table t = table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
-    json_number(j, "amplitude_m", st->variants[0].set.amplitude);
-    json_number(j, "frequency_hz", st->variants[0].set.frequency);
+    json_number(j, "amplitude_m", dry->amplitude);
+    json_number(j, "frequency_hz", dry->frequency);
     json_number(j, "time_s", end);
     json_integer(j, "seeds", st->seeds);
     json_array_begin(j, "means");
