@@ -174,9 +174,10 @@ static double rms_speed(const dem_world *world) {
     return mass > 0.0 ? sqrt(sum / mass) : 0.0;
 }
 
-/* Lets the batch come to rest on the floor, slower than `quiet` [m/s] (infinite: as soon as it is pushed apart), with little restitution and a stiffness at which the bed's weight
-   makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft spheres are swollen by twice that share, so that the true ones
-   just do not overlap; what does at the start is pushed apart without gaining speed. */
+/* Lets the batch come to rest on the floor, slower than `quiet` [m/s] (infinite: as soon as it is pushed apart), with little restitution
+   and a stiffness at which the bed's weight makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft
+   spheres are swollen by twice that share, so that the true ones just do not overlap; what does at the start is pushed apart without
+   gaining speed. */
 static dem_status settle(batch *b, const settings *s, double overlap, double quiet) {
     enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
