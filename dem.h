@@ -4309,7 +4309,7 @@ static inline void dem__advance(dem_world *w, double h) {
 }
 
 /* Sums forces and torques, always in the same order. */
-static inline int dem__gather(dem_world *w, double h, int turns) {
+DEM_INLINE int dem__gather_forces(dem_world *w, double h, int turns) {
     double *const *out = w->live_out__;
     int ended = 0;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
@@ -4334,6 +4334,11 @@ static inline int dem__gather(dem_world *w, double h, int turns) {
         for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__add(w->wall[k].impulse, dem__scale(h, w->wall[k].force));
     }
     return ended;
+}
+
+/* Twice, so that a scene without friction does not ask at every contact. */
+static inline int dem__gather(dem_world *w, double h, int turns) {
+    return turns ? dem__gather_forces(w, h, 1) : dem__gather_forces(w, h, 0);
 }
 
 static inline void dem__gather_losses(dem_world *w) {
