@@ -1767,6 +1767,13 @@ DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     return dem_vec3(w->x[i] + tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] + tau * (w->vy[i] + 0.5 * tau * w->ay[i]),
                     w->z[i] + tau * (w->vz[i] + 0.5 * tau * w->az[i]));
 }
+DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
+    const dem_def *d = &w->def;
+    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
+    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
+    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
+    return x;
+}
 DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     return dem_vec3(w->vx[i] + tau * w->ax[i], w->vy[i] + tau * w->ay[i], w->vz[i] + tau * w->az[i]);
 }
@@ -2992,6 +2999,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     if (!wall->enabled || !w->alive[i]) return;
     double tau = (double)(step - w->origin[i]) * w->dt__, least;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    if (w->has_periodic__) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
     dem__touch touch[DEM__TOUCHES];
     found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : w->link_near__, touch, &least);
     if (wall->kind == DEM_EXIT) {
@@ -4754,12 +4762,7 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    dem_vec x = dem__at(world, i, dem__now(world, i));
-    const dem_def *d = &world->def;
-    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
-    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
-    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
-    return x;
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
 }
 
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {

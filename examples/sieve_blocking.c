@@ -6,6 +6,8 @@
    3. polynomials.svg: mean free fraction f*(K, x_h) of Table 3, cut to 1 where the cubic exceeds it.
    4. deck.svg: the deck area for a duty, from the fitted curve and from Table 3.
 
+   The process itself: sieve_blocking --simulate --k 1.5 --xh 0.65  counts the holes of a periodic patch of a vibrated sieve by dem.h, of
+                                                             spheres, and fits those; --sweep: five K and three x_h beside Table 3
    Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows of one time are
                                                              added up) or time_s,free_fraction
    Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h for --opening-mm
@@ -17,6 +19,7 @@
 
 #include "blocking.h"
 #include "common.h"
+#include "sieve_patch.h"
 
 enum { MOST_READINGS = 200, GRID = 61, CURVE = 241 };
 
@@ -232,6 +235,156 @@ static int three_points(json *report, const readings *r, double *first, double *
     json_array_end(report);
     table_end(&t);
     return found;
+}
+
+/* ---- simulation ---- */
+
+/* Counts at 0 s and, doubling from 1 s (or an eighth of a shorter time), up to `time`, each to whole periods of the deck.
+   0, or -1 after one line on stderr or Ctrl-C. */
+static int simulate(const sieve_patch_def *def, double time, readings *r, sieve_patch *patch, progress *bar) {
+    const int holes = def->across * def->across, last = (int)(time * def->frequency + 0.5);
+    int next = (int)(fmin(1.0, 0.125 * time) * def->frequency + 0.5);
+    dem_status status = sieve_patch_make(patch, def);
+    if (status == DEM_OK) status = sieve_patch_lay(patch);
+    r->n = 0;
+    r->counted = 1;
+    for (int period = 0; status == DEM_OK && !common_interrupted(); period++) {
+        if (period == 0 || period == next) {
+            const int blocked = sieve_patch_blocked(patch);
+            if (blocked < 0) status = DEM_OUT_OF_MEMORY;
+            r->t[r->n] = period / def->frequency;
+            r->free_holes[r->n] = holes - blocked;
+            r->holes[r->n++] = holes;
+            if (period == next) next *= 2;
+        }
+        if (period == last || next > last) break;
+        if (status == DEM_OK) status = sieve_patch_vibrate(patch, 1);
+        progress_add(bar, 1.0 / def->frequency);
+    }
+    if (status != DEM_OK) common_fail("simulation at K %g, x_h %g: %s", def->K, def->x_h, dem_status_text(status));
+    return status != DEM_OK || common_interrupted() ? -1 : 0;
+}
+
+static void report_simulation(json *report, const sieve_patch *patch, const readings *r) {
+    const sieve_patch_def *def = &patch->def;
+    const dem_world *w = &patch->world;
+    ptrdiff_t too_large = 0;
+    for (ptrdiff_t i = 0; i < w->passed_count; i++) too_large += w->passed[i].diameter > def->opening;
+    common_print("Simulated: %d x %d holes of %g mm, wires of %g mm, vertical amplitude %.3f mm at %.4g Hz, %ld spheres of %.2f .. %.2f mm "
+                 "(%.3g kg/m2, x_h %.3f)\n",
+                 def->across, def->across, 1e3 * def->opening, 1e3 * def->wire, 1e3 * sieve_patch_amplitude(def), def->frequency,
+                 (long)patch->grains, 500.0 * def->opening, 1600.0 * def->opening, def->load, patch->hard_mass / patch->mass);
+    common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n", (long)w->passed_count,
+                 (long)too_large, w->def.dt);
+    json_object_begin(report, "simulation");
+    json_integer(report, "holes", def->across * def->across);
+    json_number(report, "opening_m", def->opening);
+    json_number(report, "wire_m", def->wire);
+    json_number(report, "K", def->K);
+    json_number(report, "frequency_hz", def->frequency);
+    json_number(report, "amplitude_m", sieve_patch_amplitude(def));
+    json_number(report, "x_h", patch->hard_mass / patch->mass);
+    json_number(report, "load_kg_per_m2", def->load);
+    json_integer(report, "spheres", patch->grains);
+    json_integer(report, "passed", w->passed_count);
+    json_integer(report, "forced_through", too_large);
+    json_number(report, "vibrated_s", r->t[r->n - 1]);
+    json_integer(report, "contact_steps", w->contact_steps);
+    json_array(report, "time_s", r->t, r->n);
+    json_array(report, "free_holes", r->free_holes, r->n);
+    json_object_end(report);
+}
+
+enum { KS = 5, XS = 3 };
+static const double sweep_K[KS] = {0.62, 1.5, 1.98, 3.5, 4.9}, sweep_x_h[XS] = {0.3, 0.65, 0.9};
+
+typedef struct sweep_jobs {
+    sieve_patch_def def;
+    double time;
+    progress bar;
+    readings r[KS * XS];
+} sweep_jobs;
+
+static int sweep_one(int index, void *user) {
+    sweep_jobs *jobs = user;
+    sieve_patch_def def = jobs->def;
+    sieve_patch patch;
+    def.K = sweep_K[index % KS];
+    def.x_h = sweep_x_h[index / KS];
+    const int failed = simulate(&def, jobs->time, &jobs->r[index], &patch, &jobs->bar);
+    dem_free(&patch.world);
+    return failed;
+}
+
+/* Five K and three x_h beside Table 3: f* is the mean of f0 and f_inf there (section 4). */
+static void sweep(const program *self, json *report, const sieve_patch_def *def, double time) {
+    static const char *const names[XS] = {"x_h = 0.30", "x_h = 0.65", "x_h = 0.90"};
+    static sweep_jobs jobs;
+    jobs.def = *def, jobs.time = time;
+    progress_begin(&jobs.bar, "sweep", KS * XS * time);
+    const int failed = jobs_run(KS * XS, self->threads, sweep_one, &jobs);
+    progress_end(&jobs.bar);
+    if (failed) return;
+    double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
+    plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3", 2, 2);
+    csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
+    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f*|f* of Table 3|fit");
+    json_array_begin(report, "sweep");
+    for (int j = 0; j < XS; j++) {
+        plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");
+        plot_title(figure, names[j]);
+        for (int i = 0; i < KS; i++) {
+            readings *r = &jobs.r[j * KS + i];
+            const int last = r->n - 1;
+            const double K = sweep_K[i], x_h = sweep_x_h[j], of_table = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, K, x_h));
+            blocking_fit_result fit;
+            const blocking_status status = fit_readings(r, &fit);
+            char label[40];
+            snprintf(label, sizeof label, "K = %g", K);
+            plot_line(figure, label, r->t, r->f, r->n);
+            plot_style(figure, PLOT_MARKED, i);
+            mean[j][i] = 0.5 * (r->f[0] + r->f[last]);
+            bar_of[j][i] = 0.5 * z95 * sqrt(r->sigma[0] * r->sigma[0] + r->sigma[last] * r->sigma[last]);
+            for (int q = 0; q < r->n; q++) {
+                const double line[5] = {K, x_h, r->t[q], r->free_holes[q], r->holes[q]};
+                csv_row(file, line, 5);
+            }
+            const double cells[] = {r->f[0], r->f[last], fit.f0, fit.f_inf, fit.k1, fit.k2, fit.r2};
+            table_cell(&t, "%g", K);
+            table_cell(&t, "%g", x_h);
+            for (int c = 0; c < 7; c++) table_cell(&t, "%.3f", cells[c]);
+            table_cell(&t, "%.3f +- %.3f", mean[j][i], bar_of[j][i]);
+            table_cell(&t, "%.3f", of_table);
+            table_cell(&t, "%s", blocking_status_text(status));
+            json_object_begin(report, NULL);
+            json_number(report, "K", K);
+            json_number(report, "x_h", x_h);
+            json_array(report, "time_s", r->t, r->n);
+            json_array(report, "free_fraction", r->f, r->n);
+            json_number(report, "f_star", mean[j][i]);
+            json_number(report, "f_star_table3", of_table);
+            json_number(report, "f0_fitted", fit.f0);
+            json_number(report, "f_inf_fitted", fit.f_inf);
+            json_number(report, "k1_per_s", fit.k1);
+            json_number(report, "k2_per_s", fit.k2);
+            json_number(report, "r2", fit.r2);
+            json_object_end(report);
+        }
+    }
+    json_array_end(report);
+    table_end(&t);
+    csv_close(file);
+    plot_panel(figure, 1, 1, "toss indicator K [-]", "mean of f at 0 s and at the end [-]");
+    plot_title(figure, "beside Table 3, spherical (lines)");
+    for (int i = 0; i < GRID; i++) at_K[i] = 0.6 + 4.3 * i / (GRID - 1);
+    for (int j = 0; j < XS; j++) {
+        for (int i = 0; i < GRID; i++) table3[j][i] = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, at_K[i], sweep_x_h[j]));
+        plot_error_bars(figure, names[j], sweep_K, mean[j], bar_of[j], KS);
+        plot_style(figure, 0, j);
+        plot_line(figure, NULL, at_K, table3[j], GRID);
+        plot_style(figure, PLOT_DASHED, j);
+    }
+    plot_write(figure, self->out, "sweep.svg");
 }
 
 /* from: the row of Table 2 that the readings were drawn from, or NULL */
@@ -468,9 +621,26 @@ static double hard_content(const program *self, const char *path, double opening
     return hard.x_h;
 }
 
+static int finish(json *report, const program *self) {
+    if (common_interrupted()) json_discard(report);
+    else {
+        json_program(report, self);
+        json_close(report);
+    }
+    return common_exit_status();
+}
+
+static bool is_given(const option *options, const char *name) {
+    while (strcmp(options->name, name) != 0) options++;
+    return options->given;
+}
+
 int main(int argc, char **argv) {
     const char *data = NULL, *sizes = NULL;
+    bool simulated = false, swept = false;
     int which = 1, holes = 400, shape = 0;
+    sieve_patch_def patch_def = sieve_patch_default();
+    double vibrated = 16.0;
     double K = 1.5, x_h = 0.5, n = 70.0 / 3.0, A = 0.7, slope = 15.0, direction = 90.0;
     double opening = 0.63, wire = 0.4, passing = 0.08, capacity = 2.0, run_time = 600.0;
     option options[] = {
@@ -491,6 +661,14 @@ int main(int argc, char **argv) {
         option_positive("capacity", "C", &capacity, 1e6,
                         "what passes a square metre of free holes [kg/(s m2)]; from a test with your feed"),
         option_double("run-time-s", "T", &run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
+        option_flag("simulate", &simulated, "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
+        option_flag("sweep", &swept, "simulations at five K and three x_h beside Table 3"),
+        option_double("vibrated-s", "T", &vibrated, 0.2, 2048.0, "simulation: time of vibration [s]"),
+        option_int("patch", "N", &patch_def.across, 6, 200, "simulation: holes along each side of the periodic patch"),
+        option_double("load-kg-m2", "M", &patch_def.load, 0.1, 100.0, "simulation: grains laid on the sieve [kg/m2]"),
+        option_double("friction", "MU", &patch_def.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
+        option_double("overlap", "S", &patch_def.overlap, 1e-4, 0.1,
+                      "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
     };
     program self = program_start(
         "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
@@ -500,24 +678,47 @@ int main(int argc, char **argv) {
     else if (frequency->given || options[7].given || options[8].given || options[9].given)
         program_refuse(&self, "k", NULL, "either --k or the motion of the deck");
     if (sizes && options[4].given) program_refuse(&self, "xh", NULL, "either --xh or --sizes");
+    if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
+    if ((simulated || swept) && data) program_refuse(&self, "data", data, "either --data or a simulation");
+    if ((simulated || swept) && !(wire > 0.0)) program_refuse(&self, "wire-mm", NULL, "above 0 for a simulation");
+    if (self.quick && !is_given(options, "patch")) patch_def.across = swept ? 6 : 8;
+    if (self.quick && !is_given(options, "vibrated-s")) vibrated = swept ? 0.2 : 1.0;
+    if (self.quick && !is_given(options, "load-kg-m2")) patch_def.load = 0.5;
+    if (self.quick && !is_given(options, "overlap")) patch_def.overlap = 0.04;
+    patch_def.opening = 1e-3 * opening, patch_def.wire = 1e-3 * wire;
+    patch_def.K = K, patch_def.frequency = n, patch_def.x_h = x_h;
+    patch_def.seed = self.seed; /* one thread: too few contacts for more */
+    json *report = json_open(self.json);
+    if (swept) {
+        sweep(&self, report, &patch_def, vibrated);
+        return finish(report, &self);
+    }
     readings r;
     char source[200];
     if (data) read_readings(&self, data, &r);
-    else draw_readings(&r, &table2[2 * which], holes, self.seed);
+    else if (simulated) {
+        sieve_patch patch;
+        progress bar;
+        progress_begin(&bar, "simulating", vibrated);
+        const int failed = simulate(&patch_def, vibrated, &r, &patch, &bar);
+        progress_end(&bar);
+        if (!failed) report_simulation(report, &patch, &r);
+        dem_free(&patch.world);
+        if (failed) return finish(report, &self);
+    } else draw_readings(&r, &table2[2 * which], holes, self.seed);
     if (data) snprintf(source, sizeof source, "%.150s", data);
+    else if (simulated) snprintf(source, sizeof source, "simulated spheres, K %.3g, x_h %.3g, %g mm", K, x_h, opening);
     else snprintf(source, sizeof source, "drawn from Table 2 row %s, %d holes", table2[2 * which].figure, holes);
     blocking_fit_result fit;
     blocking_status status = fit_readings(&r, &fit);
-    if (status >= BLOCKING_OUT_OF_RANGE) refuse_file(&self, "data", data, counts_file, blocking_status_text(status));
-    if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
+    if (status >= BLOCKING_OUT_OF_RANGE && data) refuse_file(&self, "data", data, counts_file, blocking_status_text(status));
 
-    json *report = json_open(self.json);
     common_print("Toss indicator K %.4f: %s\n\n", K, blocking_toss_text(blocking_toss_range(K)));
     json_number(report, "toss_indicator", K);
     json_string(report, "toss_range", blocking_toss_text(blocking_toss_range(K)));
     draw_table2(&self, report);
     report_fit(report, &r, status, &fit, source);
-    draw_fit(&self, report, &r, &fit, source, data ? NULL : &table2[2 * which]);
+    draw_fit(&self, report, &r, &fit, source, data || simulated ? NULL : &table2[2 * which]);
     draw_polynomials(&self, report, K, x_h);
 
     blocking_conditions conditions = blocking_default_conditions();
@@ -535,7 +736,5 @@ int main(int argc, char **argv) {
     duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
     duty.run_time = run_time;
     design(&self, report, duty, &average, (blocking_shape)shape);
-    json_program(report, &self);
-    json_close(report);
-    return common_exit_status();
+    return finish(report, &self);
 }

@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 8, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 9, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -412,6 +412,45 @@ static void test_screening_studies(void **state) {
     free(report);
 }
 
+/* What only sieve_blocking does: a simulation in place of readings. */
+static void test_simulation(void **state) {
+    if (!strstr(*state, "/sieve_blocking")) skip();
+    const char *const good[][16] = {
+        {"--simulate", "--k", "1.5", "--xh", "0.65", "--patch", "6", "--load-kg-m2", "0.3", "--vibrated-s", "0.4", "--overlap", "0.05"},
+        {"--sweep", "--patch", "6", "--load-kg-m2", "0.2", "--vibrated-s", "0.2", "--overlap", "0.1"}};
+    static const char *const keys[][6] = {
+        {"\"simulation\"", "\"free_holes\"", "\"forced_through\"", "\"k1_per_s\"", "\"k2_per_s\"", "\"f_inf\""},
+        {"\"sweep\"", "\"f_star\"", "\"f_star_table3\"", "\"k1_per_s\"", "\"k2_per_s\"", "\"f_inf_fitted\""}};
+    char json[LONGEST_PATH + 20];
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    for (int k = 0; k < 2; k++) {
+        const char *words[24] = {NULL};
+        int n = 0;
+        while (good[k][n]) words[n] = good[k][n], n++;
+        words[n++] = "--quiet", words[n++] = "--out", words[n++] = "out", words[n++] = "--json", words[n] = json;
+        result r = run_program(*state, words, 0, 0.0);
+        if (r.status != 0 || r.err[0]) fail_msg("status %d, said '%s'", r.status, r.err);
+        forget(&r);
+        char *text = file_text(json);
+        assert_non_null(text);
+        assert_true(is_json(text));
+        for (int i = 0; i < 6; i++) assert_non_null(strstr(text, keys[k][i]));
+        free(text);
+    }
+    const char *const bad[][6] = {{"--simulate", "--wire-mm", "0"},   {"--simulate", "--data", "x.csv"},
+                                  {"--sweep", "--data", "x.csv"},     {"--simulate", "--patch", "5"},
+                                  {"--simulate", "--overlap", "0"},   {"--simulate", "--vibrated-s", "0"},
+                                  {"--simulate", "--friction", "-1"}, {"--sweep", "--load-kg-m2", "0"}};
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        result r = run_program(*state, bad[i], 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, bad[i][1]))
+            fail_msg("%s: %d, '%s'", bad[i][1], r.status, r.err);
+        forget(&r);
+    }
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
+}
+
 int main(void) {
     static const struct {
         const char *name;
@@ -423,7 +462,8 @@ int main(void) {
                     {"full disk", test_full_disk},
                     {"Ctrl-C", test_interrupt},
                     {"threads", test_threads},
-                    {"screening studies", test_screening_studies}};
+                    {"screening studies", test_screening_studies},
+                    {"simulation", test_simulation}};
     static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
     static char names[EACH * MOST_PROGRAMS][120];
     const char *given = getenv("RIDDLE_PROGRAMS");
