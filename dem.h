@@ -3967,13 +3967,8 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 
 /* On x86-64 a kernel is there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
-#if defined(__clang__)
-#define DEM__WIDE __attribute__((target("avx2")))
-#else
-#define DEM__WIDE __attribute__((target("avx2"), optimize("O3,no-math-errno,no-trapping-math")))
-#endif
 #define DEM__TWICE(name, call)                                                                                                             \
-    DEM__QUIET DEM__WIDE static void name##_wide(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }                               \
+    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }         \
     static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) {                                                                   \
         if (__builtin_cpu_supports("avx2")) name##_wide(world, first, end);                                                                \
         else call;                                                                                                                         \
