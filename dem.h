@@ -2274,10 +2274,10 @@ static inline uint64_t dem__scramble(uint64_t z) {
     return z ^ (z >> 31);
 }
 
-static inline dem__slot *dem__find_slot(dem__slot *table, size_t capacity, uint64_t key) {
+static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint64_t key) {
     size_t at = (size_t)dem__scramble(key) & (capacity - 1);
-    while (table[at].key != 0 && table[at].key != key) at = (at + 1) & (capacity - 1);
-    return &table[at];
+    while (slots[at].key != 0 && slots[at].key != key) at = (at + 1) & (capacity - 1);
+    return &slots[at];
 }
 
 /* What a facet is before welding: normal, then three corners. */
@@ -2435,8 +2435,8 @@ static inline void dem__count_edge(dem__slot *edges, size_t capacity, int32_t a,
     else slot->backward++;
 }
 
-/* Fills an empty mesh, whose arrays have room, from n facets, and the report. table has room for `capacity` slots, next for 3 n. */
-static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, double scale, double weld, dem__slot *table,
+/* Fills an empty mesh, whose arrays have room, from n facets, and the report. slots has room for `capacity` slots, next for 3 n. */
+static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, double scale, double weld, dem__slot *slots,
                                   size_t capacity, int32_t *next, dem_stl_report *report) {
     dem_vec *vertex = (dem_vec *)(void *)m->vertex, low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -2465,10 +2465,10 @@ static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, 
     const double cell = 4.0 * weld > least ? 4.0 * weld : (least > 0.0 ? least : 1.0);
     for (ptrdiff_t k = 0; k < kept; k++) {
         int32_t *to = &m->triangle[3 * k];
-        for (int c = 0; c < 3; c++) to[c] = dem__weld(table, capacity, next, vertex, &m->vertices, facets[k].corner[c], low, weld, cell);
+        for (int c = 0; c < 3; c++) to[c] = dem__weld(slots, capacity, next, vertex, &m->vertices, facets[k].corner[c], low, weld, cell);
     }
     report->low = low, report->high = high;
-    memset(table, 0, capacity * sizeof *table);
+    memset(slots, 0, capacity * sizeof *slots);
     for (ptrdiff_t k = 0; k < kept; k++) {
         const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
         dem_vec normal;
@@ -2482,7 +2482,7 @@ static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, 
         const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
         /* three numbers to a key that others share only by a chance of 2^-64 a pair */
         const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
-        dem__slot *slot = dem__find_slot(table, capacity, key);
+        dem__slot *slot = dem__find_slot(slots, capacity, key);
         if (slot->key) {
             report->duplicate++;
             continue;
@@ -2495,11 +2495,11 @@ static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, 
         report->volume += dem__dot(dem__sub(a, low), twice) / 6.0;
         memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
     }
-    memset(table, 0, capacity * sizeof *table);
+    memset(slots, 0, capacity * sizeof *slots);
     for (ptrdiff_t k = 0; k < 3 * m->triangles; k++)
-        dem__count_edge(table, capacity, m->triangle[k], m->triangle[k % 3 == 2 ? k - 2 : k + 1]);
+        dem__count_edge(slots, capacity, m->triangle[k], m->triangle[k % 3 == 2 ? k - 2 : k + 1]);
     for (size_t k = 0; k < capacity; k++) {
-        const int32_t f = table[k].forward, b = table[k].backward;
+        const int32_t f = slots[k].forward, b = slots[k].backward;
         report->open_edges += f + b == 1;
         report->nonmanifold += f + b > 2;
         report->inconsistent += f + b == 2 && f != b;
@@ -2537,14 +2537,14 @@ DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, do
         dem_free_mesh(mesh);
         return DEM_OUT_OF_MEMORY;
     }
-    dem__slot *table = (dem__slot *)(void *)(facets + n);
-    int32_t *next = (int32_t *)(void *)(table + capacity);
-    memset(table, 0, capacity * sizeof *table);
+    dem__slot *slots = (dem__slot *)(void *)(facets + n);
+    int32_t *next = (int32_t *)(void *)(slots + capacity);
+    memset(slots, 0, capacity * sizeof *slots);
     mesh->vertex = (double *)mesh->block;
     mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
     if (found.binary) dem__read_binary(text, size, facets, &found.missing);
     else dem__read_ascii(text, size, facets, &found.missing);
-    dem__make_mesh(mesh, facets, found.facets, scale, weld, table, capacity, next, &found);
+    dem__make_mesh(mesh, facets, found.facets, scale, weld, slots, capacity, next, &found);
     memory.fn(memory.user, facets, scratch, 0);
     if (report) *report = found;
     if (mesh->triangles > 0) return DEM_OK;
