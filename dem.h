@@ -26,6 +26,8 @@
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Predicted velocity Verlet, with the first and last step of a contact resolved in time: second order in dt with damping.
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
+   Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 400 bytes a sphere and
              12 more for every wall, 32 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
              growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
