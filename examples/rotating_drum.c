@@ -84,6 +84,19 @@ static dem_status fill(dem_world *world, const drum *d, uint64_t seed, progress 
     return wanted > 0 && status == DEM_OK && !common_interrupted() ? DEM_BAD_ARGUMENT : status;
 }
 
+/* The spheres of a table: group 0 are the small ones. */
+static dem_status take(dem_world *world, const drum *d, const particles *table) {
+    dem_status status = DEM_OK;
+    for (int i = 0; i < table->n && status == DEM_OK; i++) {
+        const double *v = table->velocity + 3 * (size_t)i, *w = table->spin + 3 * (size_t)i;
+        const int species = table->group[i] ? LARGE : SMALL;
+        status = dem_add_spheres(world, 1, table->centre + 3 * (size_t)i, &table->diameter[i], species, species);
+        if (status == DEM_OK) status = dem_set_motion(world, world->count - 1, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
+    }
+    if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, features(d), 1.0).advised);
+    return status == DEM_OK ? dem_run(world, 0.0, features(d)) : status;
+}
+
 /* Slope of the free surface in the middle half of the drum [degrees]: a line through the highest sphere of each strip. */
 static double surface_angle(const dem_world *world, const drum *d) {
     enum { STRIPS = 16 };
@@ -187,6 +200,8 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
 
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
+    const char *from = NULL;
+    particles table = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 5.0;
     option options[] = {
         option_choice("scene", &d.dosta, "sizes|dosta", "two sizes of one material, or the drum of Dosta et al. (2024)"),
@@ -205,6 +220,8 @@ int main(int argc, char **argv) {
         option_double("rolling", "M", &d.rolling, 0.0, 1.0, "lever arm of rolling resistance [m]"),
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns [s]"),
+        option_string("from", "FILE", &from,
+                      "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),
     };
     program self = program_start("rotating_drum", "Two species of spheres in a turning drum: segregation and angle of repose.", options,
                                  sizeof options / sizeof *options, argc, argv);
@@ -222,9 +239,16 @@ int main(int argc, char **argv) {
         for (int s = 0; s < SPECIES; s++) /* half of the solid volume each, 0.58 of the bed */
             d.count[s] = (int)(0.5 * 0.58 * d.fill * d.radius * d.radius * d.width * 6.0 / pow(d.diameter[s], 3.0));
     }
+    if (from) {
+        char message[400];
+        if (particles_read(from, &table, message, sizeof message) != 0) program_refuse(&self, "from", from, message);
+        d.count[SMALL] = d.count[LARGE] = 0;
+        for (int i = 0; i < table.n; i++) d.count[table.group[i] ? LARGE : SMALL]++;
+    }
     if (!(d.width > 1.5 * d.diameter[LARGE] && d.radius > 3.0 * d.diameter[LARGE]))
         program_refuse(&self, "large", NULL, "below a third of the drum's radius and two thirds of its width");
-    if (d.count[SMALL] < 10 || d.count[LARGE] < 10) program_refuse(&self, "fill", NULL, "enough for ten spheres of each species");
+    if (d.count[SMALL] < 10 || d.count[LARGE] < 10)
+        program_refuse(&self, from ? "from" : "fill", from, "enough for ten spheres of each species");
     if ((double)d.count[SMALL] + d.count[LARGE] > 1e7) program_refuse(&self, "small", NULL, "such that 10 000 000 spheres are enough");
 
     static curves c;
@@ -235,8 +259,9 @@ int main(int argc, char **argv) {
     const double duration = d.turns * 2.0 * RIDDLE_PI / d.speed, sample = fmax(duration / (SAMPLES_MAX - 2), self.quick ? 0.01 : 0.02);
     progress_begin(&bar, "turning", 1.0);
     dem_status status = build(&world, &d, &wall);
-    if (status == DEM_OK) status = fill(&world, &d, self.seed, &bar, 0.2);
-    if (status == DEM_BAD_ARGUMENT) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
+    if (status == DEM_OK) status = from ? take(&world, &d, &table) : fill(&world, &d, self.seed, &bar, 0.2);
+    particles_free(&table);
+    if (status == DEM_BAD_ARGUMENT && !from) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
     for (int k = 0; k < 3 && status == DEM_OK; k++) /* the cylinder and its two ends */
         status = dem_rotate(&world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d.speed);
     pvd *series = pvd_open(self.out, "particles.pvd");
