@@ -1,10 +1,10 @@
 /* dem.h: what a particle-step costs as the number of spheres and the range of their sizes grow.
 
-   Gas: spheres lie at random in a periodic box, 0.3 of it solid, fly about at 0.2 m/s on average, hit each other with restitution 0.8 and
-   friction 0.3, and cool. The smallest are 1 mm. Sizes: equal, or diameters spread evenly between the smallest and the largest, by number (as
-   many of each) or by mass (most are small). Bed: the settled bed of 20 000 spheres of dem_beds at rest, n x n times side by side, 4.9 contacts
-   a sphere. A step is 1/20 of the duration of the smallest spheres' contacts. Figure of merit: processor time per particle-step, the median
-   of repeats, over that of 20 000 equal spheres in the same state. */
+   Gas: spheres lie at random in a periodic box, 0.3 of it solid, fly about at 0.2 m/s on average, hit each other with restitution 0.8
+   and friction 0.3, and cool. The smallest are 1 mm. Sizes: equal, or diameters spread evenly between the smallest and the largest, by
+   number (as many of each) or by mass (most are small). Bed: the settled bed of 20 000 spheres of dem_beds at rest, n x n times side by
+   side, 4.9 contacts a sphere. A step is 1/20 of the duration of the smallest spheres' contacts. Figure of merit: processor time per
+   particle-step, the median of repeats, over that of 20 000 equal spheres in the same state. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

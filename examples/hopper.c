@@ -1,9 +1,10 @@
 /* hopper - a silo runs empty: Beverloo's law, and that the height of the fill does not matter.
 
-   Spheres are rained into a cylinder with a flat or conical bottom, whose orifice is shut, and come to rest. Then it is opened, and what falls
-   out is counted. Some runs have orifices of several diameters D: their rates give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger &
-   van de Velde 1961: n = 2.5, k about 1.4), others the same orifice under lower fills. --scene dosta: the silo of Dosta et al. (2024) with its
-   Hertz-Mindlin parameters, as many of its 100 000 spheres as --spheres says, run until empty or for --time. */
+   Spheres are rained into a cylinder with a flat or conical bottom, whose orifice is shut, and come to rest. Then it is opened, and
+   what falls out is counted. Some runs have orifices of several diameters D: their rates give the exponent n of W ~ (D - k d)^n
+   (Beverloo, Leniger & van de Velde 1961: n = 2.5, k about 1.4), others the same orifice under lower fills. --scene dosta: the silo of
+   Dosta et al. (2024) with its Hertz-Mindlin parameters, as many of its 100 000 spheres as --spheres says, run until empty or for
+   --time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

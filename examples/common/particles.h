@@ -5,9 +5,9 @@
            dem_add_spheres(&world, start.n, start.centre, start.diameter, glass, 0);
        particles_free(&start);
 
-   CSV columns: x, y, z, and diameter or radius; if there are: vx, vy, vz; omega_x, omega_y, omega_z; group or class. A unit may follow after
-   an underscore (x_m, diameter_m, vx_m_s); numbers are SI all the same. .vtp arrays: the points; diameter_m, diameter or radius; velocity_m_s or
-   velocity; spin_rad_s or spin; group, class or species. */
+   CSV columns: x, y, z, and diameter or radius; if there are: vx, vy, vz; omega_x, omega_y, omega_z; group or class. A unit may follow
+   after an underscore (x_m, diameter_m, vx_m_s); numbers are SI all the same. .vtp arrays: the points; diameter_m, diameter or radius;
+   velocity_m_s or velocity; spin_rad_s or spin; group, class or species. */
 #ifndef RIDDLE_PARTICLES_H
 #define RIDDLE_PARTICLES_H
 
