@@ -100,7 +100,7 @@ extern "C" {
 #define DEM_STATE_MAX 16     /* doubles that a law may keep per contact */
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
-#define DEM_FORMAT 3u        /* version of dem_save */
+#define DEM_FORMAT 4u        /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -369,10 +369,11 @@ typedef struct dem_law {
 
 /* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential;                    /* now; potential against gravity, origin at 0 */
-    double normal_loss, sliding_loss, rolling_loss;                    /* dissipated, computed from the laws */
-    double wall_work, external_work;                                   /* done on the particles by moving walls and loads */
-    double added, removed;                                             /* carried in and out by particles */
+    double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
+    double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
+    double wall_work, external_work;                /* done on the particles by moving walls and loads */
+    double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
+    double added, removed; /* carried in and out by particles */
     double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
     double released;                                                   /* potential energy given up so far, at least 0 */
     double error;                                                      /* what does not add up: the integration error */
@@ -453,6 +454,7 @@ typedef struct dem_world {
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
     double *rx__, *ry__, *rz__;                         /* position when the list was built */
     dem__course *course__;
+    double *link_x__, *link_y__, *link_z__, *link_wx__, *link_wy__, *link_wz__; /* position and spin when links were evaluated last */
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
     int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__,
@@ -1514,11 +1516,13 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->x,    &w->y,     &w->z,     &w->vx,    &w->vy,           &w->vz,       &w->ax,   &w->ay,   &w->az,   &w->wx,
-                          &w->wy,   &w->wz,    &w->bx,    &w->by,    &w->bz,           &w->radius,   &w->mass, &w->lx__, &w->ex__, &w->ey__,
-                          &w->ez__, &w->etx__, &w->ety__, &w->etz__, &w->ly__,         &w->lz__,     &w->qx__, &w->qy__, &w->qz__, &w->mx__,
-                          &w->my__, &w->mz__,  &w->ox__,  &w->oy__,  &w->oz__,         &w->fx__,     &w->fy__, &w->fz__, &w->tx__, &w->ty__,
-                          &w->tz__, &w->rx__,  &w->ry__,  &w->rz__,  &w->wall_speed__, &w->shifted__};
+    double **doubles[] = {
+        &w->x,         &w->y,        &w->z,        &w->vx,       &w->vy,        &w->vz,        &w->ax,       &w->ay,   &w->az,
+        &w->wx,        &w->wy,       &w->wz,       &w->bx,       &w->by,        &w->bz,        &w->radius,   &w->mass, &w->lx__,
+        &w->ex__,      &w->ey__,     &w->ez__,     &w->etx__,    &w->ety__,     &w->etz__,     &w->ly__,     &w->lz__, &w->qx__,
+        &w->qy__,      &w->qz__,     &w->mx__,     &w->my__,     &w->mz__,      &w->ox__,      &w->oy__,     &w->oz__, &w->fx__,
+        &w->fy__,      &w->fz__,     &w->tx__,     &w->ty__,     &w->tz__,      &w->rx__,      &w->ry__,     &w->rz__, &w->wall_speed__,
+        &w->shifted__, &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
@@ -1810,6 +1814,27 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
+}
+
+DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
+    if (w->has_periodic__) {
+        double x = w->def.high.x - w->def.low.x, y = w->def.high.y - w->def.low.y, z = w->def.high.z - w->def.low.z;
+        if (w->def.periodic[0]) d.x -= x * floor(d.x / x + 0.5);
+        if (w->def.periodic[1]) d.y -= y * floor(d.y / y + 0.5);
+        if (w->def.periodic[2]) d.z -= z * floor(d.z / z + 0.5);
+    }
+    return d;
+}
+
+/* Work of the present link forces on particle i since they were evaluated. */
+static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
+    if (!w->link_loaded__[i]) return 0.0;
+    const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % w->link_stride__ + 1);
+    const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->link_x__[i], w->link_y__[i], w->link_z__[i])));
+    const dem_vec force = dem_vec3(w->lx__[i] - w->ex__[i], w->ly__[i] - w->ey__[i], w->lz__[i] - w->ez__[i]);
+    return dem__dot(force, way) + turned * ((w->qx__[i] - w->etx__[i]) * (w->wx[i] + tau * w->bx[i] + w->link_wx__[i]) +
+                                            (w->qy__[i] - w->ety__[i]) * (w->wy[i] + tau * w->by[i] + w->link_wy__[i]) +
+                                            (w->qz__[i] - w->etz__[i]) * (w->wz[i] + tau * w->bz[i] + w->link_wz__[i]));
 }
 
 /* Acceleration without contacts. */
@@ -2751,16 +2776,6 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t / w->dt__ * (1.0 - 1e-9);
     return n < (double)(DEM_WHEEL - 2) ? 1 + (int)n : DEM_WHEEL - 1;
-}
-
-DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
-    if (w->has_periodic__) {
-        double x = w->def.high.x - w->def.low.x, y = w->def.high.y - w->def.low.y, z = w->def.high.z - w->def.low.z;
-        if (w->def.periodic[0]) d.x -= x * floor(d.x / x + 0.5);
-        if (w->def.periodic[1]) d.y -= y * floor(d.y / y + 0.5);
-        if (w->def.periodic[2]) d.z -= z * floor(d.z / z + 0.5);
-    }
-    return d;
 }
 
 /* Earliest time at which spheres a distance d apart can touch, if their relative velocity stays within `stray` of v. */
@@ -4054,6 +4069,7 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
 static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     if (w->ledger_on__) {
+        w->ledger__.link_work += dem__link_work(w, i);
         w->ledger__.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
         w->ledger__.removed_potential += dem__potential(w, i);
     }
@@ -4584,6 +4600,8 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     return 1;
 }
 
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
+
 /* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
@@ -4596,6 +4614,7 @@ static inline void dem__step_links(dem_world *w) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         dem__settle(w, i);
         dem__wrap(w, i);
+        if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
         w->mx__[i] = w->vx[i], w->my__[i] = w->vy[i], w->mz__[i] = w->vz[i];
         w->ox__[i] = w->wx[i], w->oy__[i] = w->wy[i], w->oz__[i] = w->wz[i];
         for (int a = 0; a < 6; a++) old[a][i] = load[a][i], load[a][i] = external[a][i];
@@ -4617,6 +4636,11 @@ static inline void dem__step_links(dem_world *w) {
             const double change = (load[a][i] - old[a][i]) * (a < 3 ? m : turn);
             velocity[a][i] += 0.5 * h * change;
             rate[a][i] += change;
+        }
+        if (w->ledger_on__) {
+            w->ledger__.link_work += dem__motion_energy(w, i);
+            w->link_x__[i] = w->x[i], w->link_y__[i] = w->y[i], w->link_z__[i] = w->z[i];
+            w->link_wx__[i] = w->wx[i], w->link_wy__[i] = w->wy[i], w->link_wz__[i] = w->wz[i];
         }
         if (w->stale__) continue;
         const dem_vec stray = dem__stray(w, i);
@@ -4786,13 +4810,14 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
+        if (world->ledger_on__) l.link_work += dem__link_work(world, i);
     }
     for (ptrdiff_t c = 0; world->ledger_on__ && c < world->live_count__; c++) l.elastic += world->live_elastic__[c];
     if (!world->ledger_started__) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
     l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
-              l.added - l.wall_work - l.external_work;
+              l.added - l.wall_work - l.external_work - l.link_work;
     return l;
 }
 
@@ -5899,6 +5924,8 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
             if (w->links_on__) dem__f64(s, &external[a][i]);
             else if (s->loading) external[a][i] = columns[17 + a][i];
         }
+        double *const last[] = {w->link_x__, w->link_y__, w->link_z__, w->link_wx__, w->link_wy__, w->link_wz__};
+        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &last[a][i]);
         if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
     }
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
@@ -5960,8 +5987,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__f64(s, &w->link_interval__), dem__f64(s, &w->link_near__);
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
     dem_energy_ledger *l = &w->ledger__;
-    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss,    &l->wall_work,       &l->external_work,    &l->added,
-                      &l->removed,     &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
+    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
+                      &l->added,       &l->removed,      &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
     int64_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
     dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);

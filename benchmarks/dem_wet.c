@@ -57,7 +57,7 @@ static int bed_run(run *r, const bed *b, int vibrated, int state, double moistur
     }
     for (int done = 0, chunk = 100; done < steps && status == DEM_OK && !common_interrupted(); done += chunk) {
         const double duration = bed_dt * (steps - done < chunk ? steps - done : chunk), start = machine_processor_seconds();
-        status = state == DRY ? dem_run(&world, duration, DEM_LINEAR | DEM_FRICTION) : wet_run(&world, duration);
+        status = state == DRY ? dem_run(&world, duration, DEM_LINEAR | DEM_FRICTION) : wet_run(&world, duration, 0);
         r->cpu_s += machine_processor_seconds() - start;
         progress_add(bar, (double)chunk * b->n);
     }

@@ -181,7 +181,8 @@ static void report_one(const study *st, double wall) {
     if (s->moisture > 0.0)
         common_print("liquid conserved to %.1e; %.0f bridges on average, %.0f ruptures (first seed)\n", r->liquid_error, r->bridges_mean,
                      r->ruptures);
-    else if (s->energy) common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", r->energy_error);
+    if (!isnan(r->energy_error))
+        common_print("energy ledger closes to %.1e of work, released potential and initial energy\n", r->energy_error);
     draw(st, &a);
     write_averages(st, &a, plate ? "h_star.csv" : "retained.csv");
     json *j = json_open(st->self->json);

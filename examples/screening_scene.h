@@ -180,6 +180,7 @@ static double rms_speed(const dem_world *world) {
    gaining speed. */
 static dem_status settle(batch *b, const settings *s, double overlap, double quiet) {
     enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
+    const bool has_ledger = s->energy && (!wet || s->laws == 0);
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
     const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
     int glass, steel;
@@ -449,13 +450,13 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     if (r->status == DEM_OK && s->moisture > 0.0) r->status = add_liquid(&wet, &world, &b, s, deck);
     if (r->status == DEM_OK && make_layers(&bed, b.n, 0.5 * s->screen_diameter)) r->status = DEM_OUT_OF_MEMORY;
 
-    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (s->energy && !wet ? DEM_ENERGY : 0);
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (has_ledger ? DEM_ENERGY : 0);
     const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
     const double arrival = sqrt(2.0 * s->drop / 9.81);
     double initial[CLASSES] = {0.0};
     for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
         const double time = k * WATCH;
-        if (k > 0) r->status = wet ? wet_run(&world, WATCH) : dem_run(&world, WATCH, features);
+        if (k > 0) r->status = wet ? wet_run(&world, WATCH, features) : dem_run(&world, WATCH, features);
         if (time >= arrival && r->status == DEM_OK) watch_layers(&bed, &world, time);
         if (k % every == 0) {
             sample_curves(r, k / every, &world, s, wet, deck, time, initial);
@@ -473,7 +474,7 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     if (r->status == DEM_OK && !common_interrupted()) {
         mean_top_times(r, &bed, &world, &b, arrival, s->time);
         const dem_energy_ledger e = dem_energy(&world);
-        r->energy_error = s->energy && !wet ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
+        r->energy_error = has_ledger ? fabs(e.error) / (fabs(e.wall_work) + e.released + fabs(e.start)) : (double)NAN;
         r->dt = world.def.dt;
         r->steps = (double)world.step;
         r->particle_steps = (double)world.particle_steps;

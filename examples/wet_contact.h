@@ -48,7 +48,12 @@ DEM_INLINE void wet_resistance(const bridge *b, const bridge_liquid *liquid, dou
 
 DEM_INLINE void wet_resist(const dem_contact *c, const double *resistance, dem_response *r) {
     r->normal += resistance[0] * c->closing;
-    for (int a = 0; a < 3; a++) r->tangential[a] -= resistance[1] * c->translation[a] + resistance[2] * (c->slip[a] - c->translation[a]);
+    r->rolling_power += resistance[0] * c->closing * c->closing;
+    for (int a = 0; a < 3; a++) {
+        const double drag = resistance[1] * c->translation[a] + resistance[2] * (c->slip[a] - c->translation[a]);
+        r->tangential[a] -= drag;
+        r->rolling_power += drag * c->slip[a];
+    }
 }
 
 DEM_INLINE void wet_contact_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
@@ -81,7 +86,7 @@ DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_respon
     else pull = bridge_attraction(&b, c->gap);
     wet_resistance(&b, &liquid, c->gap > WET_NEAR ? c->gap : WET_NEAR, printed, resistance);
     r->normal = -pull;
-    r->tangential[0] = r->tangential[1] = r->tangential[2] = 0.0;
+    r->tangential[0] = r->tangential[1] = r->tangential[2] = r->rolling_power = 0.0;
     wet_resist(c, resistance, r);
     r->ended = bridge_is_ruptured(&b, &liquid, c->gap, -c->closing) ? 1.0 : 0.0;
 }
@@ -200,15 +205,17 @@ static const dem_law wet_bridges = {"liquid bridges", 1, WET_LINK_STATES, 0, 0, 
 static const dem_law wet_bridges_printed = {
     "liquid bridges, eqs 12-18 as printed", 1, WET_LINK_STATES, 0, 0, 0, NULL, wet_link_force_printed, NULL, wet_ended};
 DEM_KERNEL(wet_kernel, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
+DEM_KERNEL(wet_kernel_energy, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 DEM_KERNEL(wet_kernel_printed, wet_law_printed, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 DEM_LINK_KERNEL(wet_link_kernel, wet_bridges)
 DEM_LINK_KERNEL(wet_link_kernel_printed, wet_bridges_printed)
 
-static inline dem_status wet_run(dem_world *w, double duration) {
+/* features: DEM_ENERGY for the ledger, with the corrected laws only; the rest is always on. */
+static inline dem_status wet_run(dem_world *w, double duration, int features) {
     const wet_scene *s = w->user;
-    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
+    features = (s->printed ? 0 : features & DEM_ENERGY) | DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
     dem_status status = s->printed ? dem_run_law(w, duration, &wet_law_printed, wet_kernel_printed, features)
-                                   : dem_run_law(w, duration, &wet_law, wet_kernel, features);
+                                   : dem_run_law(w, duration, &wet_law, features & DEM_ENERGY ? wet_kernel_energy : wet_kernel, features);
     return status == DEM_OK && s->status != BRIDGE_OK ? DEM_BAD_ARGUMENT : status;
 }
 

@@ -112,6 +112,30 @@ static void test_angular_momentum(void **state) {
     dem_free(&w);
 }
 
+static void test_ledger(void **state) {
+    (void)state;
+    dem_world w;
+    const double spring_state[SPRING_STATES] = {2.0, 1.0, 0.0};
+    make(&w, 1e-6, dem_vec3(0, 0, -9.81));
+    add(&w, 0, 0, 0), add(&w, SIZE + 1e-3, 0, 0);
+    assert_int_equal(dem_set_links(&w, &spring, spring_kernel, 1e-4, 0.0), DEM_OK);
+    assert_int_equal(dem_add_link(&w, 0, 1, 0, spring_state), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 1, dem_vec3(0, 0.2, -0.05), dem_vec3(-5, 7, 30)), DEM_OK);
+    assert_int_equal(dem_run(&w, 1e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+    const double first = dem_get_link(&w, 0).gap, before = dem_energy(&w).link_work;
+    assert_int_equal(dem_run(&w, 0.0103, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+    const double last = dem_get_link(&w, 0).gap;
+    const dem_energy_ledger l = dem_energy(&w);
+    assert_true(fabs(l.error) < 1e-12 * (l.kinetic + l.rotational));
+    assert_true(fabs(last - first) > 0.1 * first); /* it works: what it did is what the spring holds more now */
+    print_message("work of the link %.6e J, its spring %.6e J, error %.1e J\n", l.link_work - before,
+                  spring_state[STIFFNESS] * 0.5 * (first * first - last * last), l.error);
+    assert_true(fabs((l.link_work - before) / (spring_state[STIFFNESS] * 0.5 * (first * first - last * last)) - 1.0) < 2e-3);
+    assert_int_equal(dem_run(&w, 3.3e-5, DEM_LINEAR | DEM_ENERGY), DEM_OK); /* and between two evaluations */
+    assert_true(fabs(dem_energy(&w).error) < 1e-12 * (l.kinetic + l.rotational));
+    dem_free(&w);
+}
+
 static void test_hanging(void **state) {
     (void)state;
     dem_world w;
@@ -306,9 +330,11 @@ static void test_memory_running_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oscillation),     cmocka_unit_test(test_angular_momentum),     cmocka_unit_test(test_hanging),
-        cmocka_unit_test(test_near_is_contact), cmocka_unit_test(test_skipping_and_threads), cmocka_unit_test(test_saving),
-        cmocka_unit_test(test_leaving),         cmocka_unit_test(test_hostile_calls),        cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_oscillation),     cmocka_unit_test(test_angular_momentum),
+        cmocka_unit_test(test_ledger),          cmocka_unit_test(test_hanging),
+        cmocka_unit_test(test_near_is_contact), cmocka_unit_test(test_skipping_and_threads),
+        cmocka_unit_test(test_saving),          cmocka_unit_test(test_leaving),
+        cmocka_unit_test(test_hostile_calls),   cmocka_unit_test(test_memory_running_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
