@@ -640,7 +640,7 @@ int main(int argc, char **argv) {
     bool simulated = false, swept = false;
     int which = 1, holes = 400, shape = 0;
     sieve_patch_def patch_def = sieve_patch_default();
-    double vibrated = 16.0;
+    double vibrated = 8.0;
     double K = 1.5, x_h = 0.5, n = 70.0 / 3.0, A = 0.7, slope = 15.0, direction = 90.0;
     double opening = 0.63, wire = 0.4, passing = 0.08, capacity = 2.0, run_time = 600.0;
     option options[] = {
