@@ -3185,10 +3185,6 @@ static inline void dem__compact(dem_world *w) {
     }
     w->count = to;
     w->dropped__ = 0;
-    w->active_count__ = 0;
-    for (ptrdiff_t i = 0; i < to; i++) {
-        if (w->is_active__[i]) w->active__[w->active_count__++] = (int32_t)i;
-    }
 }
 
 /* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
@@ -3446,6 +3442,10 @@ static inline void dem__find_links(dem_world *w) {
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
     dem__compact(w);
+    w->active_count__ = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* in the order of memory */
+        if (w->is_active__[i]) w->active__[w->active_count__++] = (int32_t)i;
+    }
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x = dem__at(w, i, dem__now(w, i));
