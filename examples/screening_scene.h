@@ -180,7 +180,6 @@ static double rms_speed(const dem_world *world) {
    gaining speed. */
 static dem_status settle(batch *b, const settings *s, double overlap, double quiet) {
     enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
-    const bool has_ledger = s->energy && (!wet || s->laws == 0);
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
     const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
     int glass, steel;
@@ -450,6 +449,7 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     if (r->status == DEM_OK && s->moisture > 0.0) r->status = add_liquid(&wet, &world, &b, s, deck);
     if (r->status == DEM_OK && make_layers(&bed, b.n, 0.5 * s->screen_diameter)) r->status = DEM_OUT_OF_MEMORY;
 
+    const bool has_ledger = s->energy && (!wet || s->laws == 0);
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (has_ledger ? DEM_ENERGY : 0);
     const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
     const double arrival = sqrt(2.0 * s->drop / 9.81);
