@@ -31,6 +31,7 @@
 #define RIDDLE_COMMON_H
 
 #include "csv.h"
+#include "input.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"

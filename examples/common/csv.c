@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "csv.h"
+#include "input.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -175,29 +176,10 @@ int csv_parse(const char *text, long size, const char *path, csv_data *data, cha
 int csv_read(const char *path, csv_data *data, char *message, int message_size) {
     static const csv_data empty;
     *data = empty;
-    FILE *file = fopen(path, "rb");
-    if (!file) return refuse(data, message, message_size, "%s: %s", path, strerror(errno));
-    char *text = NULL;
-    size_t size = 0, capacity = 0;
-    for (;;) {
-        if (size == capacity) {
-            capacity = capacity ? 2 * capacity : 65536;
-            char *larger = realloc(text, capacity);
-            if (!larger) {
-                free(text);
-                fclose(file);
-                return refuse(data, message, message_size, "%s: out of memory", path);
-            }
-            text = larger;
-        }
-        size_t got = fread(text + size, 1, capacity - size, file);
-        if (got == 0) break;
-        size += got;
-    }
-    int error = ferror(file) ? errno : 0;
-    fclose(file);
-    int status = error ? refuse(data, message, message_size, "%s: %s", path, strerror(error))
-                       : csv_parse(text, (long)size, path, data, message, message_size);
+    size_t size;
+    char *text = input_read(path, &size, message, (size_t)message_size);
+    if (!text) return -1;
+    int status = csv_parse(text, (long)size, path, data, message, message_size);
     free(text);
     return status;
 }

@@ -1,0 +1,290 @@
+/* angle_of_repose - spheres through a funnel onto a plate: the slope of the heap against the coefficient of friction.
+
+   The funnel is a triangle mesh from an STL file: one that the program writes, or --stl. Spheres of one size are fed into its top; below
+   its lowest point stands a round plate with a rim one diameter high, over which the surplus falls. When the last have come to rest, the heap's surface is the
+   highest centre in each ring and sector of the plate; the angle of repose is the slope of a line through the rings' means. Friction is that
+   between spheres and with the plate; the funnel is smooth. A lever arm of rolling resistance stands for what spheres have too little of. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "dem.h"
+
+enum { RINGS = 6, SECTORS = 12, CASES = 5, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
+
+typedef struct heap {
+    /* asked for */
+    double diameter, friction, rolling; /* [m], [-], lever arm over diameter [-] */
+    int spheres;
+    uint64_t seed;
+    const dem_mesh *funnel;
+    const char *folder; /* of the .vtp series, or NULL */
+    progress *bar;
+    /* found */
+    dem_status status;
+    double angle, error;                 /* [rad]: slope and its standard error */
+    double radius[RINGS], height[RINGS]; /* of rings, and of centres over the plate [m]; NaN where hardly any sector has one */
+    double speed, time;                  /* largest at the end [m/s], simulated [s] */
+    int on_plate;
+} heap;
+
+/* A surface of revolution: points (radius, height), from the outlet up. Free its arrays. */
+static dem_mesh lathe(const double (*point)[2], int n) {
+    dem_mesh m;
+    memset(&m, 0, sizeof m);
+    m.vertex = malloc((size_t)(3 * n * AROUND) * sizeof *m.vertex);
+    m.triangle = malloc((size_t)(6 * n * AROUND) * sizeof *m.triangle);
+    for (int k = 0; m.vertex && m.triangle && k < n * AROUND; k++) {
+        const double *p = point[k / AROUND], angle = 2.0 * RIDDLE_PI * (k % AROUND) / AROUND;
+        double *x = &m.vertex[3 * m.vertices++];
+        x[0] = p[0] * cos(angle), x[1] = p[0] * sin(angle), x[2] = p[1];
+        if (k / AROUND == n - 1) continue;
+        const int32_t a = k, b = k / AROUND * AROUND + (k + 1) % AROUND, c = a + AROUND, d = b + AROUND;
+        const int32_t corners[6] = {a, b, d, a, d, c};
+        memcpy(&m.triangle[3 * m.triangles], corners, sizeof corners);
+        m.triangles += 2;
+    }
+    return m;
+}
+
+/* Millimetres, as most programs write them. */
+static int write_stl(const char *folder, const char *name, const dem_mesh *m) {
+    output *file = output_open(folder, name);
+    output_print(file, "solid funnel\n");
+    for (ptrdiff_t k = 0; k < m->triangles; k++) {
+        output_print(file, "facet normal 0 0 0\n outer loop\n");
+        for (int c = 0; c < 3; c++) {
+            const double *x = &m->vertex[3 * m->triangle[3 * k + c]];
+            output_print(file, "  vertex %.9g %.9g %.9g\n", 1e3 * x[0], 1e3 * x[1], 1e3 * x[2]);
+        }
+        output_print(file, " endloop\nendfacet\n");
+    }
+    output_print(file, "endsolid funnel\n");
+    return output_close(file);
+}
+
+static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = &low->x + k % 3, *h = &high->x + k % 3;
+        *l = fmin(*l, m->vertex[k]), *h = fmax(*h, m->vertex[k]);
+    }
+}
+
+/* Highest centres by ring and sector, and the line through the rings' means between a fifth of the radius and the rim. */
+static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
+    double top[RINGS][SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    h->angle = h->error = (double)NAN;
+    h->on_plate = 0, h->speed = 0.0;
+    for (int k = 0; k < RINGS * SECTORS; k++) top[k / SECTORS][k % SECTORS] = (double)NAN;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
+        const double out = hypot(p.x - centre.x, p.y - centre.y), up = p.z - centre.z;
+        const int ring = (int)(RINGS * out / plate),
+                  sector = (int)((0.5 + 0.5 * atan2(p.y - centre.y, p.x - centre.x) / RIDDLE_PI) * SECTORS) % SECTORS;
+        if (!w->alive[i] || ring >= RINGS || up < 0.0) continue;
+        h->on_plate++;
+        h->speed = fmax(h->speed, sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
+        if (!(up <= top[ring][sector])) top[ring][sector] = up;
+    }
+    for (int k = 0; k < RINGS; k++) {
+        int filled = 0;
+        double sum = 0.0;
+        for (int s = 0; s < SECTORS; s++) {
+            if (top[k][s] == top[k][s]) sum += top[k][s], filled++;
+        }
+        h->radius[k] = (k + 0.5) * plate / RINGS;
+        h->height[k] = 2 * filled >= (k == 0 ? 2 : SECTORS) ? sum / filled : (double)NAN;
+        if (k == 0 || !(h->height[k] == h->height[k])) continue; /* the tip is round */
+        const double r = h->radius[k], z = h->height[k];
+        n += 1.0, x += r, y += z, xx += r * r, xy += r * z, yy += z * z;
+    }
+    if (n < 3.0) return;
+    const double sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n, slope = sxy / sxx;
+    h->angle = -atan(slope);
+    h->error = sqrt(fmax(syy - slope * sxy, 0.0) / (n - 2.0) / sxx) / (1.0 + slope * slope);
+}
+
+static void write_frame(const heap *h, const dem_world *w, pvd *series) {
+    double *x = malloc((size_t)(w->count + 1) * 7 * sizeof *x);
+    int n = 0;
+    for (ptrdiff_t i = 0; x && i < w->count; i++) {
+        const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
+        const double row[7] = {p.x, p.y, p.z, v.x, v.y, v.z, w->radius[i]};
+        if (w->alive[i]) memcpy(x + 7 * n++, row, sizeof row);
+    }
+    if (!x) {
+        common_fail("out of memory");
+        return;
+    }
+    vtk_array arrays[] = {vtk_vector_stride("velocity_m_s", x + 3, 7), vtk_vector_stride("radius_m", x + 6, 7)};
+    arrays[1].components = 1;
+    vtp_points(h->folder, pvd_name(series, w->time), n, vtk_vector_stride("position", x, 7), arrays, 2);
+    free(x);
+}
+
+/* Pours one heap and measures it. */
+static void pour(heap *h) {
+    const double d = h->diameter, plate = cbrt(0.57 * h->spheres) * d; /* what stays on it is about half */
+    dem_vec low, high;
+    dem_world world;
+    dem_def def = dem_default_def();
+    const int sphere = dem_add_material(&def, 2500.0, 1e8, 0.25), smooth = dem_add_material(&def, 2500.0, 1e8, 0.25);
+    dem_pair_def *pair = dem_pair(&def, sphere, sphere);
+    const double weight = 2500.0 * RIDDLE_PI / 6.0 * d * d * d * 9.81;
+    pair->stiffness = 2e4 * weight / d; /* ten layers press their lowest spheres in by 5e-4 of the diameter */
+    pair->restitution = 0.5, pair->friction = h->friction, pair->rolling = h->rolling * d, pair->tangential_damping = 0.3;
+    *dem_pair(&def, sphere, smooth) = *pair;
+    dem_pair(&def, sphere, smooth)->friction = fmin(0.2, h->friction);
+    h->status = dem_init(&world, &def, NULL);
+    if (h->status != DEM_OK) return;
+    corners_of(h->funnel, &low, &high);
+    const dem_vec centre = dem_vec3(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z - 7.0 * d);
+    dem_cone rim = dem_default_cone();
+    rim.low = rim.high = centre, rim.high.z += d;
+    rim.low_radius = rim.high_radius = plate;
+    const int walls[3] = {dem_add_mesh(&world, smooth, h->funnel), dem_add_cone(&world, sphere, &rim),
+                          dem_add_plane(&world, sphere, centre, dem_vec3(0, 0, 1))};
+    for (int k = 0; k < 3 && h->status == DEM_OK; k++) h->status = walls[k] < 0 ? (dem_status)-walls[k] : DEM_OK;
+
+    dem_feed feed = dem_default_feed();
+    const double mouth = 0.3 * fmin(high.x - low.x, high.y - low.y);
+    feed.region = dem_cylinder_region(dem_vec3(centre.x, centre.y, high.z), dem_vec3(0, 0, 1), 4.0 * d, mouth);
+    feed.sizes = dem_one_size(d), feed.material = sphere, feed.random = h->seed;
+    feed.velocity = dem_vec3(0, 0, -sqrt(9.81 * d)), feed.scatter = dem_vec3(0.1 * sqrt(9.81 * d), 0.1 * sqrt(9.81 * d), 0);
+    const double unit = sqrt(d / 9.81), interval = 2.0 * unit, rate = 10.0 / unit; /* the outlet lets through about 20 spheres a unit */
+    const double end = h->spheres / rate + 45.0 * unit;
+    pvd *series = h->folder ? pvd_open(h->folder, "particles.pvd") : NULL;
+    for (int step = 0; world.time < end && h->status == DEM_OK && !common_interrupted(); step++) {
+        if (feed.placed < h->spheres) h->status = dem_feed_number(&world, &feed, rate, interval);
+        if (step == 0 && h->status == DEM_OK) h->status = dem_set_time_step(&world, 2.0 * dem_advise(&world, FEATURES, 1.0).advised);
+        if (series && step % 5 == 0) write_frame(h, &world, series);
+        if (h->status == DEM_OK) h->status = dem_run(&world, interval, FEATURES);
+        for (ptrdiff_t i = world.count - 1; i >= 0; i--) { /* over the rim */
+            const dem_vec p = dem_position(&world, i);
+            if (world.alive[i] && hypot(p.x - centre.x, p.y - centre.y) > plate + d && p.z < low.z) dem_remove(&world, i);
+        }
+        progress_add(h->bar, interval / end);
+    }
+    if (series) write_frame(h, &world, series), pvd_close(series);
+    measure(h, &world, centre, plate);
+    h->time = world.time;
+    dem_free(&world);
+}
+
+static int pour_one(int index, void *user) {
+    heap *h = (heap *)user + index;
+    pour(h);
+    return h->status != DEM_OK;
+}
+
+static void report(const program *self, const heap *heaps, int n, const dem_stl_report *stl) {
+    const double degree = 180.0 / RIDDLE_PI;
+    double friction[CASES], angle[CASES], error[CASES];
+    table t = table_begin("friction [-]|angle of repose [deg]|+- [deg]|on the plate|largest speed [mm/s]");
+    csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,on_plate,largest_speed_m_s");
+    plot *figure = plot_new("Heaps poured through a funnel", 1, 2);
+    plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
+    plot_equal(figure);
+    for (int k = 0; k < n; k++) {
+        const heap *h = &heaps[k];
+        double x[RINGS], y[RINGS];
+        char label[40];
+        for (int q = 0; q < RINGS; q++) x[q] = 1e3 * h->radius[q], y[q] = 1e3 * h->height[q];
+        snprintf(label, sizeof label, "friction %.3g", h->friction);
+        plot_line(figure, label, x, y, RINGS);
+        plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+        friction[k] = h->friction, angle[k] = degree * h->angle, error[k] = degree * h->error;
+        table_cell(&t, "%.3g", h->friction), table_cell(&t, "%.1f", angle[k]), table_cell(&t, "%.1f", error[k]);
+        table_cell(&t, "%d", h->on_plate), table_cell(&t, "%.2g", 1e3 * h->speed);
+        const double row[5] = {h->friction, angle[k], error[k], h->on_plate, h->speed};
+        csv_row(rows, row, 5);
+    }
+    table_end(&t), csv_close(rows);
+    plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
+    plot_line(figure, "slope of the surface", friction, angle, n);
+    plot_style(figure, PLOT_MARKED, 0);
+    plot_error_bars(figure, NULL, friction, angle, error, n);
+    plot_style(figure, 0, PLOT_SAME);
+    plot_write(figure, self->out, "angle_of_repose.svg");
+
+    json *j = json_open(self->json);
+    json_program(j, self);
+    json_array(j, "friction", friction, n);
+    json_array(j, "angle_of_repose_deg", angle, n);
+    json_array(j, "standard_error_deg", error, n);
+    json_number(j, "diameter_m", heaps[0].diameter);
+    json_number(j, "rolling_lever_arm_m", heaps[0].rolling * heaps[0].diameter);
+    json_integer(j, "spheres", heaps[0].spheres);
+    json_number(j, "simulated_s", heaps[0].time);
+    json_integer(j, "stl_facets", stl->facets);
+    json_integer(j, "stl_open_edges", stl->open_edges);
+    json_integer(j, "stl_wrong_normals", stl->wrong_normals);
+    json_bool(j, "deterministic_build", dem_build_is_deterministic());
+    json_close(j);
+}
+
+int main(int argc, char **argv) {
+    double diameter_mm = 5.0, one_friction = 0.5, rolling = 0.02, scale = 1e-3;
+    int spheres = 1000;
+    const char *stl = NULL;
+    option options[] = {
+        option_double("friction", "MU", &one_friction, 0.0, 5.0, "one coefficient of friction [-] instead of a row of five"),
+        option_double("rolling", "SHARE", &rolling, 0.0, 1.0, "lever arm of rolling resistance over the diameter [-]"),
+        option_int("spheres", "N", &spheres, 100, 100000, "spheres poured"),
+        option_positive("diameter-mm", "MM", &diameter_mm, 1000.0, "diameter of the spheres [mm]"),
+        option_string("stl", "FILE", &stl, "a funnel of your own: mouth up, outlet down, the axis in the middle of its box"),
+        option_positive("stl-scale", "M", &scale, 1e6, "length of the file's unit [m]"),
+    };
+    program self = program_start("angle_of_repose", "Pours spheres through a funnel onto a plate, and measures the heap's slope.", options,
+                                 6, argc, argv);
+    const double d = 1e-3 * diameter_mm, row[CASES] = {0.05, 0.1, 0.2, 0.4, 0.8};
+    const double funnel_points[3][2] = {{2.8 * d, 0.0}, {2.8 * d, 2.0 * d}, {9.0 * d, 10.0 * d}};
+    const int n = options[0].given ? 1 : (self.quick ? 3 : CASES);
+    char path[1000], message[300] = "";
+    dem_mesh funnel, made;
+    dem_stl_report found;
+    size_t size;
+    if (self.quick && !options[2].given) spheres = 300;
+    if (!stl) {
+        made = lathe(funnel_points, 3);
+        const int failed = write_stl(self.out, "funnel.stl", &made);
+        free(made.vertex), free(made.triangle);
+        if (failed) return common_exit_status();
+        stl = output_path(path, sizeof path, self.out, "funnel.stl");
+    }
+    char *bytes = input_read(stl, &size, message, sizeof message);
+    if (!bytes) program_refuse(&self, "stl", stl, message);
+    const dem_status status = dem_read_stl(bytes, size, scale, 1e-4 * d, NULL, &funnel, &found);
+    free(bytes);
+    if (status != DEM_OK) program_refuse(&self, "stl", stl, dem_status_text(status));
+    common_print("%s: %ld triangles, %ld open edges, %ld degenerate, %ld duplicate, %ld wrong normals, %ld missing\n", stl,
+                 (long)funnel.triangles, (long)found.open_edges, (long)found.degenerate, (long)found.duplicate, (long)found.wrong_normals,
+                 (long)found.missing);
+
+    heap heaps[CASES];
+    progress bar;
+    memset(heaps, 0, sizeof heaps);
+    progress_begin(&bar, "pouring", n);
+    for (int k = 0; k < n; k++) {
+        heap *h = &heaps[k];
+        h->diameter = d, h->friction = n == 1 ? one_friction : row[n == CASES ? k : 2 * k], h->rolling = rolling;
+        h->spheres = spheres, h->seed = self.seed, h->funnel = &funnel, h->bar = &bar;
+        h->folder = k == n - 1 ? self.out : NULL;
+    }
+    jobs_run(n, self.threads, pour_one, heaps);
+    progress_end(&bar);
+    for (int k = 0; k < n; k++) {
+        if (heaps[k].status != DEM_OK) common_fail("friction %g: %s", heaps[k].friction, dem_status_text(heaps[k].status));
+    }
+    vtk_array none = vtk_vector("position", funnel.vertex);
+    int *ends = malloc((size_t)funnel.triangles * sizeof *ends);
+    for (int k = 0; ends && k < funnel.triangles; k++) ends[k] = 3 * k + 3;
+    if (ends) vtp_polygons(self.out, "funnel.vtp", (int)funnel.vertices, none, (int)funnel.triangles, ends, funnel.triangle, NULL, 0);
+    free(ends);
+    dem_free_mesh(&funnel);
+    if (!common_interrupted() && common_exit_status() == 0) report(&self, heaps, n, &found);
+    return common_exit_status();
+}
