@@ -85,12 +85,12 @@ static dem_status fill(dem_world *world, const drum *d, uint64_t seed, progress 
 }
 
 /* The spheres of a table: group 0 are the small ones. */
-static dem_status take(dem_world *world, const drum *d, const particles *table) {
+static dem_status take(dem_world *world, const drum *d, const particles *given) {
     dem_status status = DEM_OK;
-    for (int i = 0; i < table->n && status == DEM_OK; i++) {
-        const double *v = table->velocity + 3 * (size_t)i, *w = table->spin + 3 * (size_t)i;
-        const int species = table->group[i] ? LARGE : SMALL;
-        status = dem_add_spheres(world, 1, table->centre + 3 * (size_t)i, &table->diameter[i], species, species);
+    for (int i = 0; i < given->n && status == DEM_OK; i++) {
+        const double *v = given->velocity + 3 * (size_t)i, *w = given->spin + 3 * (size_t)i;
+        const int species = given->group[i] ? LARGE : SMALL;
+        status = dem_add_spheres(world, 1, given->centre + 3 * (size_t)i, &given->diameter[i], species, species);
         if (status == DEM_OK) status = dem_set_motion(world, world->count - 1, dem_vec3(v[0], v[1], v[2]), dem_vec3(w[0], w[1], w[2]));
     }
     if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, features(d), 1.0).advised);
@@ -201,7 +201,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     const char *from = NULL;
-    particles table = {0};
+    particles given = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 5.0;
     option options[] = {
         option_choice("scene", &d.dosta, "sizes|dosta", "two sizes of one material, or the drum of Dosta et al. (2024)"),
@@ -241,9 +241,9 @@ int main(int argc, char **argv) {
     }
     if (from) {
         char message[400];
-        if (particles_read(from, &table, message, sizeof message) != 0) program_refuse(&self, "from", from, message);
+        if (particles_read(from, &given, message, sizeof message) != 0) program_refuse(&self, "from", from, message);
         d.count[SMALL] = d.count[LARGE] = 0;
-        for (int i = 0; i < table.n; i++) d.count[table.group[i] ? LARGE : SMALL]++;
+        for (int i = 0; i < given.n; i++) d.count[given.group[i] ? LARGE : SMALL]++;
     }
     if (!(d.width > 1.5 * d.diameter[LARGE] && d.radius > 3.0 * d.diameter[LARGE]))
         program_refuse(&self, "large", NULL, "below a third of the drum's radius and two thirds of its width");
@@ -259,8 +259,8 @@ int main(int argc, char **argv) {
     const double duration = d.turns * 2.0 * RIDDLE_PI / d.speed, sample = fmax(duration / (SAMPLES_MAX - 2), self.quick ? 0.01 : 0.02);
     progress_begin(&bar, "turning", 1.0);
     dem_status status = build(&world, &d, &wall);
-    if (status == DEM_OK) status = from ? take(&world, &d, &table) : fill(&world, &d, self.seed, &bar, 0.2);
-    particles_free(&table);
+    if (status == DEM_OK) status = from ? take(&world, &d, &given) : fill(&world, &d, self.seed, &bar, 0.2);
+    particles_free(&given);
     if (status == DEM_BAD_ARGUMENT && !from) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
     for (int k = 0; k < 3 && status == DEM_OK; k++) /* the cylinder and its two ends */
         status = dem_rotate(&world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d.speed);

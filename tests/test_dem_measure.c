@@ -240,7 +240,7 @@ static void test_kinetic(void **state) {
     const dem_region region = dem_cylinder_region(v3(0.05, 0.05, 0.02), v3(0, 0, 1), 0.06, 0.04);
     const double volume = dem_region_volume(&region);
     dem_measure m;
-    dem_field field;
+    dem_field field = {0};
     double mass = 0.0, mean[3] = {0, 0, 0}, stress[3][3] = {{0.0}};
     int count = 0;
     assert_int_equal(dem_measure_region(&w, &region, &m), DEM_OK);
