@@ -243,7 +243,7 @@ int main(int argc, char **argv) {
     const double d = 1e-3 * diameter_mm, row[CASES] = {0.05, 0.1, 0.2, 0.4, 0.8};
     const double funnel_points[3][2] = {{2.8 * d, 0.0}, {2.8 * d, 2.0 * d}, {9.0 * d, 10.0 * d}};
     const int n = options[0].given ? 1 : (self.quick ? 3 : CASES);
-    char path[1000], message[300] = "";
+    char path[1000], message[300] = "", allowed[400];
     dem_mesh funnel, made;
     dem_stl_report found;
     size_t size;
@@ -256,10 +256,16 @@ int main(int argc, char **argv) {
         stl = output_path(path, sizeof path, self.out, "funnel.stl");
     }
     char *bytes = input_read(stl, &size, message, sizeof message);
-    if (!bytes) program_refuse(&self, "stl", stl, message);
+    if (!bytes) {
+        snprintf(allowed, sizeof allowed, "an STL file that can be read (%s)", message);
+        program_refuse(&self, "stl", stl, allowed);
+    }
     const dem_status status = dem_read_stl(bytes, size, scale, 1e-4 * d, NULL, &funnel, &found);
     free(bytes);
-    if (status != DEM_OK) program_refuse(&self, "stl", stl, dem_status_text(status));
+    if (status != DEM_OK) {
+        snprintf(allowed, sizeof allowed, "an STL file with triangles (%s)", dem_status_text(status));
+        program_refuse(&self, "stl", stl, allowed);
+    }
     common_print("%s: %ld triangles, %ld open edges, %ld degenerate, %ld duplicate, %ld wrong normals, %ld missing\n", stl,
                  (long)funnel.triangles, (long)found.open_edges, (long)found.degenerate, (long)found.duplicate, (long)found.wrong_normals,
                  (long)found.missing);
