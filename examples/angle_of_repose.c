@@ -82,9 +82,9 @@ static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
         const double out = hypot(p.x - centre.x, p.y - centre.y), up = p.z - centre.z;
+        if (!w->alive[i] || !(out < plate && up >= 0.0)) continue;
         const int ring = (int)(RINGS * out / plate),
                   sector = (int)((0.5 + 0.5 * atan2(p.y - centre.y, p.x - centre.x) / RIDDLE_PI) * SECTORS) % SECTORS;
-        if (!w->alive[i] || ring >= RINGS || up < 0.0) continue;
         h->on_plate++;
         h->speed = fmax(h->speed, sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
         if (!(up <= top[ring][sector])) top[ring][sector] = up;
@@ -262,8 +262,14 @@ int main(int argc, char **argv) {
     }
     const dem_status status = dem_read_stl(bytes, size, scale, 1e-4 * d, NULL, &funnel, &found);
     free(bytes);
-    if (status != DEM_OK) {
-        snprintf(allowed, sizeof allowed, "an STL file with triangles (%s)", dem_status_text(status));
+    if (status != DEM_OK)
+        program_refuse(&self, "stl", stl, status == DEM_BAD_DATA ? "an STL file that holds a triangle" : dem_status_text(status));
+    dem_vec low, high;
+    corners_of(&funnel, &low, &high);
+    const double narrow = fmin(high.x - low.x, high.y - low.y) / d, tall = (high.z - low.z) / d;
+    if (!(narrow >= 5.0 && narrow <= 1000.0 && tall <= 1000.0)) {
+        snprintf(allowed, sizeof allowed,
+                 "5 to 1000 sphere diameters wide, no more high; with --stl-scale %.3g it is %.3g wide and %.3g high", scale, narrow, tall);
         program_refuse(&self, "stl", stl, allowed);
     }
     common_print("%s: %ld triangles, %ld open edges, %ld degenerate, %ld duplicate, %ld wrong normals, %ld missing\n", stl,

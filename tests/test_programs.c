@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 9, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 10, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -451,6 +451,28 @@ static void test_simulation(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
+/* What angle_of_repose is given for a funnel and cannot be one: each is named, with the reason. */
+static void test_funnels(void **state) {
+    if (!strstr(*state, "/angle_of_repose")) skip();
+    static const char text[] = "solid f\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n";
+    char file[LONGEST_PATH + 20], missing[LONGEST_PATH + 20];
+    snprintf(missing, sizeof missing, "%s/missing.stl", folder);
+    snprintf(file, sizeof file, "%s/file.stl", folder);
+    const struct {
+        const char *path, *content, *scale, *reason;
+    } bad[] = {{missing, NULL, "1", "No such file"}, {folder, NULL, "1", "directory"}, {file, "", "1", "triangle"},
+               {file, "no facet", "1", "triangle"},  {file, text, "0.01", "wide"},     {file, text, "1e6", "wide"}};
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        FILE *f = bad[i].content ? fopen(file, "wb") : NULL;
+        if (f) assert_true(fputs(bad[i].content, f) >= 0 && fclose(f) == 0);
+        const char *words[] = {"--quick", "--stl", bad[i].path, "--stl-scale", bad[i].scale, NULL};
+        result r = run_program(*state, words, 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, bad[i].path) || !strstr(r.err, bad[i].reason))
+            fail_msg("%d: status %d, said '%s'", i, r.status, r.err);
+        forget(&r);
+    }
+}
+
 int main(void) {
     static const struct {
         const char *name;
@@ -463,7 +485,8 @@ int main(void) {
                     {"Ctrl-C", test_interrupt},
                     {"threads", test_threads},
                     {"screening studies", test_screening_studies},
-                    {"simulation", test_simulation}};
+                    {"simulation", test_simulation},
+                    {"funnels", test_funnels}};
     static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
     static char names[EACH * MOST_PROGRAMS][120];
     const char *given = getenv("RIDDLE_PROGRAMS");
