@@ -1,9 +1,9 @@
 /* dem.h: what a wall of triangles costs: to build, in memory, and per contact and step, beside the plane that it stands for.
 
-   400 spheres of 5 mm roll side by side over a floor that is a plane, or a plate of triangles of random diagonals. Finer: the same
-   plate of 0.5 m, cut into more and more triangles. Wider: triangles of 5 mm, on a larger and larger plate. All spheres are in contact
-   in every step, which is the worst case: a sphere that does not touch is looked at only when it may. Figure of merit: processor time
-   of a step of a sphere, the median of repeats, over that on the plane. */
+   Spheres of 5 mm roll side by side over a floor that is a plane, or a plate of 0.5 m of more and more triangles, cut along random
+   diagonals. All are in contact in every step, which is the worst case: a sphere that does not touch is looked at only when it may. 400
+   spheres: what they look at of a fine mesh fills the caches; 9 spheres: it does not, and what is left is the depth of the tree. Figure of
+   merit: processor time of a step of a sphere, the median of repeats, over that of as many on the plane. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,23 +11,24 @@
 #include "common.h"
 #include "dem.h"
 
-enum { POINTS_MAX = 16, REPEATS_MAX = 9, ACROSS = 20, SPHERES = ACROSS * ACROSS };
-static const double diameter = 5e-3, side = 0.5, cell = 5e-3;
+enum { POINTS_MAX = 20, REPEATS_MAX = 9 };
+static const double diameter = 5e-3, side = 0.5, spacing = 0.02;
+static const int rows[2] = {20, 3}; /* of spheres */
 
 typedef struct point {
-    int across, wider, triangles; /* cells along a side, 0: the plane */
+    int few, across, triangles; /* few: 9 spheres; cells along a side, 0: the plane */
     double step_s, build_s, bytes, height;
 } point;
 
 /* Square cells, each cut along either diagonal. */
-static dem_mesh plate(int across, double width, uint64_t random) {
+static dem_mesh plate(int across, uint64_t random) {
     dem_mesh m;
     memset(&m, 0, sizeof m);
     m.vertex = malloc((size_t)(across + 1) * (size_t)(across + 1) * 3 * sizeof *m.vertex);
     m.triangle = malloc((size_t)across * (size_t)across * 6 * sizeof *m.triangle);
     for (int k = 0; k < (across + 1) * (across + 1) && m.vertex; k++) {
         double *x = &m.vertex[3 * m.vertices++];
-        x[0] = (k % (across + 1) / (double)across - 0.5) * width, x[1] = (k / (across + 1) / (double)across - 0.5) * width, x[2] = 0.0;
+        x[0] = (k % (across + 1) / (double)across - 0.5) * side, x[1] = (k / (across + 1) / (double)across - 0.5) * side, x[2] = 0.0;
     }
     for (int k = 0; k < across * across && m.triangle; k++) {
         const int32_t a = k / across * (across + 1) + k % across, b = a + 1, c = a + across + 1, d = c + 1;
@@ -59,7 +60,7 @@ static double median(double *values, int n) {
 
 static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, double *used) {
     if (p->across == 0) return dem_add_plane(world, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0 ? DEM_TOO_MANY : DEM_OK;
-    dem_mesh mesh = plate(p->across, p->wider ? p->across * cell : side, seed);
+    dem_mesh mesh = plate(p->across, seed);
     if (!mesh.vertex || !mesh.triangle) mesh.triangles = 0;
     const double before = *used, begun = machine_processor_seconds();
     const int wall = dem_add_mesh(world, 0, &mesh);
@@ -69,7 +70,9 @@ static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, double *u
     return wall < 0 ? (dem_status)-wall : DEM_OK;
 }
 
-static int measure(point *p, int steps, int repeats, const program *self, progress *bar) {
+/* Few take ten times as many steps. */
+static int measure(point *p, int steps_of_all, int repeats, const program *self, progress *bar) {
+    const int across = rows[p->few], n = across * across, steps = p->few ? 10 * steps_of_all : steps_of_all;
     double times[REPEATS_MAX], used = 0.0;
     dem_world world;
     dem_def def = dem_default_def();
@@ -81,8 +84,8 @@ static int measure(point *p, int steps, int repeats, const program *self, progre
     dem_status status = dem_init(&world, &def, NULL);
     p->triangles = 2 * p->across * p->across;
     if (status == DEM_OK) status = lay_floor(&world, p, self->seed, &used);
-    for (int k = 0; k < SPHERES && status == DEM_OK; k++) {
-        const double at[3] = {(k % ACROSS - 0.5 * ACROSS) * 0.02, (k / ACROSS - 0.5 * ACROSS) * 0.02, 0.5 * diameter - overlap};
+    for (int k = 0; k < n && status == DEM_OK; k++) {
+        const double at[3] = {(k % across - 0.5 * across) * spacing, (k / across - 0.5 * across) * spacing, 0.5 * diameter - overlap};
         status = dem_add_spheres(&world, 1, at, &diameter, material, 0);
         if (status == DEM_OK) status = dem_set_motion(&world, k, dem_vec3(0.3, 0.2, 0), dem_vec3(-80, 120, 0)); /* rolls */
     }
@@ -90,14 +93,16 @@ static int measure(point *p, int steps, int repeats, const program *self, progre
     for (int k = -1; k < repeats && status == DEM_OK && !common_interrupted(); k++) { /* once to warm up */
         const double begun = machine_processor_seconds();
         status = dem_run(&world, steps * world.def.dt, DEM_LINEAR | DEM_FRICTION);
-        if (k >= 0) times[k] = (machine_processor_seconds() - begun) / ((double)steps * SPHERES);
+        if (k >= 0) times[k] = (machine_processor_seconds() - begun) / ((double)steps * n);
         progress_add(bar, 1.0);
     }
     if (status == DEM_OK) {
         p->step_s = median(times, repeats);
-        for (int k = 0; k < SPHERES; k++) p->height += dem_position(&world, k).z / SPHERES;
+        for (int k = 0; k < n; k++) p->height += dem_position(&world, k).z / n;
     }
     dem_free(&world);
+    if (status == DEM_OK && !common_interrupted() && !(p->height > 0.4 * diameter))
+        return common_fail("spheres have left the plate: fewer --steps are needed");
     return status == DEM_OK ? 0 : common_fail("%d triangles: %s", p->triangles, dem_status_text(status));
 }
 
@@ -105,7 +110,7 @@ int main(int argc, char **argv) {
     int most = 1000000, steps = 2000, repeats = 5;
     option options[] = {
         option_int("triangles", "N", &most, 100, 10000000, "largest number of triangles"),
-        option_int("steps", "N", &steps, 10, 1000000, "time steps of a repeat"),
+        option_int("steps", "N", &steps, 10, 100000, "time steps of a repeat"),
         option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; the median is told"),
     };
     program self = program_start("dem_mesh", "dem.h: cost of a wall of triangles over their number.", options,
@@ -113,14 +118,15 @@ int main(int argc, char **argv) {
     if (self.quick && !options[0].given) most = 100000;
     if (self.quick && !options[1].given) steps = 200;
     point points[POINTS_MAX];
-    int n = 1, finer = 1;
+    int n = 0, many = 0; /* many: points of 400 spheres */
     memset(points, 0, sizeof points);
-    for (int wider = 0; wider < 2; wider++) {
-        for (double triangles = wider ? 2e4 : 1e2; triangles <= most && n < POINTS_MAX; triangles *= wider ? sqrt(50.0) : 10.0) {
+    for (int few = 0; few < 2; few++) {
+        points[n++].few = few;
+        for (double triangles = 1e2; triangles <= most && n < POINTS_MAX; triangles *= 10.0) {
             points[n].across = (int)ceil(sqrt(0.5 * triangles) - 1e-9);
-            points[n++].wider = wider;
+            points[n++].few = few;
         }
-        if (!wider) finer = n;
+        if (!few) many = n;
     }
     progress bar;
     progress_begin(&bar, "rolling", (double)n * (repeats + 1));
@@ -131,22 +137,24 @@ int main(int argc, char **argv) {
     if (common_interrupted()) return common_exit_status();
 
     json *report = json_open(self.json);
-    csv *file = csv_open(self.out, "dem_mesh.csv", "triangles,wider,step_s,over_plane,build_s,bytes_a_triangle");
-    table t = table_begin("floor|triangles|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
+    csv *file = csv_open(self.out, "dem_mesh.csv", "triangles,spheres,step_s,over_plane,build_s,bytes_a_triangle");
+    table t = table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
     double count[POINTS_MAX], over[POINTS_MAX], build[POINTS_MAX];
     json_array_begin(report, "points");
     for (int k = 0; k < n; k++) {
         const point *p = &points[k];
-        count[k] = p->triangles, over[k] = p->step_s / points[0].step_s, build[k] = p->build_s;
-        csv_line(file, "%d,%d,%.9g,%.9g,%.9g,%.9g", p->triangles, p->wider, p->step_s, over[k], p->build_s, p->bytes);
-        table_cell(&t, "%s", p->across == 0 ? "plane" : p->wider ? "5 mm triangles" : "0.5 m plate");
+        const int spheres = rows[p->few] * rows[p->few];
+        count[k] = p->triangles, over[k] = p->step_s / points[p->few ? many : 0].step_s, build[k] = p->build_s;
+        csv_line(file, "%d,%d,%.9g,%.9g,%.9g,%.9g", p->triangles, spheres, p->step_s, over[k], p->build_s, p->bytes);
+        table_cell(&t, "%s", p->across == 0 ? "plane" : "triangles");
         table_cell(&t, "%d", p->triangles);
+        table_cell(&t, "%d", spheres);
         table_cell(&t, "%.0f", 1e9 * p->step_s);
         table_cell(&t, "%.2f", over[k]);
         table_cell(&t, "%.3g", 1e3 * p->build_s);
         table_cell(&t, "%.0f", p->bytes);
         json_object_begin(report, NULL);
-        json_string(report, "floor", p->across == 0 ? "plane" : p->wider ? "wider" : "finer");
+        json_integer(report, "spheres", spheres);
         json_integer(report, "triangles", p->triangles);
         json_number(report, "step_s", p->step_s);
         json_number(report, "over_plane", over[k]);
@@ -159,16 +167,15 @@ int main(int argc, char **argv) {
     table_end(&t);
     csv_close(file);
     plot *figure = plot_new("A wall of triangles, one core", 1, 2);
-    plot_panel(figure, 0, 0, "triangles [-]", "step of a touching sphere over that on a plane [-]");
-    plot_log_x(figure);
-    plot_line(figure, "finer: a plate of 0.5 m", count + 1, over + 1, finer - 1);
-    plot_style(figure, PLOT_MARKED, PLOT_SAME);
-    plot_line(figure, "wider: triangles of 5 mm", count + finer, over + finer, n - finer);
-    plot_style(figure, PLOT_MARKED, PLOT_SAME);
+    plot_panel(figure, 0, 0, "triangles [-]", "time of a step over that on a plane [-]");
+    plot_log_x(figure), plot_log_y(figure);
+    plot_line(figure, "400 spheres", count + 1, over + 1, many - 1);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_line(figure, "9 spheres", count + many + 1, over + many + 1, n - many - 1);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     plot_panel(figure, 0, 1, "triangles [-]", "dem_add_mesh [s]");
     plot_log_x(figure), plot_log_y(figure);
-    plot_points(figure, "finer", count + 1, build + 1, finer - 1);
-    plot_points(figure, "wider", count + finer, build + finer, n - finer);
+    plot_points(figure, NULL, count + 1, build + 1, many - 1);
     plot_write(figure, self.out, "dem_mesh.svg");
     json_program(report, &self);
     json_close(report);

@@ -1,18 +1,20 @@
 /* contact_laws.h - laws of contact beside the shipped ones of dem.h, each a law of your own as dem.h's hook wants it:
 
+       #include "contact_laws.h"
+       DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)            // once, outside of functions: compiles the law's loop
+       ...
        contact_laws laws = contact_default_laws();
-       contact_pair(&laws, powder, powder)->surface_energy = 0.05;
-       world.user = &laws;
+       contact_pair(&laws, powder, powder)->surface_energy = 0.05;          // powder: as dem_add_material() numbered it
+       world.user = &laws;                                                  // without it a run gives DEM_NOT_FINITE
        status = dem_run_law(&world, 0.1, &contact_jkr, kernel, DEM_HERTZ | DEM_FRICTION);
 
-   after, once in the file,
-
-       DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)
+   The features named to DEM_KERNEL and to dem_run_law are those of the law:
 
    contact_epsd        linear, friction, rolling by an elastic-plastic spring and dashpot (Ai, Chen, Rotter & Ooi 2011, model C), and
                        twisting by the same scheme; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
    contact_epsd_hertz  the same on Hertz-Mindlin; DEM_HERTZ | DEM_FRICTION | DEM_ROLLING
-   contact_dmt         Hertz-Mindlin with the pull of Derjaguin, Muller & Toporov (1975): stiff, small, weakly adhesive spheres
+   contact_dmt         Hertz-Mindlin with the pull of Derjaguin, Muller & Toporov (1975): stiff, small, weakly adhesive spheres;
+                       DEM_HERTZ | DEM_FRICTION
    contact_jkr         the contact of Johnson, Kendall & Roberts (1971): soft, large, strongly adhesive spheres; DEM_HERTZ | DEM_FRICTION
    contact_bonds       parallel bonds of Potyondy & Cundall (2004) that bend, twist and break, and linear friction where there is none;
                        DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
@@ -198,8 +200,12 @@ DEM_INLINE void contact_epsd_hertz_force(const dem_contact *c, double *state, de
     contact_resist_turning(c, k * mindlin[3], k * before, state + CONTACT_ANGLE, state + CONTACT_TWISTED, r);
 }
 
-static inline const contact_pair_def *contact__pair_of(const dem_birth *b) {
-    return contact_pair((contact_laws *)b->user, b->material_i, b->material_j);
+/* NaN where world.user has been forgotten, so that the run says so. */
+static inline contact_pair_def contact__pair_of(const dem_birth *b) {
+    const contact_pair_def *p = contact_pair((contact_laws *)b->user, b->material_i, b->material_j);
+    const contact_pair_def none = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN,
+                                   (double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN};
+    return p ? *p : none;
 }
 static inline double contact__radius(const dem_birth *b) {
     return 1.0 / (1.0 / b->radius_i + (b->radius_j > 0.0 ? 1.0 / b->radius_j : b->curvature));
@@ -207,7 +213,7 @@ static inline double contact__radius(const dem_birth *b) {
 
 /* Lever arms mu R*, and 2 eta sqrt(I_r): 1/I_r = 1/(I_i + m_i R_i^2) + 1/(I_j + m_j R_j^2) (Ai et al.). */
 static inline void contact__prepare_turning(const dem_birth *b, double *constants) {
-    const contact_pair_def *pair = contact__pair_of(b);
+    const contact_pair_def pair = contact__pair_of(b);
     const double radius[2] = {b->radius_i, b->radius_j};
     const int material[2] = {b->material_i, b->material_j};
     double inverse = 0.0;
@@ -215,9 +221,9 @@ static inline void contact__prepare_turning(const dem_birth *b, double *constant
         const double volume = 4.0 / 3.0 * RIDDLE_PI * radius[k] * radius[k] * radius[k];
         inverse += 1.0 / (1.4 * b->def->material[material[k]].density * volume * radius[k] * radius[k]);
     }
-    constants[CONTACT_ROLL] = pair->rolling * contact__radius(b);
-    constants[CONTACT_TWIST] = pair->twisting * contact__radius(b);
-    constants[CONTACT_ROLL_DAMPING] = 2.0 * pair->rolling_damping / sqrt(inverse);
+    constants[CONTACT_ROLL] = pair.rolling * contact__radius(b);
+    constants[CONTACT_TWIST] = pair.twisting * contact__radius(b);
+    constants[CONTACT_ROLL_DAMPING] = 2.0 * pair.rolling_damping / sqrt(inverse);
 }
 static inline double contact_prepare_epsd(const dem_birth *b, double *constants) {
     contact__prepare_turning(b, constants);
@@ -264,7 +270,7 @@ DEM_INLINE void contact_dmt_force(const dem_contact *c, double *state, dem_respo
     r->elastic += pull * c->gap;
 }
 static inline double contact_prepare_dmt(const dem_birth *b, double *constants) {
-    constants[CONTACT_PULL] = contact_dmt_pull_off(contact__radius(b), contact__pair_of(b)->surface_energy);
+    constants[CONTACT_PULL] = contact_dmt_pull_off(contact__radius(b), contact__pair_of(b).surface_energy);
     return dem_prepare_hertz(b, constants);
 }
 
@@ -291,7 +297,7 @@ DEM_INLINE void contact_jkr_force(const dem_contact *c, double *state, dem_respo
 }
 static inline double contact_prepare_jkr(const dem_birth *b, double *constants) {
     const double stiffness = dem_prepare_hertz(b, constants), modulus = 0.75 * constants[DEM__HERTZ_K];
-    const double energy = contact__pair_of(b)->surface_energy, radius = constants[DEM__HERTZ_RADIUS];
+    const double energy = contact__pair_of(b).surface_energy, radius = constants[DEM__HERTZ_RADIUS];
     constants[CONTACT_PULL] = sqrt(8.0 * RIDDLE_PI * energy * modulus);
     constants[CONTACT_JKR_G] = radius * sqrt(2.0 * RIDDLE_PI * energy / modulus);
     constants[CONTACT_JKR_LEAST] = contact__jkr_least(constants[CONTACT_JKR_G]);
@@ -338,7 +344,8 @@ DEM_INLINE void contact_bond_force(const dem_contact *c, double *state, dem_resp
     const double sheared = p[CONTACT_SHEARED] * (contact__size(shear) + 0.5 * lever * fabs(torsion));
     const int held = was > 0.0 && pulled <= 1.0 && sheared <= 1.0, broke = was > 0.0 && !held;
     const double normal_power = lag * p[CONTACT_STRETCH] * c->closing * c->closing;
-    r->normal = held ? normal + lag * p[CONTACT_STRETCH] * c->closing : r->normal;
+    const double undefined = 0.0 * p[CONTACT_STRETCH]; /* NaN where nobody has set what a bond is */
+    r->normal = held ? normal + lag * p[CONTACT_STRETCH] * c->closing : r->normal + undefined;
     r->contact = held ? (was > 1.5 ? 0.0 : normal) : r->contact; /* a bond that begins is no impact */
     r->elastic = held ? elastic : r->elastic;
     r->normal_power = held ? normal_power : r->normal_power;
@@ -359,25 +366,25 @@ DEM_INLINE void contact_bond_force(const dem_contact *c, double *state, dem_resp
 
 /* A beam of length R_i + R_j (wall: R_i) and round section between the centres. */
 static inline double contact_prepare_bonds(const dem_birth *b, double *constants) {
-    const contact_pair_def *p = contact__pair_of(b);
+    const contact_pair_def p = contact__pair_of(b);
     const int wall = !(b->radius_j > 0.0);
-    const double radius = p->bond_radius * (wall || b->radius_i < b->radius_j ? b->radius_i : b->radius_j);
+    const double radius = p.bond_radius * (wall || b->radius_i < b->radius_j ? b->radius_i : b->radius_j);
     const double area = RIDDLE_PI * radius * radius, second = 0.25 * area * radius * radius;
-    const double per_area = p->bond_modulus / (b->radius_i + b->radius_j);
+    const double per_area = p.bond_modulus / (b->radius_i + b->radius_j);
     constants[CONTACT_STRETCH] = per_area * area;
-    constants[CONTACT_SHEAR] = p->bond_shear * per_area * area;
+    constants[CONTACT_SHEAR] = p.bond_shear * per_area * area;
     constants[CONTACT_BEND] = per_area * second;
-    constants[CONTACT_TORSION] = 2.0 * p->bond_shear * per_area * second;
-    constants[CONTACT_LAG] = p->bond_modulus > 0.0 ? 2.0 * p->bond_damping * sqrt(b->mass / (per_area * area)) : 0.0;
-    constants[CONTACT_TENSILE] = 1.0 / (p->tensile * area);
-    constants[CONTACT_SHEARED] = 1.0 / (p->shear * area);
+    constants[CONTACT_TORSION] = 2.0 * p.bond_shear * per_area * second;
+    constants[CONTACT_LAG] = p.bond_modulus > 0.0 ? 2.0 * p.bond_damping * sqrt(b->mass / (per_area * area)) : 0.0;
+    constants[CONTACT_TENSILE] = 1.0 / (p.tensile * area);
+    constants[CONTACT_SHEARED] = 1.0 / (p.shear * area);
     constants[CONTACT_FAR] = 4.0 / radius;
     dem_prepare_linear(b, constants);
     return 0.0;
 }
 static inline void contact_bonds_born(dem_world *world, const int32_t *slots, ptrdiff_t n, void *user) {
     const contact_laws *laws = (const contact_laws *)user;
-    for (ptrdiff_t k = 0; laws->bonding && k < n; k++) {
+    for (ptrdiff_t k = 0; laws && laws->bonding && k < n; k++) {
         dem_contact_info c = dem_get_slot(world, slots[k]);
         const int i = world->material[c.i], j = c.j >= 0 ? world->material[c.j] : world->wall[-1 - c.j].material;
         if (!(laws->pair[i < j ? i : j][i < j ? j : i].bond_modulus > 0.0)) continue;

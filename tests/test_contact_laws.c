@@ -659,6 +659,22 @@ static void test_unchecked_parameters(void **state) {
     assert_true(refused > 0);
 }
 
+/* world.user was forgotten: the run says that its numbers are none. */
+static void test_forgotten_laws(void **state) {
+    (void)state;
+    for (int which = 0; which < USES; which++) {
+        dem_world w;
+        dem_def def = grains(0.6, density);
+        def.dt = 1e-9;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        dem_add_plane(&w, 0, none, up);
+        add(&w, v3(0, 0, R - 1e-9), 2.0 * R, 0);
+        dem_set_motion(&w, 0, none, v3(1.0, 2.0, 3.0));
+        assert_int_equal(dem_run_law(&w, 2e-8, uses[which].law, uses[which].kernel, uses[which].features), DEM_NOT_FINITE);
+        dem_free(&w);
+    }
+}
+
 static dem_status everything(failing_allocator *memory, int which) {
     dem_world w;
     dem_def def = grains(0.6, density);
@@ -704,7 +720,7 @@ int main(void) {
         cmocka_unit_test(test_ledger_of_rolling),    cmocka_unit_test(test_beam),
         cmocka_unit_test(test_bond_breaks),          cmocka_unit_test(test_ledger_of_bonds),
         cmocka_unit_test(test_bad_parameters),       cmocka_unit_test(test_unchecked_parameters),
-        cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_forgotten_laws),       cmocka_unit_test(test_memory_running_out),
     };
     return cmocka_run_group_tests_name("contact_laws", tests, NULL, NULL);
 }
