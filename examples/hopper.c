@@ -44,6 +44,9 @@ typedef struct study {
 
 static int features(const silo *s) { return (s->dosta ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | (s->rolling > 0.0 ? DEM_ROLLING : 0); }
 
+/* Times and speeds over those that suit spheres of 5 mm. */
+static double pace(const silo *s) { return s->dosta ? 1.0 : sqrt(s->diameter / 0.005); }
+
 /* The bottom lies that deep below the cylinder's end. A flat one is a very flat cone. */
 static double depth(const silo *s, const discharge *d) {
     return s->slope > 0.0 ? tan(s->slope) * (d->radius - 0.5 * d->orifice) : 1e-3 * s->diameter;
@@ -78,7 +81,7 @@ static double top_of(const dem_world *world) {
 
 /* Rains spheres in, layer upon layer, with the orifice shut, until there are enough, and waits until they rest. */
 static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *feed, progress *bar, double work) {
-    const double layer = 6.0 * s->diameter, speed = 0.5, step = layer / speed / 2.0, volume = RIDDLE_PI * d->radius * d->radius;
+    const double layer = 6.0 * s->diameter, speed = 0.5 * pace(s), step = layer / speed / 2.0, volume = RIDDLE_PI * d->radius * d->radius;
     const int lid = dem_add_plane(world, 1, dem_vec3(0, 0, -depth(s, d)), dem_vec3(0, 0, 1));
     dem_status status = lid < 0 ? DEM_TOO_MANY : DEM_OK;
     feed->sizes = dem_uniform_sizes((1.0 - s->spread) * s->diameter, (1.0 + s->spread) * s->diameter, 0);
@@ -97,7 +100,7 @@ static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *
         progress_add(bar, 0.3 * work * (feed->placed_mass - before) / mass);
     }
     for (int k = 0; k < 50 && status == DEM_OK && !common_interrupted(); k++) {
-        status = dem_run(world, 0.02, features(s));
+        status = dem_run(world, 0.02 * pace(s), features(s));
         if (dem_energy(world).kinetic < 1e-3 * feed->placed_mass * g * s->diameter) break;
     }
     const dem_region lower = dem_cylinder_region(dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.6 * top_of(world), d->radius);
@@ -147,7 +150,7 @@ static int run(int index, void *user) {
     study *st = user;
     const silo *s = &st->s;
     discharge *d = &st->run[index];
-    const double share = 1.0 / st->runs, sample = 0.01, start_up = 5.0 * sqrt(d->orifice / g);
+    const double share = 1.0 / st->runs, sample = 0.01 * pace(s), start_up = 5.0 * sqrt(d->orifice / g);
     dem_world world;
     dem_feed feed = dem_default_feed();
     feed.random = st->self->seed + (uint64_t)index;
@@ -163,7 +166,7 @@ static int run(int index, void *user) {
         const ptrdiff_t before = world.passed_count;
         if (series && world.time - begin >= next_frame) {
             write_frame(&world, st->self->out, series, world.time - begin);
-            next_frame = s->dosta ? next_frame + s->time / FRAMES : fmax(next_frame * 1.1, next_frame + 0.02);
+            next_frame = s->dosta ? next_frame + s->time / FRAMES : fmax(next_frame * 1.1, next_frame + 0.02 * pace(s));
         }
         d->status = dem_run(&world, sample, features(s));
         const ptrdiff_t passed = world.passed_count;
@@ -174,7 +177,7 @@ static int run(int index, void *user) {
         progress_add(&st->bar, 0.7 * share * (now - done));
         done = now;
         if (!s->dosta && first >= 0 && passed - first >= s->passing) break;
-        if (passed == feed.placed || world.time - fmax(last_passing, begin) > 1.0) break; /* empty, or an arch holds */
+        if (passed == feed.placed || world.time - fmax(last_passing, begin) > pace(s)) break; /* empty, or an arch holds */
     }
     pvd_close(series);
     d->ended = world.time - begin;
@@ -278,12 +281,12 @@ static void report(study *st, double k) {
         for (size_t c = 0; c < 8; c++) json_number(j, keys[c], row[c]);
         json_object_end(j);
         for (int q = 0; q < d->passed; q++) csv_line(curves, "%.9g,%.9g,%.9g,%.9g", d->orifice, d->height, d->time[q], d->mass[q]);
-        table_cell(&t, "%.1f", 1e3 * d->orifice);
-        table_cell(&t, "%.0f", 1e3 * d->height);
+        table_cell(&t, "%.3g", 1e3 * d->orifice);
+        table_cell(&t, "%.3g", 1e3 * d->height);
         table_cell(&t, "%d", d->spheres);
         table_cell(&t, "%d", d->passed);
-        table_cell(&t, "%.4f", d->rate);
-        table_cell(&t, "%.4f", d->error);
+        table_cell(&t, "%.4g", d->rate);
+        table_cell(&t, "%.2g", d->error);
         table_cell(&t, "%.0f", d->bulk_density);
         snprintf(name, sizeof name, "D = %.3g mm, fill %.3g mm", 1e3 * d->orifice, 1e3 * d->height);
         for (int q = 0; q < d->passed && s->dosta; q++) d->mass[q] = d->spheres - 1 - q;
@@ -311,11 +314,11 @@ static void report(study *st, double k) {
         plot_error_bars(figure, "rate", x, y, error, n_orifices);
         plot_line(figure, text, fine, law, 60);
         plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
-        common_print("exponent %.3f +- %.3f at k = %.3g; %.2f +- %.2f with k free, at k = %.2f +- %.2f; with exponent 2.5: k = %.3f +- "
-                     "%.3f, C = %.3f +- %.3f\n",
-                     a[EXPONENT], e[EXPONENT], k, a[FREE_EXPONENT], e[FREE_EXPONENT], a[FREE_K], e[FREE_K], a[K], e[K], a[CONSTANT],
-                     e[CONSTANT]);
-        common_print("rate under a fill of %.0f mm over that under %.0f mm: %.3f +- %.3f\n", 1e3 * high->height, 1e3 * low->height, ratio,
+        common_print("exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n", a[EXPONENT], e[EXPONENT],
+                     k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
+        if (n_orifices > 2)
+            common_print("both free: exponent %.2f +- %.2f, k = %.2f +- %.2f\n", a[FREE_EXPONENT], e[FREE_EXPONENT], a[FREE_K], e[FREE_K]);
+        common_print("rate under a fill of %.3g mm over that under %.3g mm: %.3f +- %.3f\n", 1e3 * high->height, 1e3 * low->height, ratio,
                      uncertain);
         for (int q = 0; q < LOG_SCALE; q++) {
             snprintf(text, sizeof text, "beverloo_%s", answers[q]);
@@ -341,7 +344,7 @@ int main(int argc, char **argv) {
         option_double("width", "X", &s.width, 1.5, 20.0, "diameter of the silo over that of the orifice [-]"),
         option_double("height", "X", &height, 0.5, 20.0, "of the fill over the diameter of the orifice [-]"),
         option_double("slope", "DEG", &slope, 0.0, 85.0, "of a conical bottom, 0: flat [deg]"),
-        option_positive("stiffness", "N/M", &s.stiffness, 1e9, "of contacts, linear law [N/m]"),
+        option_positive("stiffness", "N/M", &s.stiffness, 1e9, "of contacts, linear law [N/m]; default: 2000 for 5 mm, as d^2"),
         option_double("friction", "MU", &s.friction, 0.0, 10.0, "coefficient of friction [-]"),
         option_double("rolling", "M", &s.rolling, 0.0, 1.0, "lever arm of rolling resistance [m]"),
         option_int("passing", "N", &s.passing, 100, 10000000, "spheres that a rate is taken from"),
@@ -355,6 +358,7 @@ int main(int argc, char **argv) {
                                  sizeof options / sizeof *options, argc, argv);
     study st;
     memset(&st, 0, sizeof st);
+    if (!options[6].given) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
     s.diameter = 1e-3 * diameter, s.slope = slope * RIDDLE_PI / 180.0;
     if (s.dosta) { /* the angle of the cone is not in the literature at hand: 45 degrees */
         s.diameter = 0.004, s.spread = 0.0, s.slope = options[5].given ? s.slope : 0.25 * RIDDLE_PI, s.rolling = 0.0;
