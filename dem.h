@@ -1480,8 +1480,10 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
-    out->gap = HUGE_VAL, out->normal = w->axis[2];
-    dem__touch_wall(w, centre, radius, HUGE_VAL, out, &least);
+    dem__touch touch[DEM__TOUCHES]; /* a mesh may have as many */
+    touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
+    dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
+    *out = touch[0];
 }
 
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */

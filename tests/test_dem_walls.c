@@ -406,6 +406,21 @@ static void test_convex_edge(void **state) {
     dem_free(&w);
 }
 
+/* One place is asked for, though a sphere in a corner has three: what lies behind is left alone. */
+static void test_one_place_of_many(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = one_material(0.5, 0.3);
+    dem__touch touch[1 + DEM__TOUCHES], marked;
+    memset(&marked, 7, sizeof marked), memset(touch, 7, sizeof touch);
+    start(&w, &def);
+    const int box = wall_index(dem_add_box(&w, 0, zero, v3(0.1, 0.1, 0.1)));
+    dem__touch_element(&w.wall[box], v3(0.9 * radius, 0.8 * radius, 0.7 * radius), radius, 0, touch);
+    near_absolute(touch[0].gap, -0.3 * radius, 1e-15, "the nearest face");
+    for (int k = 1; k <= DEM__TOUCHES; k++) assert_memory_equal(&touch[k], &marked, sizeof marked);
+    dem_free(&w);
+}
+
 /* In the corner of a box under a tilted gravity: three contacts, each with its component of the weight. */
 static void test_concave_corner(void **state) {
     (void)state;
@@ -1108,6 +1123,7 @@ int main(void) {
         cmocka_unit_test(test_fine_bowl),
         cmocka_unit_test(test_convex_edge),
         cmocka_unit_test(test_concave_corner),
+        cmocka_unit_test(test_one_place_of_many),
         cmocka_unit_test(test_ball_in_a_cone),
         cmocka_unit_test(test_bouncing_in_a_bowl),
         cmocka_unit_test(test_prescribed_motion),
