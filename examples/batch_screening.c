@@ -521,6 +521,30 @@ static void add_moistures(study *st, const settings *base) {
         }
 }
 
+/* Curves of the dry and the wet batch: a row for each class, a column for each moisture. */
+static void draw_laws(const study *st) {
+    static const char *const labels[3] = {"dry", "corrected laws", "printed laws"};
+    const settings *dry = &st->variants[0].set;
+    char title[120];
+    snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seeds", 1e3 * dry->amplitude,
+             dry->frequency, st->seeds);
+    plot *figure = plot_new(title, UNDERSIZE, 2);
+    for (int c = 0; c < UNDERSIZE; c++)
+        for (int m = 0; m < 2; m++) {
+            plot_panel(figure, c, m, "time [s]", "fraction retained [-]");
+            plot_range_y(figure, 0.0, 1.02);
+            snprintf(title, sizeof title, "%s, %.1f %% water", class_name[c], 100.0 * case_moisture[1 + m]);
+            plot_title(figure, title);
+            for (int k = 0; k < 3; k++) {
+                averages a;
+                if (average(st, k ? 2 * k - 1 + m : 0, &a)) continue;
+                plot_average(figure, labels[k], &a, c, st->samples, st->seeds, k, 1.0);
+                free(a.time);
+            }
+        }
+    plot_write(figure, st->self->out, "laws.svg");
+}
+
 static void report_moisture(const study *st) {
     static const int from[] = {0, 0, 1, 0, 0, 3}, to[] = {1, 2, 2, 3, 4, 4};
     const double end = (st->samples - 1) * SAMPLE;
@@ -536,8 +560,14 @@ static void report_moisture(const study *st) {
     json_number(j, "frequency_hz", dry->frequency);
     json_number(j, "time_s", end);
     json_integer(j, "seeds", st->seeds);
+    table means = table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
     json_array_begin(j, "means");
     for (int v = 0; v < st->variant_count; v++) {
+        table_cell(&means, "%s", st->variants[v].name);
+        for (int c = 0; c < UNDERSIZE; c++) {
+            const statistics x = measure_of(st, v, at_time(c, end));
+            table_cell(&means, "%.3f", x.mean), table_cell(&means, "%.3f", x.sd), table_cell(&means, "%.3f", x.interval);
+        }
         json_object_begin(j, NULL);
         json_number(j, "moisture", st->variants[v].set.moisture);
         json_string(j, "laws", v == 0 ? NULL : st->variants[v].set.laws ? "printed" : "corrected");
@@ -545,6 +575,7 @@ static void report_moisture(const study *st) {
         json_object_end(j);
     }
     json_array_end(j);
+    table_end(&means);
     json_array_begin(j, "differences");
     for (int c = 0; c < UNDERSIZE; c++) {
         for (int k = 0; k < 6; k++) {
@@ -584,6 +615,7 @@ static void report_moisture(const study *st) {
     json_close(j);
     table_end(&t);
     plot_write(figure, st->self->out, "moisture.svg");
+    draw_laws(st);
 }
 
 /* ---- running a study ---- */

@@ -494,7 +494,7 @@ typedef struct finding {
     char number[200];
     int holds;
 } finding;
-enum { FINDINGS = 8 };
+enum { FINDINGS = 15 };
 
 static const int shown[6] = {5, 14, 23, 6, 8, 27}; /* the cases of Fig 8 */
 
@@ -508,6 +508,23 @@ static double bias(const study *s, const results *r, int m, int klass) {
     return sum;
 }
 
+/* Pearson's correlation, over the cases, of the fraction retained in the mean over time and classes with a deviation. */
+static double slowness_correlation(const study *s, const double *deviation) {
+    double left[CASES] = {0.0}, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+    for (int k = 0; k < CASES; k++) {
+        for (int j = 0; j < POINTS; j++) left[k] += s->retained[k][j] / POINTS;
+        x += left[k] / CASES, y += deviation[k] / CASES;
+    }
+    for (int k = 0; k < CASES; k++) {
+        const double dx = left[k] - x, dy = deviation[k] - y;
+        xx += dx * dx, yy += dy * dy, xy += dx * dy;
+    }
+    return xy / sqrt(xx * yy);
+}
+
+static double least_of(const double *x) { return fmin(x[0], fmin(x[1], x[2])); }
+static double most_of(const double *x) { return fmax(x[0], fmax(x[1], x[2])); }
+
 COMMON_PRINTF(4, 5) static void say(finding *f, const char *claim, int holds, const char *format, ...) {
     va_list list;
     va_start(list, format);
@@ -519,34 +536,59 @@ COMMON_PRINTF(4, 5) static void say(finding *f, const char *claim, int holds, co
 
 /* one: which reading of model 1 */
 static void find(const study *s, const results *r, int one, finding *f) {
-    double all[3], each[3], sum[3] = {0.0}, mode[MODES][3]; /* models 1, 2, 3 */
+    double all[3], each[3], slow[3], sum[3] = {0.0}, mode[MODES][3], by[3][3][3]; /* models 1, 2, 3; by: mode, factor, model */
     for (int i = 0; i < 3; i++) {
         int m = i ? i + 1 : one;
         all[i] = r->all[m].deviation;
         each[i] = r->each[m];
+        slow[i] = slowness_correlation(s, r->all_case[m]);
         for (int k = 0; k < MODES; k++) sum[i] += (mode[k][i] = r->predicted[k][m]) / MODES;
+        for (int k = 0; k < 9; k++) by[k / 3][k % 3][i] = r->by_factor[k / 3][k % 3][m];
     }
+    const double *between = mode[0], *down = mode[1], *up = mode[2], *five = mode[3];
+    const double *moist[3] = {by[0][0], by[1][0], by[2][0]};
+    double motion[3]; /* interpolated amplitude and frequency */
+    for (int i = 0; i < 3; i++) motion[i] = 0.5 * (by[0][1][i] + by[0][2][i]);
     int ranked = 0;
     for (int k = 0; k < CASES; k++) ranked += r->all_case[2][k] < r->all_case[3][k] && r->all_case[3][k] < r->all_case[one][k];
-    double most = fmax(each[0], fmax(each[1], each[2])), least = fmin(each[0], fmin(each[1], each[2]));
-    double moist[2] = {r->by_factor[0][0][one], r->by_factor[0][0][2]}, small = bias(s, r, one, 0), near = bias(s, r, one, 1);
-    say(&f[0], "one set for all: best is model 2, then 3, then 1", all[1] < all[2] && all[2] < all[0],
-        "%.4f, %.4f, %.4f; in this order in %d of 27 cases", all[1], all[2], all[0], ranked);
-    say(&f[1], "one set a case: the models are alike, within a tenth", most < 1.1 * least, "models 1, 2, 3: %.4f, %.4f, %.4f", each[0],
-        each[1], each[2]);
-    say(&f[2], "models 2 and 3 lose little by one set for all (< 0.01), model 1 much (> 0.015)",
+    double small = bias(s, r, one, 0), near = bias(s, r, one, 1);
+    finding *next = f;
+    say(next++, "one set for all: best is model 2, then 3, then 1", all[1] < all[2] && all[2] < all[0], "%.4f, %.4f, %.4f", all[1], all[2],
+        all[0]);
+    say(next++, "one set for all: in this order in each case", ranked == CASES, "in %d of 27 cases", ranked);
+    say(next++, "one set a case: the models are alike, within a tenth", most_of(each) < 1.1 * least_of(each),
+        "models 1, 2, 3: %.4f, %.4f, %.4f", each[0], each[1], each[2]);
+    say(next++, "models 2 and 3 lose little by one set for all (< 0.01), model 1 much (> 0.015)",
         all[1] - each[1] < 0.01 && all[2] - each[2] < 0.01 && all[0] - each[0] > 0.015, "they lose %.4f, %.4f; model 1 loses %.4f",
         all[1] - each[1], all[2] - each[2], all[0] - each[0]);
-    say(&f[3], "model 1 underpredicts small, overpredicts near-mesh", small < 0.0 && near > 0.0,
+    say(next++, "model 1 underpredicts small, overpredicts near-mesh", small < 0.0 && near > 0.0,
         "mean of model - data, cases of Fig 8: %+.4f small, %+.4f near-mesh", small, near);
-    say(&f[4], "models 1 and 2 interpolate moisture equally, within 0.01", fabs(moist[0] - moist[1]) < 0.01, "%.4f and %.4f", moist[0],
-        moist[1]);
-    say(&f[5], "model 1 extrapolates down worse than it interpolates, and worst of all",
-        mode[1][0] > mode[0][0] && mode[1][0] > fmax(mode[1][1], mode[1][2]), "model 1 %.4f after %.4f; models 2, 3: %.4f, %.4f",
-        mode[1][0], mode[0][0], mode[1][1], mode[1][2]);
-    say(&f[6], "extrapolation up: model 1 is twice as far off as models 2 and 3 (> 1.6 times)",
-        mode[2][0] > 1.6 * fmax(mode[2][1], mode[2][2]), "%.4f; %.4f and %.4f", mode[2][0], mode[2][1], mode[2][2]);
-    say(&f[7], "predictions in all: best is model 2, then 3, then 1", sum[1] < sum[2] && sum[2] < sum[0],
+    say(next++, "all models are worse where the fraction retained declines slowly", least_of(slow) > 0.38,
+        "correlation of deviation and mean fraction retained, models 1, 2, 3: %+.2f, %+.2f, %+.2f (chance: below 0.38)", slow[0], slow[1],
+        slow[2]);
+    say(next++, "models 1 and 2 interpolate moisture equally, within 0.01", fabs(moist[0][0] - moist[0][1]) < 0.01, "%.4f and %.4f",
+        moist[0][0], moist[0][1]);
+    say(next++, "models 2 and 3 interpolate amplitude and frequency equally, within 0.01, model 1 worse",
+        fabs(motion[1] - motion[2]) < 0.01 && motion[0] > fmax(motion[1], motion[2]), "models 1, 2, 3: %.4f, %.4f, %.4f", motion[0],
+        motion[1], motion[2]);
+    say(next++, "all models extrapolate down worse than they interpolate",
+        down[0] > between[0] && down[1] > between[1] && down[2] > between[2], "models 1, 2, 3: %.4f, %.4f, %.4f after %.4f, %.4f, %.4f",
+        down[0], down[1], down[2], between[0], between[1], between[2]);
+    say(next++, "extrapolation down: model 1 is worst", down[0] > fmax(down[1], down[2]), "%.4f; models 2, 3: %.4f, %.4f", down[0], down[1],
+        down[2]);
+    say(next++, "extrapolation down: of moisture better than interpolation, and all models alike, within 0.01",
+        moist[1][0] < moist[0][0] && moist[1][1] < moist[0][1] && moist[1][2] < moist[0][2] &&
+            most_of(moist[1]) - least_of(moist[1]) < 0.01,
+        "%.4f, %.4f, %.4f after %.4f, %.4f, %.4f", moist[1][0], moist[1][1], moist[1][2], moist[0][0], moist[0][1], moist[0][2]);
+    say(next++, "extrapolation up: model 1 is twice as far off as models 2 and 3 (> 1.6 times)", up[0] > 1.6 * fmax(up[1], up[2]),
+        "%.4f; %.4f and %.4f", up[0], up[1], up[2]);
+    say(next++, "extrapolation up: models 2 and 3 are better than between and below the levels, but not for moisture",
+        up[1] < fmin(between[1], down[1]) && up[2] < fmin(between[2], down[2]) && moist[2][1] > moist[0][1] && moist[2][2] > moist[0][2],
+        "%.4f, %.4f; between %.4f, %.4f; moisture %.4f, %.4f, between %.4f, %.4f", up[1], up[2], between[1], between[2], moist[2][1],
+        moist[2][2], moist[0][1], moist[0][2]);
+    say(next++, "five cases from four: models 2 and 3 are better than model 1", five[0] > fmax(five[1], five[2]),
+        "models 1, 2, 3: %.4f, %.4f, %.4f", five[0], five[1], five[2]);
+    say(next++, "predictions in all: best is model 2, then 3, then 1", sum[1] < sum[2] && sum[2] < sum[0],
         "mean of the four kinds %.4f, %.4f, %.4f", sum[1], sum[2], sum[0]);
 }
 
