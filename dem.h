@@ -396,6 +396,24 @@ typedef struct dem__course {
     double ball, since;         /* [m/s], [s] */
 } dem__course;
 
+/* Private: what contacts see of an active particle at the end of the step. Two cache lines. */
+typedef struct dem__seen {
+    dem_vec x; /* [m] */
+    double radius;
+    dem_vec v; /* in the middle of the step [m/s] */
+    double share;
+    dem_vec a; /* at its beginning [m/s2] */
+    double unused;
+    dem_vec spin; /* in the middle [rad/s] */
+    double unused_too;
+} dem__seen;
+
+/* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
+typedef struct dem__sum {
+    dem_vec force, torque; /* [N], [N m] */
+    double per_mass, per_inertia;
+} dem__sum;
+
 typedef struct dem__timer {
     int32_t next, prev, due; /* due: the bucket it waits in, or -1 */
     int32_t directed;        /* of a wall: counts on the particle's course, not only on its speed */
@@ -448,8 +466,8 @@ typedef struct dem_world {
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
     void *particle_block__, *live_block__, *near_block__;
     size_t particle_bytes__, live_bytes__, near_bytes__;
-    double *mx__, *my__, *mz__, *ox__, *oy__, *oz__;    /* velocity and spin in the middle of the step, of active particles */
-    double *fx__, *fy__, *fz__, *tx__, *ty__, *tz__;    /* sums of forces and torques */
+    dem__seen *seen__;
+    dem__sum *sum__;
     double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
     double *rx__, *ry__, *rz__;                         /* position when the list was built */
@@ -1522,8 +1540,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         &w->x,         &w->y,        &w->z,        &w->vx,       &w->vy,        &w->vz,        &w->ax,       &w->ay,   &w->az,
         &w->wx,        &w->wy,       &w->wz,       &w->bx,       &w->by,        &w->bz,        &w->radius,   &w->mass, &w->lx__,
         &w->ex__,      &w->ey__,     &w->ez__,     &w->etx__,    &w->ety__,     &w->etz__,     &w->ly__,     &w->lz__, &w->qx__,
-        &w->qy__,      &w->qz__,     &w->mx__,     &w->my__,     &w->mz__,      &w->ox__,      &w->oy__,     &w->oz__, &w->fx__,
-        &w->fy__,      &w->fz__,     &w->tx__,     &w->ty__,     &w->tz__,      &w->rx__,      &w->ry__,     &w->rz__, &w->wall_speed__,
+        &w->qy__,      &w->qz__,     &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__,
         &w->shifted__, &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
@@ -1536,6 +1553,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->origin, list[n++].size = sizeof(int64_t);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
+    list[n].address = &w->seen__, list[n++].size = sizeof(dem__seen);
+    list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
     return n;
 }
 
@@ -1561,11 +1580,11 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* All arrays of a group lie in one block, so that growing works for all or changes nothing. */
+/* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
     ptrdiff_t larger = *capacity + *capacity / 2 + 64;
-    size_t total = 0;
+    size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
         if ((size_t)larger > (SIZE_MAX / 4 - total) / list[k].size) return 0;
@@ -1574,6 +1593,7 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     char *fresh = (char *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, total), *at = fresh;
     if (!fresh) return 0;
     memset(fresh, 0, total);
+    at += 64 - (size_t)((uintptr_t)fresh & 63);
     for (int k = 0; k < n; k++) {
         void *old = NULL, *now = at;
         memcpy(&old, list[k].address, sizeof old);
@@ -3290,13 +3310,14 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
 
 /* The near pairs of sphere p of the sorted list with those after it on one level. */
 static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t p) {
-    const double *x = w->fx__, *y = w->fy__, *z = w->fz__, *extent = w->tx__;
+    const dem__sum *scratch = w->sum__;
     const int32_t *sorted = w->remap__;
-    const double reach = extent[p] + g->widest + 0.5 * w->margin__;
+    const dem_vec x = scratch[p].force;
+    const double extent = scratch[p].torque.x, reach = extent + g->widest + 0.5 * w->margin__;
     int32_t first[3], cells[3];
-    cells[0] = dem__cells(g, 0, x[p], reach, &first[0]);
-    cells[1] = dem__cells(g, 1, y[p], reach, &first[1]);
-    cells[2] = dem__cells(g, 2, z[p], reach, &first[2]);
+    cells[0] = dem__cells(g, 0, x.x, reach, &first[0]);
+    cells[1] = dem__cells(g, 1, x.y, reach, &first[1]);
+    cells[2] = dem__cells(g, 2, x.z, reach, &first[2]);
     const int32_t before = cells[0] < g->n[0] - first[0] ? cells[0] : g->n[0] - first[0]; /* cells of a row before it wraps */
     for (int32_t cz = 0; cz < cells[2]; cz++) {
         const int32_t iz = first[2] + cz < g->n[2] ? first[2] + cz : first[2] + cz - g->n[2];
@@ -3307,8 +3328,8 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
                 const int32_t end = part ? row[cells[0] - before] : row[first[0] + before];
                 int32_t q = part ? row[0] : row[first[0]];
                 for (q = q > p ? q : p + 1; q < end; q++) {
-                    const dem_vec d = dem__apart(w, dem_vec3(x[p] - x[q], y[p] - y[q], z[p] - z[q]));
-                    const double sum = extent[p] + extent[q];
+                    const dem_vec d = dem__apart(w, dem__sub(x, scratch[q].force));
+                    const double sum = extent + scratch[q].torque.x;
                     if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
                 }
             }
@@ -3360,8 +3381,8 @@ static inline int dem__find_pairs(dem_world *w) {
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
         const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
-        w->fx__[k] = w->rx__[i], w->fy__[k] = w->ry__[i], w->fz__[k] = w->rz__[i];
-        w->tx__[k] = w->radius[i] + 0.5 * w->margin__;
+        w->sum__[k].force = dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]);
+        w->sum__[k].torque.x = w->radius[i] + 0.5 * w->margin__;
     }
     for (int level = 0, p = 0; level < DEM__LEVELS_MAX; level++) {
         for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
@@ -3714,9 +3735,10 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
 DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b, int k,
                                     double half, dem__touch *touch) {
     const dem_wall *wall = &w->wall[number];
-    const dem_vec x = dem_vec3(w->x[i], w->y[i], w->z[i]);
-    dem__touch_place(w, slot, wall, x, w->radius[i], element, touch);
-    const double reach = w->radius[i] + touch->gap;
+    const dem__seen *s = &w->seen__[i];
+    const dem_vec x = s->x;
+    dem__touch_place(w, slot, wall, x, s->radius, element, touch);
+    const double reach = s->radius + touch->gap;
     dem_vec v = wall->velocity, a = wall->acceleration, spin = dem_vec3(0.0, 0.0, 0.0);
     if (wall->slides) {
         const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
@@ -3725,20 +3747,26 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t n
     }
     const dem_vec middle = dem__sub(v, dem__scale(half, a));
     b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
-    b->sum[k] = b->part_i[k] = w->radius[i], b->part_j[k] = 0.0;
-    b->vx[k] = w->mx__[i] - middle.x, b->vy[k] = w->my__[i] - middle.y, b->vz[k] = w->mz__[i] - middle.z;
-    b->ax[k] = w->ax[i] - a.x, b->ay[k] = w->ay[i] - a.y, b->az[k] = w->az[i] - a.z;
+    b->sum[k] = b->part_i[k] = s->radius, b->part_j[k] = 0.0;
+    b->vx[k] = s->v.x - middle.x, b->vy[k] = s->v.y - middle.y, b->vz[k] = s->v.z - middle.z;
+    b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
+    b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
+    b->share[k] = s->share;
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
     return v;
 }
 
 DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
-    b->dx[k] = w->x[i] - w->x[j], b->dy[k] = w->y[i] - w->y[j], b->dz[k] = w->z[i] - w->z[j];
-    b->part_i[k] = w->radius[i], b->part_j[k] = w->radius[j];
-    b->sum[k] = b->part_i[k] + b->part_j[k];
-    b->vx[k] = w->mx__[i] - w->mx__[j], b->vy[k] = w->my__[i] - w->my__[j], b->vz[k] = w->mz__[i] - w->mz__[j];
-    b->ax[k] = w->ax[i] - w->ax[j], b->ay[k] = w->ay[i] - w->ay[j], b->az[k] = w->az[i] - w->az[j];
-    if (turns) b->wj[0][k] = w->ox__[j], b->wj[1][k] = w->oy__[j], b->wj[2][k] = w->oz__[j];
+    const dem__seen *p = &w->seen__[i], *q = &w->seen__[j];
+    b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
+    b->part_i[k] = p->radius, b->part_j[k] = q->radius;
+    b->sum[k] = p->radius + q->radius;
+    b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
+    b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
+    b->share[k] = p->share < q->share ? p->share : q->share;
+    if (!turns) return;
+    b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
+    b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
 /* Nearest images; positions of active particles lie within the periodic box. */
@@ -3852,16 +3880,11 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            int busy = w->touching[i];
-            if (turns) b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
-            if (j >= 0) {
-                dem__gather_pair(w, i, j, &b, k, turns);
-                busy = busy > w->touching[j] ? busy : w->touching[j];
-            } else {
+            if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
+            else {
                 wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
                 wall[walls++] = k;
             }
-            b.share[k] = busy > 1 ? 1.0 / (double)busy : 1.0;
         }
         dem__complete_rows(w, &b, n, wall, touch, walls);
 
@@ -3945,8 +3968,6 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
         dem__touch touch[DEM_BLOCK];
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c];
-            b.wi[0][k] = w->ox__[i], b.wi[1][k] = w->oy__[i], b.wi[2][k] = w->oz__[i];
-            b.share[k] = 1.0;
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
             else {
                 dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &touch[walls]);
@@ -4313,21 +4334,35 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     w->live_count__ = kept;
 }
 
+/* What contacts, or links, see of particle i, `back` after the middle of their step. */
+DEM_INLINE void dem__show(dem_world *w, ptrdiff_t i, double back, double share) {
+    dem__seen *s = &w->seen__[i];
+    s->x = dem_vec3(w->x[i], w->y[i], w->z[i]);
+    s->radius = w->radius[i];
+    s->v = dem_vec3(w->vx[i] - back * w->ax[i], w->vy[i] - back * w->ay[i], w->vz[i] - back * w->az[i]);
+    s->share = share;
+    s->a = dem_vec3(w->ax[i], w->ay[i], w->az[i]);
+    s->spin = dem_vec3(w->wx[i] - back * w->bx[i], w->wy[i] - back * w->by[i], w->wz[i] - back * w->bz[i]);
+}
+
 /* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
 static inline void dem__advance(dem_world *w, double h) {
+    const int loads = w->loads_on__ || w->links_on__;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__, back = 0.5 * h;
+        const double tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__;
         w->x[i] += tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] += tau * (w->vy[i] + 0.5 * tau * w->ay[i]);
         w->z[i] += tau * (w->vz[i] + 0.5 * tau * w->az[i]);
         w->vx[i] += tau * w->ax[i], w->vy[i] += tau * w->ay[i], w->vz[i] += tau * w->az[i];
         w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
-        w->mx__[i] = w->vx[i] - back * w->ax[i], w->my__[i] = w->vy[i] - back * w->ay[i], w->mz__[i] = w->vz[i] - back * w->az[i];
-        w->ox__[i] = w->wx[i] - back * w->bx[i], w->oy__[i] = w->wy[i] - back * w->by[i], w->oz__[i] = w->wz[i] - back * w->bz[i];
-        w->fx__[i] = w->lx__[i], w->fy__[i] = w->ly__[i], w->fz__[i] = w->lz__[i];
-        w->tx__[i] = w->qx__[i], w->ty__[i] = w->qy__[i], w->tz__[i] = w->qz__[i];
         w->origin[i] = w->step + (h > 0.0);
         if (w->has_periodic__) dem__wrap(w, i);
+        dem__show(w, i, 0.5 * h, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
+        dem__sum *sum = &w->sum__[i];
+        sum->force = loads ? dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]) : dem_vec3(0.0, 0.0, 0.0);
+        sum->torque = loads ? dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]) : dem_vec3(0.0, 0.0, 0.0);
+        sum->per_mass = 1.0 / w->mass[i];
+        sum->per_inertia = 2.5 * sum->per_mass / (w->radius[i] * w->radius[i]);
     }
 }
 
@@ -4338,15 +4373,17 @@ DEM_INLINE int dem__gather_forces(dem_world *w, double h, int turns) {
     for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
-        const double fx = out[0][c], fy = out[1][c], fz = out[2][c];
-        w->fx__[i] += fx, w->fy__[i] += fy, w->fz__[i] += fz;
-        if (turns) w->tx__[i] += out[3][c], w->ty__[i] += out[4][c], w->tz__[i] += out[5][c];
+        const dem_vec push = dem_vec3(out[0][c], out[1][c], out[2][c]);
+        dem__sum *a = &w->sum__[i];
+        a->force = dem__add(a->force, push);
+        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][c], out[4][c], out[5][c]));
         if (j >= 0) {
-            w->fx__[j] -= fx, w->fy__[j] -= fy, w->fz__[j] -= fz;
-            if (turns) w->tx__[j] += out[6][c], w->ty__[j] += out[7][c], w->tz__[j] += out[8][c];
+            dem__sum *b = &w->sum__[j];
+            b->force = dem__sub(b->force, push);
+            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][c], out[7][c], out[8][c]));
         } else {
             dem_wall *wall = &w->wall[-1 - j];
-            dem_vec f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
+            dem_vec f = dem__scale(-1.0, push), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
             dem_vec t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
@@ -4375,8 +4412,9 @@ static inline void dem__gather_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        l->external_work += w->dt__ * (w->ex__[i] * w->mx__[i] + w->ey__[i] * w->my__[i] + w->ez__[i] * w->mz__[i]);
-        l->external_work += w->dt__ * (w->etx__[i] * w->ox__[i] + w->ety__[i] * w->oy__[i] + w->etz__[i] * w->oz__[i]);
+        const dem_vec v = w->seen__[i].v, spin = w->seen__[i].spin;
+        l->external_work += w->dt__ * (w->ex__[i] * v.x + w->ey__[i] * v.y + w->ez__[i] * v.z);
+        l->external_work += w->dt__ * (w->etx__[i] * spin.x + w->ety__[i] * spin.y + w->etz__[i] * spin.z);
     }
 }
 
@@ -4386,9 +4424,10 @@ static inline int dem__kick(dem_world *w, double h) {
     double check = 0.0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
-        const double ax = w->fx__[i] * m + w->def.gravity.x, ay = w->fy__[i] * m + w->def.gravity.y, az = w->fz__[i] * m + w->def.gravity.z;
-        const double bx = w->tx__[i] * turn, by = w->ty__[i] * turn, bz = w->tz__[i] * turn;
+        const dem__sum *s = &w->sum__[i];
+        const double m = s->per_mass, turn = s->per_inertia;
+        const double ax = s->force.x * m + w->def.gravity.x, ay = s->force.y * m + w->def.gravity.y, az = s->force.z * m + w->def.gravity.z;
+        const double bx = s->torque.x * turn, by = s->torque.y * turn, bz = s->torque.z * turn;
         w->vx[i] += half * (ax - w->ax[i]), w->vy[i] += half * (ay - w->ay[i]), w->vz[i] += half * (az - w->az[i]);
         w->wx[i] += half * (bx - w->bx[i]), w->wy[i] += half * (by - w->by[i]), w->wz[i] += half * (bz - w->bz[i]);
         w->ax[i] = ax, w->ay[i] = ay, w->az[i] = az;
@@ -4611,15 +4650,14 @@ static inline void dem__step_links(dem_world *w) {
     double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
     double *const velocity[] = {w->vx, w->vy, w->vz, w->wx, w->wy, w->wz}, *const rate[] = {w->ax, w->ay, w->az, w->bx, w->by, w->bz};
-    double *const old[] = {w->fx__, w->fy__, w->fz__, w->tx__, w->ty__, w->tz__}, *const *out = w->link_out__;
+    double *const *out = w->link_out__;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         dem__settle(w, i);
         dem__wrap(w, i);
         if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
-        w->mx__[i] = w->vx[i], w->my__[i] = w->vy[i], w->mz__[i] = w->vz[i];
-        w->ox__[i] = w->wx[i], w->oy__[i] = w->wy[i], w->oz__[i] = w->wz[i];
-        for (int a = 0; a < 6; a++) old[a][i] = load[a][i], load[a][i] = external[a][i];
+        dem__show(w, i, 0.0, 1.0);
+        for (int a = 0; a < 6; a++) (&w->sum__[i].force.x)[a] = load[a][i], load[a][i] = external[a][i];
     }
     dem__call_kernel(w, w->link_kernel__, w->link_count__, h);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
@@ -4635,7 +4673,7 @@ static inline void dem__step_links(dem_world *w) {
         const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         for (int a = 0; a < 6; a++) {
-            const double change = (load[a][i] - old[a][i]) * (a < 3 ? m : turn);
+            const double change = (load[a][i] - (&w->sum__[i].force.x)[a]) * (a < 3 ? m : turn);
             velocity[a][i] += 0.5 * h * change;
             rate[a][i] += change;
         }
