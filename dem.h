@@ -463,7 +463,7 @@ typedef struct dem_world {
     uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
-    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__;
+    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
     void *particle_block__, *live_block__, *near_block__;
     size_t particle_bytes__, live_bytes__, near_bytes__;
     dem__seen *seen__;
@@ -476,7 +476,7 @@ typedef struct dem_world {
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
     int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__,
-        *link_loaded__; /* link_loaded: its load has a part of links */
+        *link_loaded__, *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
 
     /* near pairs, and timers of pairs and of particles with walls */
     ptrdiff_t near_count__, near_capacity__, adjacent_capacity__, cells_capacity__;
@@ -1543,7 +1543,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         &w->qy__,      &w->qz__,     &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__,
         &w->shifted__, &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
-                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__};
+                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
+                            &w->unsettled__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
@@ -3466,8 +3467,10 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
     dem__compact(w);
     w->active_count__ = 0;
+    w->unsettled_count__ = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) { /* in the order of memory */
         if (w->is_active__[i]) w->active__[w->active_count__++] = (int32_t)i;
+        if (w->is_active__[i] == 2) w->unsettled__[w->unsettled_count__++] = (int32_t)i;
     }
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -3865,6 +3868,23 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
 #pragma clang diagnostic ignored "-Wpass-failed" /* at -O1 the loop stays scalar, and that is fine */
 #endif
 
+/* Marks contacts that began or ended in this step, and those whose law has ended. Are there any? */
+DEM_INLINE int dem__mark(const double *before, const double *was, const double *ended, const double *force, int n, uint8_t *event,
+                         uint8_t *over) {
+    int64_t any = 0;
+    for (int k = 0; k < n; k++) {
+        const int64_t idle = before[k] == 0.0, changed = idle != (int64_t)(force[k] == 0.0), apart = was[k] > 0.0;
+        any |= (changed & (!idle | apart)) | (int64_t)(ended[k] != 0.0);
+    }
+    memset(event, 0, (size_t)n);
+    memset(over, 0, (size_t)n);
+    for (int k = 0; k < n && any; k++) {
+        event[k] = (before[k] == 0.0) != (force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);
+        over[k] = ended[k] != 0.0;
+    }
+    return any != 0;
+}
+
 /* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
    do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. */
 DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
@@ -3915,11 +3935,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
             if (features & DEM_ENERGY) dem__put_losses(&at, k, &r, h, before[k]);
         }
-        for (int k = 0; k < n; k++) {
-            const int began_or_ended = (before[k] == 0.0) != (at.force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);
-            w->live_event__[base + k] = (uint8_t)began_or_ended;
-            w->live_ended__[base + k] = ended[k] != 0.0;
-        }
+        const int events = dem__mark(before, was, ended, at.force, n, w->live_event__ + base, w->live_ended__ + base);
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
             for (int q = 0; q < walls; q++) {
@@ -3930,7 +3946,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 w->live_power__[2][c] = power;
             }
         }
-        if (h > 0.0) {
+        if (events && h > 0.0) {
             for (int k = 0, q = 0; k < n; k++) {
                 const ptrdiff_t c = base + k;
                 const int is_wall = q < walls && wall[q] == k;
@@ -4089,6 +4105,13 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
     }
 }
 
+/* An active particle that dem__watch shall see to. */
+DEM_INLINE void dem__unsettle(dem_world *w, ptrdiff_t i) {
+    if (w->is_active__[i] != 1) return;
+    w->is_active__[i] = 2;
+    w->unsettled__[w->unsettled_count__++] = (int32_t)i;
+}
+
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
 static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     if (w->ledger_on__) {
@@ -4099,6 +4122,7 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     while (w->link_head__[i] >= 0) dem__cut_link(w, w->link_head__[i]);
     w->alive[i] = 0;
     w->dropped__++;
+    dem__unsettle(w, i);
     if (w->stale__) return;
     for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
         const int32_t p = w->adjacent__[2 * a];
@@ -4204,6 +4228,32 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
+/* How many of order__[0 .. n-1] come before the contact in slot c. */
+static inline ptrdiff_t dem__place_in_order(const dem_world *w, int32_t c, ptrdiff_t n) {
+    ptrdiff_t low = 0;
+    while (low < n) {
+        const ptrdiff_t middle = low + (n - low) / 2;
+        if (dem__before(w, w->order__[middle], c)) low = middle + 1;
+        else n = middle;
+    }
+    return low;
+}
+
+/* The slots that are marked, in order, into order_spare__. Marks are few: eight at a time. */
+static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
+    ptrdiff_t n = 0;
+    for (ptrdiff_t c = 0; c < w->live_count__; c += 8) {
+        const ptrdiff_t end = c + 8 < w->live_count__ ? c + 8 : w->live_count__;
+        uint64_t eight = 0;
+        memcpy(&eight, mark + c, (size_t)(end - c));
+        for (ptrdiff_t k = c; eight && k < end; k++) {
+            if (mark[k]) w->order_spare__[n++] = (int32_t)k;
+        }
+    }
+    dem__sort(w, w->order_spare__, n);
+    return n;
+}
+
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->touching[i]++;
     if (w->is_active__[i]) return;
@@ -4267,9 +4317,11 @@ static inline void dem__admit_born(dem_world *w, double gap) {
         w->order_spare__[c - old] = (int32_t)c;
     }
     dem__sort(w, w->order_spare__, born);
-    for (ptrdiff_t to = w->live_count__ - 1, a = old - 1, b = born - 1; b >= 0; to--) {
-        if (a >= 0 && dem__before(w, w->order_spare__[b], w->order__[a])) w->order__[to] = w->order__[a--];
-        else w->order__[to] = w->order_spare__[b--];
+    for (ptrdiff_t b = born - 1, end = old; b >= 0; b--) { /* those from its place on make room for it and the rest of the born */
+        const ptrdiff_t place = dem__place_in_order(w, w->order_spare__[b], end);
+        memmove(&w->order__[place + b + 1], &w->order__[place], (size_t)(end - place) * sizeof *w->order__);
+        w->order__[place + b] = w->order_spare__[b];
+        end = place;
     }
     w->born__ = 0;
 }
@@ -4280,58 +4332,65 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
     if (*link == slot) *link = replacement >= 0 ? replacement : w->live_wall_next__[slot];
 }
 
-/* Takes out contacts that ended: the last slot fills the gap, the order keeps. */
+/* One contact ends. */
+static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
+    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+    const int32_t near_pair = w->live_near__[c];
+    if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
+    w->touching[i]--;
+    dem__unsettle(w, i);
+    if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
+    if (j >= 0) {
+        w->touching[j]--;
+        dem__unsettle(w, j);
+        if (near_pair < 0 || w->stale__) return;
+        dem__near *q = &w->near__[near_pair];
+        q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
+        if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
+            dem__wait_for_pair(w, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
+        return;
+    }
+    dem__unlink_wall_contact(w, i, c, -1);
+    /* a screen's timer went on for its other bars, but did not wait for this one */
+    if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__awaits(w, i, -1 - (int)j))
+        dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+}
+
+/* The contact of slot `from` goes into a free one. */
+static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
+    w->order__[dem__place_in_order(w, from, w->live_count__)] = to;
+    if (w->live_j__[from] < 0) {
+        w->live_wall_next__[to] = w->live_wall_next__[from];
+        dem__unlink_wall_contact(w, w->live_i__[from], from, to);
+    }
+    for (int a = 0; a < n; a++) {
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        if (a == 3 || a == 6) continue; /* the orders are no property of a slot */
+        memcpy(base + (size_t)to * list[a].size, base + (size_t)from * list[a].size, list[a].size);
+    }
+}
+
+/* Takes out contacts that ended: the order keeps, and slots at the end fill the gaps. */
 static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
-    int n = dem__live_arrays(w, list);
-    ptrdiff_t kept = 0, last = w->live_count__;
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
-        int32_t c = w->order__[k];
-        if (!w->live_ended__[c]) {
-            w->order__[kept++] = c;
-            continue;
-        }
-        ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
-        int32_t near_pair = w->live_near__[c];
-        if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
-        w->touching[i]--;
-        if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
-        if (j >= 0) {
-            w->touching[j]--;
-            if (near_pair >= 0 && !w->stale__) {
-                dem__near *q = &w->near__[near_pair];
-                q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
-                if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
-                    dem__wait_for_pair(w, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
-            }
-        } else {
-            dem__unlink_wall_contact(w, i, c, -1);
-            /* a screen's timer went on for its other bars, but did not wait for this one */
-            if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__awaits(w, i, -1 - (int)j))
-                dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
-        }
+    const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
+    if (dead == 0) return;
+    const int n = dem__live_arrays(w, list);
+    ptrdiff_t last = w->live_count__, kept = 0, from = 0;
+    for (ptrdiff_t k = 0; k <= dead; k++) {
+        const ptrdiff_t place = k < dead ? dem__place_in_order(w, w->order_spare__[k], w->live_count__) : w->live_count__;
+        memmove(&w->order__[kept], &w->order__[from], (size_t)(place - from) * sizeof *w->order__);
+        kept += place - from;
+        from = place + 1;
     }
-    /* the slots: two ends walk towards each other */
-    for (ptrdiff_t c = 0; c < last; c++) {
-        if (!w->live_ended__[c]) continue;
-        while (last > c + 1 && w->live_ended__[last - 1]) last--;
-        if (--last <= c) break;
-        if (w->live_j__[last] < 0) {
-            w->live_wall_next__[c] = w->live_wall_next__[last];
-            dem__unlink_wall_contact(w, w->live_i__[last], (int32_t)last, (int32_t)c);
-        }
-        for (int a = 0; a < n; a++) {
-            char *base;
-            memcpy(&base, list[a].address, sizeof base);
-            if (a == 3 || a == 6) continue; /* the orders are no property of a slot */
-            memcpy(base + (size_t)c * list[a].size, base + (size_t)last * list[a].size, list[a].size);
-        }
-        w->order_spare__[last] = (int32_t)c;
-    }
-    for (ptrdiff_t k = 0; k < kept; k++) {
-        if (w->order__[k] >= (int32_t)kept) w->order__[k] = w->order_spare__[w->order__[k]];
-    }
+    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, w->order_spare__[k], step);
     w->live_count__ = kept;
+    for (ptrdiff_t k = 0; k < dead; k++) {
+        const int32_t gap = w->order_spare__[k];
+        while (w->live_ended__[last - 1] && last - 1 > gap) last--;
+        if (gap < kept) dem__move_contact(w, (int32_t)--last, gap, list, n);
+    }
 }
 
 /* What contacts, or links, see of particle i, `back` after the middle of their step. */
@@ -4367,9 +4426,8 @@ static inline void dem__advance(dem_world *w, double h) {
 }
 
 /* Sums forces and torques, always in the same order. */
-DEM_INLINE int dem__gather_forces(dem_world *w, double h, int turns) {
+DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
     double *const *out = w->live_out__;
-    int ended = 0;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
@@ -4388,17 +4446,16 @@ DEM_INLINE int dem__gather_forces(dem_world *w, double h, int turns) {
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
         }
-        ended |= w->live_ended__[c];
     }
     if (h > 0.0) {
         for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__add(w->wall[k].impulse, dem__scale(h, w->wall[k].force));
     }
-    return ended;
 }
 
 /* Twice, so that a scene without friction does not ask at every contact. */
-static inline int dem__gather(dem_world *w, double h, int turns) {
-    return turns ? dem__gather_forces(w, h, 1) : dem__gather_forces(w, h, 0);
+static inline void dem__gather(dem_world *w, double h, int turns) {
+    if (turns) dem__gather_forces(w, h, 1);
+    else dem__gather_forces(w, h, 0);
 }
 
 static inline void dem__gather_losses(dem_world *w) {
@@ -4418,6 +4475,27 @@ static inline void dem__gather_losses(dem_world *w) {
     }
 }
 
+/* Of a particle settled now: how far its velocity is from that of its course. */
+DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
+    const double t = (double)(w->step - w->listed__) * w->dt__;
+    const dem__course *c = &w->course__[i];
+    return dem_vec3(w->vx[i] - t * w->def.gravity.x - c->ux, w->vy[i] - t * w->def.gravity.y - c->uy,
+                    w->vz[i] - t * w->def.gravity.z - c->uz);
+}
+
+/* The same at the end of the next step: between, it is on the line from one to the other. */
+DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem_vec g = w->def.gravity;
+    return dem_vec3(d.x + w->dt__ * (w->ax[i] - g.x), d.y + w->dt__ * (w->ay[i] - g.y), d.z + w->dt__ * (w->az[i] - g.z));
+}
+
+/* Is the velocity of a particle settled now within its ball, to the end of the next step? */
+DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
+    const dem_vec d = dem__stray(w, i), e = dem__stray_next(w, i, d);
+    const double ball = w->course__[i].ball * w->course__[i].ball;
+    return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
+}
+
 /* New accelerations, and velocities corrected from predicted to final. */
 static inline int dem__kick(dem_world *w, double h) {
     const double half = 0.5 * h;
@@ -4433,6 +4511,7 @@ static inline int dem__kick(dem_world *w, double h) {
         w->ax[i] = ax, w->ay[i] = ay, w->az[i] = az;
         w->bx[i] = bx, w->by[i] = by, w->bz[i] = bz;
         check += 0.0 * (ax + ay + az + bx + by + bz);
+        if (!dem__holds_course(w, i)) dem__unsettle(w, i);
     }
     return check == 0.0; /* not if anything is infinite or NaN */
 }
@@ -4440,15 +4519,15 @@ static inline int dem__kick(dem_world *w, double h) {
 /* Impulses and shifts of contacts that began or ended within the step. */
 static inline void dem__settle_events(dem_world *w, int turns) {
     double *const *data = w->live_event_data__, *const *out = w->live_out__;
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
-        const int32_t c = w->order__[k];
-        if (!w->live_event__[c]) continue;
-        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+    const ptrdiff_t events = dem__list_marked(w, w->live_event__);
+    for (ptrdiff_t k = 0; k < events; k++) {
+        const int32_t c = w->order_spare__[k], i = w->live_i__[c], j = w->live_j__[c];
         const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
         const double extra = data[5][c], along = dem__dot(f, n);
         const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
         for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
             const int32_t a = side ? j : i;
+            dem__unsettle(w, a);
             const double m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
             w->vx[a] += m * impulse.x, w->vy[a] += m * impulse.y, w->vz[a] += m * impulse.z;
             w->x[a] += m * data[4][c] * n.x, w->y[a] += m * data[4][c] * n.y, w->z[a] += m * data[4][c] * n.z;
@@ -4473,38 +4552,23 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     }
 }
 
-/* Of a particle settled now: how far its velocity is from that of its course. */
-DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
-    const double t = (double)(w->step - w->listed__) * w->dt__;
-    const dem__course *c = &w->course__[i];
-    return dem_vec3(w->vx[i] - t * w->def.gravity.x - c->ux, w->vy[i] - t * w->def.gravity.y - c->uy,
-                    w->vz[i] - t * w->def.gravity.z - c->uz);
-}
-
-/* The same at the end of the next step: between, it is on the line from one to the other. */
-DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    const dem_vec g = w->def.gravity;
-    return dem_vec3(d.x + w->dt__ * (w->ax[i] - g.x), d.y + w->dt__ * (w->ay[i] - g.y), d.z + w->dt__ * (w->az[i] - g.z));
-}
-
-/* Active particles whose velocity left its ball, or whose flight begins, get new timers. */
-static inline int dem__watch(dem_world *w) {
-    ptrdiff_t kept = 0;
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
-        const ptrdiff_t i = w->active__[k];
-        const dem_vec d = dem__stray(w, i), e = dem__stray_next(w, i, d);
-        const double ball = w->course__[i].ball * w->course__[i].ball;
-        const int holds = dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
-        if (!w->alive[i]) {
-            w->is_active__[i] = 0;
-            continue;
-        }
-        if (!w->stale__ && (!holds || w->touching[i] == 0)) dem__restart(w, i, w->step);
-        if (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i))) w->active__[kept++] = (int32_t)i;
-        else w->is_active__[i] = 0;
+/* Particles whose velocity left its ball, or whose flight begins, get new timers. */
+static inline void dem__watch(dem_world *w) {
+    ptrdiff_t flown = 0, kept = 0;
+    for (ptrdiff_t k = 0; k < w->unsettled_count__; k++) {
+        const ptrdiff_t i = w->unsettled__[k];
+        const int stays = w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i));
+        if (w->alive[i] && !w->stale__ && (w->touching[i] == 0 || !dem__holds_course(w, i))) dem__restart(w, i, w->step);
+        w->is_active__[i] = w->alive[i] && stays;
+        flown += !w->is_active__[i];
     }
-    w->active_count__ = kept;
-    return 1;
+    w->unsettled_count__ = 0;
+    for (ptrdiff_t k = 0; k < w->active_count__ && flown > 0; k++) {
+        const int32_t i = w->active__[k];
+        w->active__[kept] = i;
+        kept += w->is_active__[i] != 0;
+    }
+    w->active_count__ = flown > 0 ? kept : w->active_count__;
 }
 
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -4624,10 +4688,10 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         if (law->born && w->live_count__ > old) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
         dem__advance(w, 0.0);
         dem__call_kernel(w, kernel, w->live_count__, 0.0);
-        int ended = dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
+        dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
-        if (ended) dem__bury(w, w->step);
+        dem__bury(w, w->step);
         dem__watch(w);
         if (w->status != DEM_OK) return 0;
     }
@@ -4707,7 +4771,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         if (law->born) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
     } else dem__advance(w, w->dt__);
     dem__call_kernel(w, kernel, w->live_count__, w->dt__);
-    int ended = dem__gather(w, w->dt__, turns);
+    dem__gather(w, w->dt__, turns);
     const int finite = dem__kick(w, w->dt__);
     dem__kick_walls(w, w->dt__);
     dem__settle_events(w, turns);
@@ -4720,14 +4784,14 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     if (w->leaving__) {
         for (ptrdiff_t c = 0; c < w->live_count__; c++) {
             ptrdiff_t j = w->live_j__[c];
-            if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1, ended = 1;
+            if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1;
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             if (w->alive[i] < 0) dem__forget(w, i);
         }
         w->leaving__ = 0;
     }
-    if (ended) dem__bury(w, w->step);
+    dem__bury(w, w->step);
     dem__watch(w);
     if (w->link_stride__ > 0 && w->step % w->link_stride__ == 0) dem__step_links(w);
     return w->status == DEM_OK;
