@@ -1787,8 +1787,8 @@ DEM_API void dem_free(dem_world *world) {
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->origin[i]) * w->dt__; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
-    double length = high - low;
-    return v - length * floor((v - low) / length);
+    const double length = high - low;
+    return v >= low && v < high ? v : v - length * floor((v - low) / length);
 }
 
 /* Position on the parabola at tau after the origin step. */
@@ -1839,12 +1839,15 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
 }
 
+DEM_INLINE double dem__nearest(double d, double length) {
+    return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5);
+}
+
 DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
     if (w->has_periodic__) {
-        double x = w->def.high.x - w->def.low.x, y = w->def.high.y - w->def.low.y, z = w->def.high.z - w->def.low.z;
-        if (w->def.periodic[0]) d.x -= x * floor(d.x / x + 0.5);
-        if (w->def.periodic[1]) d.y -= y * floor(d.y / y + 0.5);
-        if (w->def.periodic[2]) d.z -= z * floor(d.z / z + 0.5);
+        if (w->def.periodic[0]) d.x = dem__nearest(d.x, w->def.high.x - w->def.low.x);
+        if (w->def.periodic[1]) d.y = dem__nearest(d.y, w->def.high.y - w->def.low.y);
+        if (w->def.periodic[2]) d.z = dem__nearest(d.z, w->def.high.z - w->def.low.z);
     }
     return d;
 }
@@ -3158,6 +3161,16 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
     }
 }
 
+/* Active particles in the order of memory. */
+static inline void dem__list_active(dem_world *w) {
+    w->active_count__ = w->unsettled_count__ = 0;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        w->active__[w->active_count__] = i;
+        w->active_count__ += w->is_active__[i] != 0;
+        if (w->is_active__[i] == 2) w->unsettled__[w->unsettled_count__++] = i;
+    }
+}
+
 /* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
@@ -3466,12 +3479,7 @@ static inline void dem__find_links(dem_world *w) {
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
     dem__compact(w);
-    w->active_count__ = 0;
-    w->unsettled_count__ = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* in the order of memory */
-        if (w->is_active__[i]) w->active__[w->active_count__++] = (int32_t)i;
-        if (w->is_active__[i] == 2) w->unsettled__[w->unsettled_count__++] = (int32_t)i;
-    }
+    dem__list_active(w);
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x = dem__at(w, i, dem__now(w, i));
@@ -4259,6 +4267,8 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     if (w->is_active__[i]) return;
     w->is_active__[i] = 1;
     w->active__[w->active_count__++] = (int32_t)i;
+    w->sum__[i].per_mass = 1.0 / w->mass[i];
+    w->sum__[i].per_inertia = 2.5 * w->sum__[i].per_mass / (w->radius[i] * w->radius[i]);
 }
 
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -4404,31 +4414,71 @@ DEM_INLINE void dem__show(dem_world *w, ptrdiff_t i, double back, double share) 
     s->spin = dem_vec3(w->wx[i] - back * w->bx[i], w->wy[i] - back * w->by[i], w->wz[i] - back * w->bz[i]);
 }
 
+/* From active__[k] on, particles with the same origin that lie in a row: the end of them in the list, at most a block away. */
+DEM_INLINE ptrdiff_t dem__row_end(const dem_world *w, ptrdiff_t k) {
+    const ptrdiff_t limit = k + DEM_BLOCK < w->active_count__ ? k + DEM_BLOCK : w->active_count__;
+    const int32_t *active = w->active__, first = active[k];
+    const int64_t *origin = w->origin + first;
+    ptrdiff_t end = k + 1;
+    while (end < limit && active[end] == first + (int32_t)(end - k) && origin[end - k] == *origin) end++;
+    return end;
+}
+
+/* x + t v + t^2/2 a and v + t a; spin + t rate. One particle, or many in a row: a short row is not worth a vector loop's beginning. */
+DEM_INLINE void dem__fly(double *x, double *v, const double *a, double t) {
+    *x += t * (*v + 0.5 * t * *a);
+    *v += t * *a;
+}
+DEM_INLINE void dem__fly_row(double *x, double *v, const double *a, ptrdiff_t n, double t) {
+    DEM__INDEPENDENT
+    for (ptrdiff_t k = 0; k < n; k++) dem__fly(x + k, v + k, a + k, t);
+}
+DEM_INLINE void dem__turn_row(double *spin, const double *rate, ptrdiff_t n, double t) {
+    DEM__INDEPENDENT
+    for (ptrdiff_t k = 0; k < n; k++) spin[k] += t * rate[k];
+}
+
+static inline void dem__fly_on(dem_world *w, ptrdiff_t i, ptrdiff_t n, double t) {
+    if (n > 3) {
+        dem__fly_row(w->x + i, w->vx + i, w->ax + i, n, t), dem__turn_row(w->wx + i, w->bx + i, n, t);
+        dem__fly_row(w->y + i, w->vy + i, w->ay + i, n, t), dem__turn_row(w->wy + i, w->by + i, n, t);
+        dem__fly_row(w->z + i, w->vz + i, w->az + i, n, t), dem__turn_row(w->wz + i, w->bz + i, n, t);
+        return;
+    }
+    for (const ptrdiff_t end = i + n; i < end; i++) {
+        dem__fly(w->x + i, w->vx + i, w->ax + i, t), w->wx[i] += t * w->bx[i];
+        dem__fly(w->y + i, w->vy + i, w->ay + i, t), w->wy[i] += t * w->by[i];
+        dem__fly(w->z + i, w->vz + i, w->az + i, t), w->wz[i] += t * w->bz[i];
+    }
+}
+
 /* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
 static inline void dem__advance(dem_world *w, double h) {
+    const int64_t step = w->step + (h > 0.0);
     const int loads = w->loads_on__ || w->links_on__;
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
-        const ptrdiff_t i = w->active__[k];
-        const double tau = (double)(w->step + (h > 0.0) - w->origin[i]) * w->dt__;
-        w->x[i] += tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] += tau * (w->vy[i] + 0.5 * tau * w->ay[i]);
-        w->z[i] += tau * (w->vz[i] + 0.5 * tau * w->az[i]);
-        w->vx[i] += tau * w->ax[i], w->vy[i] += tau * w->ay[i], w->vz[i] += tau * w->az[i];
-        w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
-        w->origin[i] = w->step + (h > 0.0);
-        if (w->has_periodic__) dem__wrap(w, i);
-        dem__show(w, i, 0.5 * h, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
-        dem__sum *sum = &w->sum__[i];
-        sum->force = loads ? dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]) : dem_vec3(0.0, 0.0, 0.0);
-        sum->torque = loads ? dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]) : dem_vec3(0.0, 0.0, 0.0);
-        sum->per_mass = 1.0 / w->mass[i];
-        sum->per_inertia = 2.5 * sum->per_mass / (w->radius[i] * w->radius[i]);
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
+        const ptrdiff_t first = w->active__[k];
+        end = dem__row_end(w, k);
+        dem__fly_on(w, first, end - k, (double)(step - w->origin[first]) * w->dt__);
+        for (ptrdiff_t i = first; i < first + (end - k); i++) {
+            dem__sum *sum = &w->sum__[i];
+            w->origin[i] = step;
+            if (w->has_periodic__) dem__wrap(w, i);
+            dem__show(w, i, 0.5 * h, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
+            sum->force = none;
+            sum->torque = none;
+            if (!loads) continue;
+            sum->force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
+            sum->torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
+        }
     }
 }
 
 /* Sums forces and torques, always in the same order. */
 DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
     double *const *out = w->live_out__;
-    for (int k = 0; k < w->walls; k++) w->wall[k].force = w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
         const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
         const dem_vec push = dem_vec3(out[0][c], out[1][c], out[2][c]);
@@ -4496,22 +4546,44 @@ DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
     return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
 }
 
+/* The corrector of velocity Verlet; half: of the step. */
+DEM_INLINE void dem__correct(double *v, double *a, double fresh, double half) {
+    *v += half * (fresh - *a);
+    *a = fresh;
+}
+DEM_INLINE void dem__correct_row(double *v, double *a, const double *fresh, ptrdiff_t n, double half) {
+    DEM__INDEPENDENT
+    for (ptrdiff_t k = 0; k < n; k++) dem__correct(v + k, a + k, fresh[k], half);
+}
+
 /* New accelerations, and velocities corrected from predicted to final. */
 static inline int dem__kick(dem_world *w, double h) {
     const double half = 0.5 * h;
-    double check = 0.0;
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+    const dem_vec g = w->def.gravity;
+    double check = 0.0, fresh[6][DEM_BLOCK];
+    for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
         const ptrdiff_t i = w->active__[k];
-        const dem__sum *s = &w->sum__[i];
-        const double m = s->per_mass, turn = s->per_inertia;
-        const double ax = s->force.x * m + w->def.gravity.x, ay = s->force.y * m + w->def.gravity.y, az = s->force.z * m + w->def.gravity.z;
-        const double bx = s->torque.x * turn, by = s->torque.y * turn, bz = s->torque.z * turn;
-        w->vx[i] += half * (ax - w->ax[i]), w->vy[i] += half * (ay - w->ay[i]), w->vz[i] += half * (az - w->az[i]);
-        w->wx[i] += half * (bx - w->bx[i]), w->wy[i] += half * (by - w->by[i]), w->wz[i] += half * (bz - w->bz[i]);
-        w->ax[i] = ax, w->ay[i] = ay, w->az[i] = az;
-        w->bx[i] = bx, w->by[i] = by, w->bz[i] = bz;
-        check += 0.0 * (ax + ay + az + bx + by + bz);
-        if (!dem__holds_course(w, i)) dem__unsettle(w, i);
+        end = dem__row_end(w, k);
+        const ptrdiff_t n = end - k;
+        for (ptrdiff_t q = 0; q < n; q++) {
+            const dem__sum *s = &w->sum__[i + q];
+            const double ax = s->force.x * s->per_mass + g.x, ay = s->force.y * s->per_mass + g.y, az = s->force.z * s->per_mass + g.z;
+            const double bx = s->torque.x * s->per_inertia, by = s->torque.y * s->per_inertia, bz = s->torque.z * s->per_inertia;
+            check += 0.0 * (ax + ay + az + bx + by + bz);
+            fresh[0][q] = ax, fresh[1][q] = ay, fresh[2][q] = az, fresh[3][q] = bx, fresh[4][q] = by, fresh[5][q] = bz;
+            if (n > 3) continue;
+            dem__correct(w->vx + i + q, w->ax + i + q, ax, half), dem__correct(w->wx + i + q, w->bx + i + q, bx, half);
+            dem__correct(w->vy + i + q, w->ay + i + q, ay, half), dem__correct(w->wy + i + q, w->by + i + q, by, half);
+            dem__correct(w->vz + i + q, w->az + i + q, az, half), dem__correct(w->wz + i + q, w->bz + i + q, bz, half);
+        }
+        if (n > 3) {
+            dem__correct_row(w->vx + i, w->ax + i, fresh[0], n, half), dem__correct_row(w->wx + i, w->bx + i, fresh[3], n, half);
+            dem__correct_row(w->vy + i, w->ay + i, fresh[1], n, half), dem__correct_row(w->wy + i, w->by + i, fresh[4], n, half);
+            dem__correct_row(w->vz + i, w->az + i, fresh[2], n, half), dem__correct_row(w->wz + i, w->bz + i, fresh[5], n, half);
+        }
+        for (ptrdiff_t q = i; q < i + n; q++) {
+            if (!dem__holds_course(w, q)) dem__unsettle(w, q);
+        }
     }
     return check == 0.0; /* not if anything is infinite or NaN */
 }
@@ -4563,12 +4635,14 @@ static inline void dem__watch(dem_world *w) {
         flown += !w->is_active__[i];
     }
     w->unsettled_count__ = 0;
-    for (ptrdiff_t k = 0; k < w->active_count__ && flown > 0; k++) {
+    if (flown == 0) return;
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const int32_t i = w->active__[k];
         w->active__[kept] = i;
         kept += w->is_active__[i] != 0;
     }
-    w->active_count__ = flown > 0 ? kept : w->active_count__;
+    w->active_count__ = kept;
+    if (2 * kept > w->count) dem__list_active(w);
 }
 
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -4673,6 +4747,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         w->def.skip = skip;
         if (w->status != DEM_OK) return dem__undo_look(w);
         dem__admit_born(w, 0.0);
+        dem__list_active(w);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
             const int32_t i = w->live_i__[c], j = w->live_j__[c];
             if (j >= 0) dem__stop_timer(&w->pair_timers__, w->live_near__[c]);
