@@ -4414,17 +4414,18 @@ DEM_INLINE void dem__show(dem_world *w, ptrdiff_t i, double back, double share) 
     s->spin = dem_vec3(w->wx[i] - back * w->bx[i], w->wy[i] - back * w->by[i], w->wz[i] - back * w->bz[i]);
 }
 
-/* From active__[k] on, particles with the same origin that lie in a row: the end of them in the list, at most a block away. */
+/* From active__[k] on, particles with the same origin that lie in a row: the end of them in the list, at most a block away. Of a short
+   row only the first, as it is not worth the beginning of a vector loop. */
 DEM_INLINE ptrdiff_t dem__row_end(const dem_world *w, ptrdiff_t k) {
     const ptrdiff_t limit = k + DEM_BLOCK < w->active_count__ ? k + DEM_BLOCK : w->active_count__;
     const int32_t *active = w->active__, first = active[k];
     const int64_t *origin = w->origin + first;
     ptrdiff_t end = k + 1;
     while (end < limit && active[end] == first + (int32_t)(end - k) && origin[end - k] == *origin) end++;
-    return end;
+    return end - k < 4 ? k + 1 : end;
 }
 
-/* x + t v + t^2/2 a and v + t a; spin + t rate. One particle, or many in a row: a short row is not worth a vector loop's beginning. */
+/* x + t v + t^2/2 a and v + t a; spin + t rate: of one particle, of n in a row. */
 DEM_INLINE void dem__fly(double *x, double *v, const double *a, double t) {
     *x += t * (*v + 0.5 * t * *a);
     *v += t * *a;
@@ -4438,40 +4439,39 @@ DEM_INLINE void dem__turn_row(double *spin, const double *rate, ptrdiff_t n, dou
     for (ptrdiff_t k = 0; k < n; k++) spin[k] += t * rate[k];
 }
 
-static inline void dem__fly_on(dem_world *w, ptrdiff_t i, ptrdiff_t n, double t) {
-    if (n > 3) {
-        dem__fly_row(w->x + i, w->vx + i, w->ax + i, n, t), dem__turn_row(w->wx + i, w->bx + i, n, t);
-        dem__fly_row(w->y + i, w->vy + i, w->ay + i, n, t), dem__turn_row(w->wy + i, w->by + i, n, t);
-        dem__fly_row(w->z + i, w->vz + i, w->az + i, n, t), dem__turn_row(w->wz + i, w->bz + i, n, t);
-        return;
-    }
-    for (const ptrdiff_t end = i + n; i < end; i++) {
-        dem__fly(w->x + i, w->vx + i, w->ax + i, t), w->wx[i] += t * w->bx[i];
-        dem__fly(w->y + i, w->vy + i, w->ay + i, t), w->wy[i] += t * w->by[i];
-        dem__fly(w->z + i, w->vz + i, w->az + i, t), w->wz[i] += t * w->bz[i];
-    }
+/* A particle that has moved, ready for the forces of the step. */
+DEM_INLINE void dem__arrive(dem_world *w, ptrdiff_t i, int64_t step, double back, int loads) {
+    dem__sum *sum = &w->sum__[i];
+    w->origin[i] = step;
+    if (w->has_periodic__) dem__wrap(w, i);
+    dem__show(w, i, back, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
+    sum->force = dem_vec3(0.0, 0.0, 0.0);
+    sum->torque = dem_vec3(0.0, 0.0, 0.0);
+    if (!loads) return;
+    sum->force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
+    sum->torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
 }
 
 /* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
 static inline void dem__advance(dem_world *w, double h) {
     const int64_t step = w->step + (h > 0.0);
     const int loads = w->loads_on__ || w->links_on__;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
-        const ptrdiff_t first = w->active__[k];
+        const ptrdiff_t i = w->active__[k];
+        const double t = (double)(step - w->origin[i]) * w->dt__;
         end = dem__row_end(w, k);
-        dem__fly_on(w, first, end - k, (double)(step - w->origin[first]) * w->dt__);
-        for (ptrdiff_t i = first; i < first + (end - k); i++) {
-            dem__sum *sum = &w->sum__[i];
-            w->origin[i] = step;
-            if (w->has_periodic__) dem__wrap(w, i);
-            dem__show(w, i, 0.5 * h, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
-            sum->force = none;
-            sum->torque = none;
-            if (!loads) continue;
-            sum->force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
-            sum->torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
+        const ptrdiff_t n = end - k;
+        if (n == 1) {
+            dem__fly(w->x + i, w->vx + i, w->ax + i, t), w->wx[i] += t * w->bx[i];
+            dem__fly(w->y + i, w->vy + i, w->ay + i, t), w->wy[i] += t * w->by[i];
+            dem__fly(w->z + i, w->vz + i, w->az + i, t), w->wz[i] += t * w->bz[i];
+            dem__arrive(w, i, step, 0.5 * h, loads);
+            continue;
         }
+        dem__fly_row(w->x + i, w->vx + i, w->ax + i, n, t), dem__turn_row(w->wx + i, w->bx + i, n, t);
+        dem__fly_row(w->y + i, w->vy + i, w->ay + i, n, t), dem__turn_row(w->wy + i, w->by + i, n, t);
+        dem__fly_row(w->z + i, w->vz + i, w->az + i, n, t), dem__turn_row(w->wz + i, w->bz + i, n, t);
+        for (ptrdiff_t q = i; q < i + n; q++) dem__arrive(w, q, step, 0.5 * h, loads);
     }
 }
 
@@ -4556,36 +4556,39 @@ DEM_INLINE void dem__correct_row(double *v, double *a, const double *fresh, ptrd
     for (ptrdiff_t k = 0; k < n; k++) dem__correct(v + k, a + k, fresh[k], half);
 }
 
+/* The six accelerations, a stride apart. Returns 0 unless one of them is infinite or NaN. */
+DEM_INLINE double dem__accelerate(const dem__sum *s, dem_vec g, double *f, ptrdiff_t stride) {
+    const double ax = s->force.x * s->per_mass + g.x, ay = s->force.y * s->per_mass + g.y, az = s->force.z * s->per_mass + g.z;
+    const double bx = s->torque.x * s->per_inertia, by = s->torque.y * s->per_inertia, bz = s->torque.z * s->per_inertia;
+    f[0] = ax, f[stride] = ay, f[2 * stride] = az, f[3 * stride] = bx, f[4 * stride] = by, f[5 * stride] = bz;
+    return 0.0 * (ax + ay + az + bx + by + bz);
+}
+
 /* New accelerations, and velocities corrected from predicted to final. */
 static inline int dem__kick(dem_world *w, double h) {
     const double half = 0.5 * h;
-    const dem_vec g = w->def.gravity;
-    double check = 0.0, fresh[6][DEM_BLOCK];
+    double check = 0.0, f[6 * DEM_BLOCK];
     for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
         const ptrdiff_t i = w->active__[k];
         end = dem__row_end(w, k);
         const ptrdiff_t n = end - k;
-        for (ptrdiff_t q = 0; q < n; q++) {
-            const dem__sum *s = &w->sum__[i + q];
-            const double ax = s->force.x * s->per_mass + g.x, ay = s->force.y * s->per_mass + g.y, az = s->force.z * s->per_mass + g.z;
-            const double bx = s->torque.x * s->per_inertia, by = s->torque.y * s->per_inertia, bz = s->torque.z * s->per_inertia;
-            check += 0.0 * (ax + ay + az + bx + by + bz);
-            fresh[0][q] = ax, fresh[1][q] = ay, fresh[2][q] = az, fresh[3][q] = bx, fresh[4][q] = by, fresh[5][q] = bz;
-            if (n > 3) continue;
-            dem__correct(w->vx + i + q, w->ax + i + q, ax, half), dem__correct(w->wx + i + q, w->bx + i + q, bx, half);
-            dem__correct(w->vy + i + q, w->ay + i + q, ay, half), dem__correct(w->wy + i + q, w->by + i + q, by, half);
-            dem__correct(w->vz + i + q, w->az + i + q, az, half), dem__correct(w->wz + i + q, w->bz + i + q, bz, half);
+        if (n == 1) {
+            check += dem__accelerate(&w->sum__[i], w->def.gravity, f, 1);
+            dem__correct(w->vx + i, w->ax + i, f[0], half), dem__correct(w->wx + i, w->bx + i, f[3], half);
+            dem__correct(w->vy + i, w->ay + i, f[1], half), dem__correct(w->wy + i, w->by + i, f[4], half);
+            dem__correct(w->vz + i, w->az + i, f[2], half), dem__correct(w->wz + i, w->bz + i, f[5], half);
+            if (!dem__holds_course(w, i)) dem__unsettle(w, i);
+            continue;
         }
-        if (n > 3) {
-            dem__correct_row(w->vx + i, w->ax + i, fresh[0], n, half), dem__correct_row(w->wx + i, w->bx + i, fresh[3], n, half);
-            dem__correct_row(w->vy + i, w->ay + i, fresh[1], n, half), dem__correct_row(w->wy + i, w->by + i, fresh[4], n, half);
-            dem__correct_row(w->vz + i, w->az + i, fresh[2], n, half), dem__correct_row(w->wz + i, w->bz + i, fresh[5], n, half);
-        }
+        for (ptrdiff_t q = 0; q < n; q++) check += dem__accelerate(&w->sum__[i + q], w->def.gravity, f + q, n);
+        dem__correct_row(w->vx + i, w->ax + i, f, n, half), dem__correct_row(w->wx + i, w->bx + i, f + 3 * n, n, half);
+        dem__correct_row(w->vy + i, w->ay + i, f + n, n, half), dem__correct_row(w->wy + i, w->by + i, f + 4 * n, n, half);
+        dem__correct_row(w->vz + i, w->az + i, f + 2 * n, n, half), dem__correct_row(w->wz + i, w->bz + i, f + 5 * n, n, half);
         for (ptrdiff_t q = i; q < i + n; q++) {
             if (!dem__holds_course(w, q)) dem__unsettle(w, q);
         }
     }
-    return check == 0.0; /* not if anything is infinite or NaN */
+    return check == 0.0;
 }
 
 /* Impulses and shifts of contacts that began or ended within the step. */
