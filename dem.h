@@ -475,8 +475,8 @@ typedef struct dem_world {
     double *link_x__, *link_y__, *link_z__, *link_wx__, *link_wy__, *link_wz__; /* position and spin when links were evaluated last */
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__,
-        *link_loaded__, *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
+        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
 
     /* near pairs, and timers of pairs and of particles with walls */
     ptrdiff_t near_count__, near_capacity__, adjacent_capacity__, cells_capacity__;
@@ -1536,12 +1536,12 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {
-        &w->x,         &w->y,        &w->z,        &w->vx,       &w->vy,        &w->vz,        &w->ax,       &w->ay,   &w->az,
-        &w->wx,        &w->wy,       &w->wz,       &w->bx,       &w->by,        &w->bz,        &w->radius,   &w->mass, &w->lx__,
-        &w->ex__,      &w->ey__,     &w->ez__,     &w->etx__,    &w->ety__,     &w->etz__,     &w->ly__,     &w->lz__, &w->qx__,
-        &w->qy__,      &w->qz__,     &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__,
-        &w->shifted__, &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
+    double **doubles[] = {&w->x,        &w->y,        &w->z,         &w->vx,        &w->vy,           &w->vz,        &w->ax,
+                          &w->ay,       &w->az,       &w->wx,        &w->wy,        &w->wz,           &w->bx,        &w->by,
+                          &w->bz,       &w->radius,   &w->mass,      &w->lx__,      &w->ex__,         &w->ey__,      &w->ez__,
+                          &w->etx__,    &w->ety__,    &w->etz__,     &w->ly__,      &w->lz__,         &w->qx__,      &w->qy__,
+                          &w->qz__,     &w->rx__,     &w->ry__,      &w->rz__,      &w->wall_speed__, &w->shifted__, &w->link_x__,
+                          &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
                             &w->unsettled__};
@@ -1839,9 +1839,7 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
 }
 
-DEM_INLINE double dem__nearest(double d, double length) {
-    return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5);
-}
+DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
 
 DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
     if (w->has_periodic__) {
@@ -1861,6 +1859,13 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__dot(force, way) + turned * ((w->qx__[i] - w->etx__[i]) * (w->wx[i] + tau * w->bx[i] + w->link_wx__[i]) +
                                             (w->qy__[i] - w->ety__[i]) * (w->wy[i] + tau * w->by[i] + w->link_wy__[i]) +
                                             (w->qz__[i] - w->etz__[i]) * (w->wz[i] + tau * w->bz[i] + w->link_wz__[i]));
+}
+
+/* What makes accelerations of forces on particle i. */
+static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
+    dem__sum *sum = &w->sum__[i];
+    sum->per_mass = 1.0 / w->mass[i];
+    sum->per_inertia = 2.5 * sum->per_mass / (w->radius[i] * w->radius[i]);
 }
 
 /* Acceleration without contacts. */
@@ -1901,6 +1906,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         w->ex__[i] = w->ey__[i] = w->ez__[i] = w->etx__[i] = w->ety__[i] = w->etz__[i] = 0.0;
         w->radius[i] = 0.5 * d;
         w->mass[i] = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+        dem__weigh(w, i);
         w->origin[i] = w->step;
         w->id[i] = w->next_id__++;
         w->material[i] = material;
@@ -3882,7 +3888,7 @@ DEM_INLINE int dem__mark(const double *before, const double *was, const double *
     int64_t any = 0;
     for (int k = 0; k < n; k++) {
         const int64_t idle = before[k] == 0.0, changed = idle != (int64_t)(force[k] == 0.0), apart = was[k] > 0.0;
-        any |= (changed & (!idle | apart)) | (int64_t)(ended[k] != 0.0);
+        any |= (changed & ((idle ^ 1) | apart)) | (int64_t)(ended[k] != 0.0);
     }
     memset(event, 0, (size_t)n);
     memset(over, 0, (size_t)n);
@@ -4267,8 +4273,6 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     if (w->is_active__[i]) return;
     w->is_active__[i] = 1;
     w->active__[w->active_count__++] = (int32_t)i;
-    w->sum__[i].per_mass = 1.0 / w->mass[i];
-    w->sum__[i].per_inertia = 2.5 * w->sum__[i].per_mass / (w->radius[i] * w->radius[i]);
 }
 
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -4799,7 +4803,9 @@ static inline void dem__step_links(dem_world *w) {
         dem__wrap(w, i);
         if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
         dem__show(w, i, 0.0, 1.0);
-        for (int a = 0; a < 6; a++) (&w->sum__[i].force.x)[a] = load[a][i], load[a][i] = external[a][i];
+        w->sum__[i].force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
+        w->sum__[i].torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
+        for (int a = 0; a < 6; a++) load[a][i] = external[a][i];
     }
     dem__call_kernel(w, w->link_kernel__, w->link_count__, h);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
@@ -4813,9 +4819,11 @@ static inline void dem__step_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
+        const dem_vec f = w->sum__[i].force, t = w->sum__[i].torque;
+        const double old[6] = {f.x, f.y, f.z, t.x, t.y, t.z};
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         for (int a = 0; a < 6; a++) {
-            const double change = (load[a][i] - (&w->sum__[i].force.x)[a]) * (a < 3 ? m : turn);
+            const double change = (load[a][i] - old[a]) * (a < 3 ? m : turn);
             velocity[a][i] += 0.5 * h * change;
             rate[a][i] += change;
         }
@@ -6361,6 +6369,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         }
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__weigh(w, i);
         if (dem__is_loaded(w, i) && !w->is_active__[i]) {
             dem__activate(w, i);
             w->touching[i]--;
