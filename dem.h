@@ -3890,8 +3890,7 @@ DEM_INLINE int dem__mark(const double *before, const double *was, const double *
         const int64_t idle = before[k] == 0.0, changed = idle != (int64_t)(force[k] == 0.0), apart = was[k] > 0.0;
         any |= (changed & ((idle ^ 1) | apart)) | (int64_t)(ended[k] != 0.0);
     }
-    memset(event, 0, (size_t)n);
-    memset(over, 0, (size_t)n);
+    for (int k = 0; k < n; k++) event[k] = over[k] = 0;
     for (int k = 0; k < n && any; k++) {
         event[k] = (before[k] == 0.0) != (force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);
         over[k] = ended[k] != 0.0;
