@@ -646,7 +646,8 @@ static void test_start_from_a_table(void **state) {
     for (int k = 0; k < 20000; k++) {
         const size_t length = k % 3 ? size : (size_t)(scene_uniform(&r) * (double)size);
         memcpy(damaged, bytes, size);
-        for (int b = 0; b < 1 + k % 4; b++) damaged[(size_t)(scene_uniform(&r) * (double)size)] = (char)(scene_uniform(&r) * 256.0);
+        for (int b = 0; b < 1 + k % 4; b++)
+            damaged[(size_t)(scene_uniform(&r) * (double)size)] = (char)(unsigned char)(scene_uniform(&r) * 256.0);
         char *exact = malloc(length + 1); /* so that a sanitizer sees a read past the end */
         memcpy(exact, damaged, length);
         message[0] = '\0';
