@@ -358,6 +358,7 @@ typedef struct search {
     int kind, evaluations;
     uint64_t seed;
     double deviation;
+    int populations;
     progress *bar;
 } search;
 
@@ -377,35 +378,49 @@ static double mean_deviation(const study *s, int m, const double *x) {
     return isfinite(sum) ? sum : 1.0;
 }
 
+/* A random place in the box that is searched. */
+static void draw_place(const search *w, uint64_t *random, int n, double *x) {
+    for (int j = 0; j < n; j++) {
+        double u = screen__uniform(random) - 0.5;
+        x[j] = j % 3 == 0 ? 8.0 * u + (kinds[w->kind].model == SCREEN_DONG ? 7.0 : 1.0) : j % 3 == 1 ? 16.0 * u : 40.0 * u;
+    }
+}
+
+/* A population that has come together has nothing more to find: another one begins. */
 static int run_search(int index, void *user) {
     enum { MEMBERS = 60 };
     search *w = (search *)user + index;
     double x[MEMBERS][SCREEN_MAX_PARAMETERS], f[MEMBERS], trial[SCREEN_MAX_PARAMETERS];
-    int n = screen_parameter_count(kinds[w->kind].model, 0), best = 0;
+    int n = screen_parameter_count(kinds[w->kind].model, 0), best = 0, fresh = MEMBERS;
     uint64_t random = w->seed;
-    for (int i = 0; i < MEMBERS; i++) {
-        for (int j = 0; j < n; j++) {
-            double u = screen__uniform(&random) - 0.5;
-            x[i][j] = j % 3 == 0 ? 8.0 * u + (kinds[w->kind].model == SCREEN_DONG ? 7.0 : 1.0) : j % 3 == 1 ? 16.0 * u : 40.0 * u;
+    w->deviation = 1.0;
+    for (int k = 0; k < w->evaluations && !common_interrupted(); k++) {
+        int i = k % MEMBERS;
+        if (i == 0) {
+            double worst = 0.0;
+            for (int j = 0; j < MEMBERS && !fresh; j++) worst = fmax(worst, f[j]);
+            if (!fresh && worst - f[best] < 1e-8) fresh = MEMBERS;
+            w->populations += fresh > 0;
         }
-        f[i] = mean_deviation(w->study, w->kind, x[i]);
-    }
-    for (int k = MEMBERS; k < w->evaluations && !common_interrupted(); k++) {
-        int i = k % MEMBERS, a = (int)(MEMBERS * screen__uniform(&random)), b = (int)(MEMBERS * screen__uniform(&random));
-        int c = screen__uniform(&random) < 0.5 ? best : (int)(MEMBERS * screen__uniform(&random)),
-            sure = (int)(n * screen__uniform(&random));
-        double scale = 0.4 + 0.6 * screen__uniform(&random);
-        for (int j = 0; j < n; j++)
-            trial[j] = j == sure || screen__uniform(&random) < 0.9 ? x[c][j] + scale * (x[a][j] - x[b][j]) : x[i][j];
+        if (fresh) draw_place(w, &random, n, trial);
+        else {
+            int a = (int)(MEMBERS * screen__uniform(&random)), b = (int)(MEMBERS * screen__uniform(&random));
+            int c = screen__uniform(&random) < 0.5 ? best : (int)(MEMBERS * screen__uniform(&random)),
+                sure = (int)(n * screen__uniform(&random));
+            double scale = 0.4 + 0.6 * screen__uniform(&random);
+            for (int j = 0; j < n; j++)
+                trial[j] = j == sure || screen__uniform(&random) < 0.9 ? x[c][j] + scale * (x[a][j] - x[b][j]) : x[i][j];
+        }
         double value = mean_deviation(w->study, w->kind, trial);
-        if (value <= f[i]) {
+        if (fresh || value <= f[i]) {
             f[i] = value;
             memcpy(x[i], trial, sizeof trial);
-            if (value < f[best]) best = i;
+            if (fresh == MEMBERS || value < f[best]) best = i;
         }
+        fresh -= fresh > 0;
+        w->deviation = fmin(w->deviation, value);
         if (k % 1000 == 0) progress_add(w->bar, 1000.0);
     }
-    w->deviation = f[best];
     return 0;
 }
 
@@ -415,14 +430,14 @@ static void compare_with_search(const program *self, const study *s, const resul
     int n = 0;
     for (int m = 0; m < KINDS; m++)
         if (model < 0 ? m != 3 : m == model) {
-            search one = {s, m, evaluations, self->seed, 0.0, &bar};
+            search one = {s, m, evaluations, self->seed, 0.0, 0, &bar};
             searches[n++] = one;
         }
     progress_begin(&bar, "global search", (double)n * evaluations);
     jobs_run(n, self->threads, run_search, searches);
     progress_end(&bar);
     if (common_interrupted()) exit(common_exit_status());
-    table t = table_begin("model|fit|global search|evaluations|fit above search");
+    table t = table_begin("model|fit|global search|evaluations|populations|fit above search");
     json_object_begin(report, "global_search");
     for (int i = 0; i < n; i++) {
         int m = searches[i].kind;
@@ -430,10 +445,12 @@ static void compare_with_search(const program *self, const study *s, const resul
         table_cell(&t, "%.8f", r->all[m].deviation);
         table_cell(&t, "%.8f", searches[i].deviation);
         table_cell(&t, "%d", evaluations);
+        table_cell(&t, "%d", searches[i].populations);
         table_cell(&t, "%+.1e", r->all[m].deviation - searches[i].deviation);
         json_object_begin(report, kinds[m].key);
         json_number(report, "average_deviation", searches[i].deviation);
         json_integer(report, "evaluations", evaluations);
+        json_integer(report, "populations", searches[i].populations);
         json_number(report, "fit_above_search", r->all[m].deviation - searches[i].deviation);
         json_object_end(report);
     }
@@ -598,7 +615,7 @@ static const char *short_source(const study *s) { return strncmp(s->source, "SYN
 
 static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
-    snprintf(title, sizeof title, "Fraction retained: data and models, one set for all%s", short_source(s));
+    snprintf(title, sizeof title, "Fraction retained: data and models, one set for all; 7 mm dashed%s", short_source(s));
     plot *figure = plot_new(title, 2, 3);
     csv *file = csv_open(self->out, "fig8.csv",
                          "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
