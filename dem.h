@@ -4034,22 +4034,23 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     }
 }
 
-/* On x86-64 a kernel is there twice, for AVX2 and without: same bits, as neither fuses. */
+/* On x86-64 the loops of a step are there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
-#define DEM__TWICE(name, call)                                                                                                             \
-    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }         \
-    static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) {                                                                   \
-        if (__builtin_cpu_supports("avx2")) name##_wide(world, first, end);                                                                \
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                \
+    static void name parameters {                                                                                                          \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
         else call;                                                                                                                         \
     }                                                                                                                                      \
     DEM__LOUD
 #else
-#define DEM__TWICE(name, call)                                                                                                             \
-    DEM__QUIET static void name(dem_world *world, ptrdiff_t first, ptrdiff_t end) { call; }                                                \
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    DEM__QUIET static void name parameters { call; }                                                                                       \
     DEM__LOUD
 #endif
-#define DEM_KERNEL(name, law, features) DEM__TWICE(name, dem_kernel(world, first, end, &(law), features))
-#define DEM_LINK_KERNEL(name, law) DEM__TWICE(name, dem_link_kernel(world, first, end, &(law)))
+#define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
+#define DEM_KERNEL(name, law, features) DEM__KERNEL(name, dem_kernel(world, first, end, &(law), features))
+#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
@@ -4456,7 +4457,7 @@ DEM_INLINE void dem__arrive(dem_world *w, ptrdiff_t i, int64_t step, double back
 }
 
 /* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
-static inline void dem__advance(dem_world *w, double h) {
+DEM_INLINE void dem__advance_all(dem_world *w, double h) {
     const int64_t step = w->step + (h > 0.0);
     const int loads = w->loads_on__ || w->links_on__;
     for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
@@ -4477,6 +4478,7 @@ static inline void dem__advance(dem_world *w, double h) {
         for (ptrdiff_t q = i; q < i + n; q++) dem__arrive(w, q, step, 0.5 * h, loads);
     }
 }
+DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
 
 /* Sums forces and torques, always in the same order. */
 DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
@@ -4505,10 +4507,12 @@ DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
     }
 }
 
-/* Twice, so that a scene without friction does not ask at every contact. */
+/* Two of them, so that a scene without friction does not ask at every contact. */
+DEM__TWICE(dem__gather_turns, (dem_world * w, double h), (w, h), dem__gather_forces(w, h, 1))
+DEM__TWICE(dem__gather_plain, (dem_world * w, double h), (w, h), dem__gather_forces(w, h, 0))
 static inline void dem__gather(dem_world *w, double h, int turns) {
-    if (turns) dem__gather_forces(w, h, 1);
-    else dem__gather_forces(w, h, 0);
+    if (turns) dem__gather_turns(w, h);
+    else dem__gather_plain(w, h);
 }
 
 static inline void dem__gather_losses(dem_world *w) {
@@ -4568,22 +4572,23 @@ DEM_INLINE double dem__accelerate(const dem__sum *s, dem_vec g, double *f, ptrdi
 }
 
 /* New accelerations, and velocities corrected from predicted to final. */
-static inline int dem__kick(dem_world *w, double h) {
+DEM_INLINE void dem__kick_all(dem_world *w, double h, double *check) {
     const double half = 0.5 * h;
-    double check = 0.0, f[6 * DEM_BLOCK];
+    double f[6 * DEM_BLOCK];
+    *check = 0.0;
     for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
         const ptrdiff_t i = w->active__[k];
         end = dem__row_end(w, k);
         const ptrdiff_t n = end - k;
         if (n == 1) {
-            check += dem__accelerate(&w->sum__[i], w->def.gravity, f, 1);
+            *check += dem__accelerate(&w->sum__[i], w->def.gravity, f, 1);
             dem__correct(w->vx + i, w->ax + i, f[0], half), dem__correct(w->wx + i, w->bx + i, f[3], half);
             dem__correct(w->vy + i, w->ay + i, f[1], half), dem__correct(w->wy + i, w->by + i, f[4], half);
             dem__correct(w->vz + i, w->az + i, f[2], half), dem__correct(w->wz + i, w->bz + i, f[5], half);
             if (!dem__holds_course(w, i)) dem__unsettle(w, i);
             continue;
         }
-        for (ptrdiff_t q = 0; q < n; q++) check += dem__accelerate(&w->sum__[i + q], w->def.gravity, f + q, n);
+        for (ptrdiff_t q = 0; q < n; q++) *check += dem__accelerate(&w->sum__[i + q], w->def.gravity, f + q, n);
         dem__correct_row(w->vx + i, w->ax + i, f, n, half), dem__correct_row(w->wx + i, w->bx + i, f + 3 * n, n, half);
         dem__correct_row(w->vy + i, w->ay + i, f + n, n, half), dem__correct_row(w->wy + i, w->by + i, f + 4 * n, n, half);
         dem__correct_row(w->vz + i, w->az + i, f + 2 * n, n, half), dem__correct_row(w->wz + i, w->bz + i, f + 5 * n, n, half);
@@ -4591,6 +4596,11 @@ static inline int dem__kick(dem_world *w, double h) {
             if (!dem__holds_course(w, q)) dem__unsettle(w, q);
         }
     }
+}
+DEM__TWICE(dem__kick_active, (dem_world * w, double h, double *check), (w, h, check), dem__kick_all(w, h, check))
+static inline int dem__kick(dem_world *w, double h) {
+    double check;
+    dem__kick_active(w, h, &check);
     return check == 0.0;
 }
 
