@@ -546,7 +546,8 @@ static void draw_laws(const study *st) {
 }
 
 static void report_moisture(const study *st) {
-    static const int from[] = {0, 0, 1, 0, 0, 3}, to[] = {1, 2, 2, 3, 4, 4};
+    enum { DIFFERENCES = 8 }; /* by moisture for each of the laws, and between the laws */
+    static const int from[DIFFERENCES] = {0, 0, 1, 0, 0, 3, 1, 2}, to[DIFFERENCES] = {1, 2, 2, 3, 4, 4, 3, 4};
     const double end = (st->samples - 1) * SAMPLE;
     const settings *dry = &st->variants[0].set;
     char title[120];
@@ -578,10 +579,10 @@ static void report_moisture(const study *st) {
     table_end(&means);
     json_array_begin(j, "differences");
     for (int c = 0; c < UNDERSIZE; c++) {
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < DIFFERENCES; k++) {
             const contrast x = contrast_of(st, from[k], to[k], at_time(c, end));
             const double low = st->variants[from[k]].set.moisture, high = st->variants[to[k]].set.moisture;
-            const char *laws = st->variants[to[k]].set.laws ? "printed" : "corrected";
+            const char *laws = low == high ? "printed minus corrected" : st->variants[to[k]].set.laws ? "printed" : "corrected";
             table_cell(&t, "%s", class_name[c]), table_cell(&t, "%s", laws);
             table_cell(&t, "%.1f", 100.0 * low), table_cell(&t, "%.1f", 100.0 * high), table_cell(&t, "%+.3f", x.difference);
             table_cell(&t, "%.3f", x.paired), table_cell(&t, "%.3f", x.independent), table_cell(&t, "%+.2f", x.correlation);
