@@ -3211,7 +3211,7 @@ static inline void dem__compact(dem_world *w) {
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap) continue;
+        if ((void *)base == (void *)remap || (void *)base == (void *)w->seen__) continue; /* of this step only */
         if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
         else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
@@ -3293,17 +3293,17 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
 
 /* The cells of an axis that [v - reach, v + reach] meets: from *first, so many, to be wrapped; each at most once. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
-    const double low = floor((v - reach - g->low[a]) * g->inverse[a]), high = floor((v + reach - g->low[a]) * g->inverse[a]);
-    const double last = (double)(g->n[a] - 1);
-    *first = 0;
+    const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
     if (g->wraps[a]) {
+        const double low = floor(from), high = floor(to);
+        *first = 0;
         if (!(high - low < last)) return g->n[a];
         *first = (int32_t)low; /* v itself is in the box, or by rounding at its upper end */
         *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
         return (int32_t)(high - low) + 1;
     }
-    *first = (int32_t)(low > 0.0 ? (low < last ? low : last) : 0.0);
-    return (int32_t)(high > 0.0 ? (high < last ? high : last) : 0.0) - *first + 1;
+    *first = (int32_t)(from > 0.0 ? (from < last ? from : last) : 0.0);
+    return (int32_t)(to > 0.0 ? (to < last ? to : last) : 0.0) - *first + 1;
 }
 
 DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, double x, double y, double z) {
@@ -3367,6 +3367,7 @@ static inline int dem__find_pairs(dem_world *w) {
     const double *at[3] = {w->rx__, w->ry__, w->rz__};
     int32_t *sorted = w->remap__;
     ptrdiff_t cells = 0;
+    int top = 0;
     w->near_count__ = 0;
     if (w->count == 0) return 1;
     memset(grid, 0, sizeof grid);
@@ -3382,6 +3383,7 @@ static inline int dem__find_pairs(dem_world *w) {
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
+        top = level;
         dem__make_grid(w, g, 2.0 * g->widest + w->margin__, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
@@ -3404,9 +3406,9 @@ static inline int dem__find_pairs(dem_world *w) {
         w->sum__[k].force = dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]);
         w->sum__[k].torque.x = w->radius[i] + 0.5 * w->margin__;
     }
-    for (int level = 0, p = 0; level < DEM__LEVELS_MAX; level++) {
+    for (int level = 0, p = 0; level <= top; level++) {
         for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
-            for (int other = level; other < DEM__LEVELS_MAX; other++) {
+            for (int other = level; other <= top; other++) {
                 if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], start, p)) return 0;
             }
         }
