@@ -21,15 +21,16 @@
    Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
              coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
-   Walls     plane, cylinder, wire screen; each at rest, vibrating, rotating or moving. A wall supplies geometry (normal, gap, surface
-             velocity, inverse mass 0); everything after that is the pair's kernel.
+   Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
+             or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
+             that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Predicted velocity Verlet, with the first and last step of a contact resolved in time: second order in dt with damping.
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 400 bytes a sphere and
-             12 more for every wall, 32 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 650 bytes a sphere and
+             16 more for every wall, 56 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
              growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
@@ -398,11 +399,11 @@ typedef struct dem__course {
 
 /* Private: what contacts see of an active particle at the end of the step. Two cache lines. */
 typedef struct dem__seen {
-    dem_vec x; /* [m] */
-    double radius;
-    dem_vec v; /* in the middle of the step [m/s] */
-    double share;
-    dem_vec a; /* at its beginning [m/s2] */
+    dem_vec x;     /* [m] */
+    double radius; /* [m] */
+    dem_vec v;     /* in the middle of the step [m/s] */
+    double share;  /* of its mass that a contact may count on: 1 / contacts */
+    dem_vec a;     /* at its beginning [m/s2] */
     double unused;
     dem_vec spin; /* in the middle [rad/s] */
     double unused_too;
@@ -410,8 +411,8 @@ typedef struct dem__seen {
 
 /* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
 typedef struct dem__sum {
-    dem_vec force, torque; /* [N], [N m] */
-    double per_mass, per_inertia;
+    dem_vec force, torque;        /* [N], [N m] */
+    double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
 } dem__sum;
 
 typedef struct dem__timer {
@@ -1819,9 +1820,8 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
 
 /* Puts a stored position back into the periodic box. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
-    if (w->def.periodic[0]) w->x[i] = dem__wrapped(w->x[i], w->def.low.x, w->def.high.x);
-    if (w->def.periodic[1]) w->y[i] = dem__wrapped(w->y[i], w->def.low.y, w->def.high.y);
-    if (w->def.periodic[2]) w->z[i] = dem__wrapped(w->z[i], w->def.low.z, w->def.high.z);
+    const dem_vec x = dem__in_box(w, dem_vec3(w->x[i], w->y[i], w->z[i]));
+    w->x[i] = x.x, w->y[i] = x.y, w->z[i] = x.z;
 }
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->mass[i] * w->radius[i] * w->radius[i]; }
@@ -1898,9 +1898,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     for (ptrdiff_t k = 0; k < n; k++) {
         ptrdiff_t i = w->count++;
         double d = diameters[k];
-        w->x[i] = w->def.periodic[0] ? dem__wrapped(centres[3 * k], w->def.low.x, w->def.high.x) : centres[3 * k];
-        w->y[i] = w->def.periodic[1] ? dem__wrapped(centres[3 * k + 1], w->def.low.y, w->def.high.y) : centres[3 * k + 1];
-        w->z[i] = w->def.periodic[2] ? dem__wrapped(centres[3 * k + 2], w->def.low.z, w->def.high.z) : centres[3 * k + 2];
+        w->x[i] = centres[3 * k], w->y[i] = centres[3 * k + 1], w->z[i] = centres[3 * k + 2];
+        dem__wrap(w, i);
         w->vx[i] = w->vy[i] = w->vz[i] = w->wx[i] = w->wy[i] = w->wz[i] = 0.0;
         w->lx__[i] = w->ly__[i] = w->lz__[i] = w->qx__[i] = w->qy__[i] = w->qz__[i] = 0.0;
         w->ex__[i] = w->ey__[i] = w->ez__[i] = w->etx__[i] = w->ety__[i] = w->etz__[i] = 0.0;
@@ -3490,10 +3489,8 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     dem__list_active(w);
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem_vec x = dem__at(w, i, dem__now(w, i));
-        w->rx__[i] = w->def.periodic[0] ? dem__wrapped(x.x, w->def.low.x, w->def.high.x) : x.x;
-        w->ry__[i] = w->def.periodic[1] ? dem__wrapped(x.y, w->def.low.y, w->def.high.y) : x.y;
-        w->rz__[i] = w->def.periodic[2] ? dem__wrapped(x.z, w->def.low.z, w->def.high.z) : x.z;
+        const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
+        w->rx__[i] = x.x, w->ry__[i] = x.y, w->rz__[i] = x.z;
         smallest = w->radius[i] < smallest ? w->radius[i] : smallest;
         if (!(fabs(w->rx__[i]) < 1e100 && fabs(w->ry__[i]) < 1e100 && fabs(w->rz__[i]) < 1e100)) {
             w->status = DEM_NOT_FINITE;
@@ -3884,17 +3881,20 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
 #pragma clang diagnostic ignored "-Wpass-failed" /* at -O1 the loop stays scalar, and that is fine */
 #endif
 
-/* Marks contacts that began or ended in this step, and those whose law has ended. Are there any? */
+/* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
+DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
+    const int64_t idle = before == 0.0;
+    return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
+}
+
+/* Marks such contacts, and those whose law has ended. Are there any? */
 DEM_INLINE int dem__mark(const double *before, const double *was, const double *ended, const double *force, int n, uint8_t *event,
                          uint8_t *over) {
     int64_t any = 0;
-    for (int k = 0; k < n; k++) {
-        const int64_t idle = before[k] == 0.0, changed = idle != (int64_t)(force[k] == 0.0), apart = was[k] > 0.0;
-        any |= (changed & ((idle ^ 1) | apart)) | (int64_t)(ended[k] != 0.0);
-    }
+    for (int k = 0; k < n; k++) any |= dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0);
     for (int k = 0; k < n; k++) event[k] = over[k] = 0;
     for (int k = 0; k < n && any; k++) {
-        event[k] = (before[k] == 0.0) != (force[k] == 0.0) && (before[k] != 0.0 || was[k] > 0.0);
+        event[k] = (uint8_t)dem__began_or_ended(before[k], force[k], was[k]);
         over[k] = ended[k] != 0.0;
     }
     return any != 0;
@@ -4829,12 +4829,12 @@ static inline void dem__step_links(dem_world *w) {
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
-        const double m = 1.0 / w->mass[i], turn = 2.5 * m / (w->radius[i] * w->radius[i]);
-        const dem_vec f = w->sum__[i].force, t = w->sum__[i].torque;
+        const dem__sum *sum = &w->sum__[i];
+        const dem_vec f = sum->force, t = sum->torque;
         const double old[6] = {f.x, f.y, f.z, t.x, t.y, t.z};
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         for (int a = 0; a < 6; a++) {
-            const double change = (load[a][i] - old[a]) * (a < 3 ? m : turn);
+            const double change = (load[a][i] - old[a]) * (a < 3 ? sum->per_mass : sum->per_inertia);
             velocity[a][i] += 0.5 * h * change;
             rate[a][i] += change;
         }

@@ -10,6 +10,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "measure.h"
 
 static const double bed_diameter = 0.005, bed_density = 2534.0, bed_stiffness = 1e5, bed_dt = 4e-6, bed_amplitude = 1e-3,
                     bed_frequency = 50.6;
@@ -118,17 +119,6 @@ static inline void bed_measure(const dem_world *world, double *height, double *e
         *height += dem_position(world, i).z / (double)world->count;
         *energy += 0.5 * world->mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
-}
-
-/* Sorts. */
-static inline double median(double *values, int n) {
-    for (int i = 1; i < n; i++) {
-        double v = values[i];
-        int k = i;
-        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
-        values[k] = v;
-    }
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 #endif

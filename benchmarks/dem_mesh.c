@@ -10,6 +10,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "measure.h"
 
 enum { POINTS_MAX = 20, REPEATS_MAX = 9 };
 static const double diameter = 5e-3, side = 0.5, spacing = 0.02;
@@ -40,32 +41,14 @@ static dem_mesh plate(int across, uint64_t random) {
     return m;
 }
 
-static void *counted(void *user, void *old, size_t old_size, size_t new_size) {
-    double *now = user;
-    void *fresh = new_size ? realloc(old, new_size) : NULL;
-    if (!new_size) free(old);
-    if (fresh || !new_size) *now += (double)new_size - (double)old_size;
-    return fresh;
-}
-
-static double median(double *values, int n) {
-    for (int i = 1; i < n; i++) {
-        const double v = values[i];
-        int k = i;
-        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
-        values[k] = v;
-    }
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
-static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, double *used) {
+static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, memory *used) {
     if (p->across == 0) return dem_add_plane(world, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0 ? DEM_TOO_MANY : DEM_OK;
     dem_mesh mesh = plate(p->across, seed);
     if (!mesh.vertex || !mesh.triangle) mesh.triangles = 0;
-    const double before = *used, begun = machine_processor_seconds();
+    const double before = used->now, begun = machine_processor_seconds();
     const int wall = dem_add_mesh(world, 0, &mesh);
     p->build_s = machine_processor_seconds() - begun;
-    p->bytes = (*used - before) / p->triangles;
+    p->bytes = (used->now - before) / p->triangles;
     free(mesh.vertex), free(mesh.triangle);
     return wall < 0 ? (dem_status)-wall : DEM_OK;
 }
@@ -73,7 +56,8 @@ static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, double *u
 /* Few take ten times as many steps. */
 static int measure(point *p, int steps_of_all, int repeats, const program *self, progress *bar) {
     const int across = rows[p->few], n = across * across, steps = p->few ? 10 * steps_of_all : steps_of_all;
-    double times[REPEATS_MAX], used = 0.0;
+    double times[REPEATS_MAX];
+    memory used = {0.0, 0.0};
     dem_world world;
     dem_def def = dem_default_def();
     const int material = dem_add_material(&def, 2500.0, 1e8, 0.2);

@@ -11,6 +11,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "measure.h"
 
 enum { POINTS_MAX = 24, REPEATS_MAX = 9, BASE = 20000 };
 static const double smallest = 1e-3, speed = 0.2, solid = 0.3;
@@ -19,19 +20,6 @@ typedef struct point {
     int spheres, by_mass, bed, steps; /* bed: copies along x and y; 0: gas */
     double ratio, step_s, fill_s, contacts, looks, steps_a_list, bytes;
 } point;
-
-typedef struct memory {
-    double now, most;
-} memory;
-
-static void *counted(void *user, void *old, size_t old_size, size_t new_size) {
-    memory *m = user;
-    void *fresh = new_size ? realloc(old, new_size) : NULL;
-    if (!new_size) free(old);
-    if (fresh || !new_size) m->now += (double)new_size - (double)old_size;
-    m->most = fmax(m->most, m->now);
-    return fresh;
-}
 
 /* A box that holds so many spheres of a distribution at the solid share wanted, filled. */
 static dem_status fill(dem_world *world, const point *p, uint64_t seed, memory *used) {
@@ -88,16 +76,6 @@ static dem_status lay(dem_world *world, const point *p, memory *used) {
     csv_free(&data);
     if (status == DEM_OK) status = dem_set_time_step(world, dem_advise(world, DEM_LINEAR, 1.0).contact / 20.0);
     return status;
-}
-
-static double median(double *values, int n) {
-    for (int i = 1; i < n; i++) {
-        const double v = values[i];
-        int k = i;
-        for (; k > 0 && values[k - 1] > v; k--) values[k] = values[k - 1];
-        values[k] = v;
-    }
-    return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 static int measure(point *p, int repeats, const program *self, progress *bar) {
