@@ -204,7 +204,7 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
 
 /* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
 typedef struct screen__layer {
-    double log_w, b, volume, scale, predicted, decrement, c[3], u[2], y[2], x_of[4], y_of[4], u_next, y_next;
+    double log_w, log_factor, start, b, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best, y_best;
 } screen__layer;
 
 /* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed between steps. */
@@ -882,98 +882,117 @@ static inline screen_status screen__check_times(int times, const double *time) {
    With U = S_inf - S the top layer is a system of its own, dU/dt = -c(U) U, and of the retained Y = U + B each class obeys
    dY/dt = -b share Y (Y - U): linear in 1/Y. So U decays by an exponential, 1/Y is integrated in closed form, both are positive, B = Y - U
    never is negative, and what has passed is what is missing: nothing is lost at any step size.
-   u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a step works on, slot 2 of c the predicted top layer. */
+   u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a sweep works on, slot 2 the top layer half a step ahead of it. */
 
-/* c of every class for the top layer in a slot, 2: as predicted. SCREEN_NOT_FINITE above e^600 1/s. */
-static inline screen_status screen__stratification(const screen_def *def, screen_bed *bed, int slot, double *fastest) {
+/* c of every class for the top layer in a slot. SCREEN_NOT_FINITE above e^600 1/s. */
+static inline screen_status screen__stratification(const screen_def *def, screen_bed *bed, int slot) {
     double fines = 0.0, grains = 0.0;
     double d_c = def->coarse_diameter, coarse = def->oversize_mass / def->undersize_mass;
     for (int i = 0; i < def->classes; i++) {
-        double u = slot == 2 ? bed[i].own.predicted : bed[i].own.u[slot];
-        fines += u;
-        grains += u / bed[i].own.volume;
+        fines += bed[i].own.u[slot];
+        grains += bed[i].own.u[slot] / bed[i].own.volume;
     }
     grains += coarse / (d_c * d_c * d_c);
-    double mass = fines + coarse, log_fines = 0.0, layers = 0.0;
-    *fastest = 0.0;
+    double mass = fines + coarse, log_fines = 0.0, layers = 1.0;
     if (mass > 0.0) {
         log_fines = screen_log_fines_factor(screen_fines_share(fines, coarse));
         layers = screen_top_layers(mass * def->undersize_mass, def->deck_area, def->bulk_density, d_c);
     }
-    double log_layers_only = mass > 0.0 ? screen_log_stratification(0.0, log_fines, 0.0, layers) : 0.0;
     for (int i = 0; i < def->classes; i++) {
         screen__layer *own = &bed[i].own;
-        double log_c = mass > 0.0 ? own->log_w + log_layers_only + screen_log_size_factor(own->volume, mass / grains) : own->log_w;
-        if (!screen__rate_ok(log_c)) return SCREEN_NOT_FINITE;
-        own->c[slot] = riddle_exp(log_c);
-        if (own->c[slot] > *fastest && own->u[0] > 0.0) *fastest = own->c[slot];
+        double log_size = mass > 0.0 ? screen_log_size_factor(own->volume, mass / grains) : 0.0;
+        if (slot == 0) {
+            own->log_factor = log_fines + log_size;
+            own->start = riddle_exp(own->log_w + own->log_factor);
+        }
+        own->c[slot] = own->start * (1.0 + riddle_expm1(log_fines + log_size - own->log_factor)) / layers; /* cheap for a small change */
+        if (!(own->c[slot] < 3.77e260)) return SCREEN_NOT_FINITE;
     }
     return SCREEN_OK;
 }
 
-/* (1 - e^-z)/z from z >= 0 and e^-z */
-static inline double screen__mean_decay(double z, double e) { return z < 0.35 ? screen__expm1c(z) : (1.0 - e) / z; }
+/* e^-z and its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: there in an order that a processor need not wait for */
+static inline double screen__decay(double z, double *mean) {
+    double e = z < 0.35 ? 0.0 : riddle_exp(-z), z2 = z * z, z4 = z2 * z2;
+    if (z < 0.0625)
+        *mean = ((1.0 - z * 0.5) + z2 * (1.0 / 6 - z * (1.0 / 24))) +
+                z4 * (((1.0 / 120 - z * (1.0 / 720)) + z2 * (1.0 / 5040 - z * (1.0 / 40320))) + z4 * (1.0 / 362880));
+    else *mean = z < 0.35 ? -riddle__expm1_small(-z) / z : (1.0 - e) / z;
+    return z < 0.35 ? 1.0 - z * *mean : e;
+}
 
-/* Second-order step of length h from slot `from`, whose c is known, to slot 1; adds to the decrement of ln u. */
-static inline screen_status screen__positive_step(const screen_def *def, screen_bed *bed, int from, double h) {
+/* Slot 1 over h with the c of slot 2, which belongs to the middle of the step: the same backwards in time. */
+static inline void screen__positive_step(const screen_def *def, screen_bed *bed, double h) {
     int n = def->classes, limited = def->bottom_limit < HUGE_VAL;
-    double ignored, share = 1.0, bottom = 0.0;
-    for (int i = 0; i < n; i++) {
-        screen__layer *own = &bed[i].own;
-        own->predicted = own->u[from] * riddle_exp(-(h * own->c[from]));
-        bottom += own->y[from] - own->u[from];
-    }
-    screen_status status = screen__stratification(def, bed, 2, &ignored);
-    if (status) return status;
-    if (limited) share = screen_bottom_share(bottom > 0.0 ? bottom : 0.0, def->bottom_limit);
-    for (int pass = limited ? 0 : 1; pass < 2; pass++) { /* a limit needs the share at the end as well: twice over */
+    double before = 1.0, share, bottom = 0.0;
+    for (int i = 0; i < n && limited; i++) bottom += bed[i].own.y[1] - bed[i].own.u[1];
+    if (limited) before = screen_bottom_share(bottom > 0.0 ? bottom : 0.0, def->bottom_limit);
+    share = before;
+    for (int pass = 0; pass < 20; pass++) { /* with a limit the mean share of start and end, which is found by repetition */
         double after = 0.0;
         for (int i = 0; i < n; i++) {
             screen__layer *own = &bed[i].own;
-            double x = 0.5 * h * (own->c[from] + own->c[2]), e = riddle_exp(-x);
-            double bh = own->b * share * h, m = bh * own->u[from] * screen__mean_decay(x, e); /* b times the integral of U */
-            double decay = riddle_exp(-m), first = screen__mean_decay(m, decay);
+            double mean, first, e = screen__decay(h * own->c[2], &mean), u = own->u[1] * e;
+            double bh = own->b * share * h, m = bh * own->u[1] * mean; /* b times the integral of U */
+            double decay = screen__decay(m, &first);
             double second = m < 0.1
                                 ? 0.5 - m * (1.0 / 6 - m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
                                 : (1.0 - first) / m;
             /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold both limits, slow and instant stratification */
             double gain = ((first - second) * e + second) * (2.0 / (1.0 + e));
-            double y = own->y[from] / (decay + own->y[from] * bh * gain), u = own->u[from] * e;
-            if (!(y > u)) y = u; /* only rounding can bring it below */
-            after += y - u;
-            if (pass == 0) continue;
-            own->decrement += x;
-            own->u[1] = u;
-            own->y[1] = y;
+            double y = own->y[1] / (decay + own->y[1] * bh * gain);
+            own->u_next = u;
+            own->y_next = y > u ? y : u; /* only rounding can bring it below */
+            after += own->y_next - u;
         }
-        if (pass == 0) share = 0.5 * (share + screen_bottom_share(after, def->bottom_limit));
+        double next = limited ? 0.5 * (before + screen_bottom_share(after, def->bottom_limit)) : share;
+        if (fabs(next - share) <= 1e-15) break;
+        share = next;
     }
-    return SCREEN_OK;
+    for (int i = 0; i < n; i++) {
+        screen__layer *own = &bed[i].own;
+        own->decrement += h * own->c[2];
+        own->u[1] = own->u_next;
+        own->y[1] = own->y_next;
+    }
 }
 
-/* n steps of length h/n from slot 0 to slot 1. */
-static inline screen_status screen__substeps(const screen_def *def, screen_bed *bed, int n, double h) {
+/* n steps of length h/n from slot 0, whose c is known, to slot 1, by the midpoint rule of Gragg (1965): slots 1 and 2 leap over each
+   other, so that the error is a series in h^2. */
+static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed, int n, double h) {
     screen_status status = SCREEN_OK;
-    double ignored;
-    for (int i = 0; i < def->classes; i++) bed[i].own.decrement = 0.0;
     for (int k = 0; k < n && !status; k++) {
-        if (k > 0) status = screen__stratification(def, bed, 1, &ignored);
-        if (!status) status = screen__positive_step(def, bed, k > 0, h / n);
+        if (k > 0) status = screen__stratification(def, bed, 1);
+        for (int i = 0; i < def->classes; i++) {
+            screen__layer *own = &bed[i].own;
+            if (k == 0) {
+                own->decrement = 0.0;
+                own->u[1] = own->u[0];
+                own->y[1] = own->y[0];
+            }
+            double ignored;
+            own->u[2] = k == 0 ? own->u[0] * screen__decay(0.5 * h / n * own->c[0], &ignored)
+                               : own->u[2] * screen__decay(h / n * own->c[1], &ignored);
+        }
+        if (!status) status = screen__stratification(def, bed, 2);
+        if (!status) screen__positive_step(def, bed, h / n);
     }
     return status;
 }
 
 /* From slot 0 over the given time to slot 0. hint carries the step size from call to call; 0 at first. */
 static inline screen_status screen__advance(const screen_def *def, screen_bed *bed, double duration, double *hint) {
-    /* 1 to 4 substeps extrapolated to order 2 to 5: the errors in h^2, h^3, .. cancel */
-    const double weight[4][4] = {{1.0, 0.0, 0.0, 0.0},
-                                 {-1.0 / 3, 4.0 / 3, 0.0, 0.0},
-                                 {1.0 / 12, -4.0 / 3, 9.0 / 4, 0.0},
-                                 {-1.0 / 60, 4.0 / 5, -81.0 / 20, 64.0 / 15}};
+    /* 1 to 5 steps extrapolated to order 2 to 10: the errors in h^2, h^4, .. cancel */
+    enum { ORDERS = 5 };
+    const double weight[ORDERS][ORDERS] = {{1.0, 0.0, 0.0, 0.0, 0.0},
+                                           {-1.0 / 3, 4.0 / 3, 0.0, 0.0, 0.0},
+                                           {1.0 / 24, -16.0 / 15, 81.0 / 40, 0.0, 0.0},
+                                           {-1.0 / 360, 16.0 / 45, -729.0 / 280, 1024.0 / 315, 0.0},
+                                           {1.0 / 8640, -64.0 / 945, 6561.0 / 4480, -16384.0 / 2835, 390625.0 / 72576}};
     int n = def->classes;
-    double left = duration, fastest;
+    double left = duration, fastest = HUGE_VAL;
     for (long tries = 0; left > 0.0; tries++) {
-        double top = 0.0, bottom = 0.0;
+        double top = 0.0, bottom = 0.0, before = fastest;
         if (tries > 1000000) return SCREEN_TOO_MANY_STEPS;
         for (int i = 0; i < n; i++) {
             screen__layer *own = &bed[i].own;
@@ -982,11 +1001,11 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
             bottom += own->y[0] - own->u[0];
         }
         int exact = top == 0.0 && !(bottom > def->bottom_limit); /* then one step of any length is */
-        screen_status status = screen__stratification(def, bed, 0, &fastest);
+        screen_status status = screen__stratification(def, bed, 0);
         if (status) return status;
         if (exact || def->fixed_step > 0.0) {
             double h = !exact && def->fixed_step < left ? def->fixed_step : left;
-            status = screen__substeps(def, bed, 1, h);
+            status = screen__sweep(def, bed, 1, h);
             if (status) return status;
             for (int i = 0; i < n; i++) {
                 bed[i].own.u[0] = bed[i].own.u[1];
@@ -995,43 +1014,49 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
             left -= h;
             continue;
         }
+        fastest = 0.0;
+        for (int i = 0; i < n; i++)
+            if (bed[i].own.u[0] > 0.0 && bed[i].own.c[0] > fastest) fastest = bed[i].own.c[0];
         if (!(*hint > 0.0)) *hint = fastest > 0.0 ? 0.3 / fastest : left;
-        double h = *hint < left ? *hint : left;
-        double ratio = HUGE_VAL, grow = 1.0;
-        for (int k = 0; k < 4 && !(ratio <= 1.0); k++) { /* as many orders as the tolerance asks for */
+        else if (fastest > before) *hint *= before / fastest; /* what goes faster needs a shorter step */
+        double h = *hint < left ? *hint : left, ratio = HUGE_VAL;
+        int k = 0;
+        for (; k < ORDERS && !(ratio <= 1.0); k++) { /* as many orders as the tolerance asks for */
             double error = 0.0;
-            status = screen__substeps(def, bed, k + 1, h);
+            status = screen__sweep(def, bed, k + 1, h);
             if (status) return status;
             for (int i = 0; i < n; i++) {
                 screen__layer *own = &bed[i].own;
-                double x = 0.0, y = 0.0, x_before = 0.0, y_before = 0.0;
+                double x = 0.0, y = 0.0, ignored;
                 own->x_of[k] = own->decrement;
                 own->y_of[k] = own->y[1];
-                if (k == 0) continue;
                 for (int m = 0; m <= k; m++) {
                     x += weight[k][m] * own->x_of[m];
                     y += weight[k][m] * own->y_of[m];
-                    x_before += weight[k - 1][m] * own->x_of[m];
-                    y_before += weight[k - 1][m] * own->y_of[m];
                 }
                 /* what is wrong with U reaches Y at the rate b until U is gone, at the rate c */
-                double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0, u = x >= 0.0 ? own->u[0] * riddle_exp(-x) : own->u[1];
-                double e_u = fabs(u - own->u[0] * riddle_exp(-x_before)) * (reach > 1e-3 ? reach : 1e-3), e_y = fabs(y - y_before);
+                double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0;
+                double u = x >= 0.0 ? own->u[0] * screen__decay(x, &ignored) : own->u[1];
+                double e_u = k > 0 ? fabs(u - own->u_best) * (reach > 1e-3 ? reach : 1e-3) : HUGE_VAL,
+                       e_y = k > 0 ? fabs(y - own->y_best) : HUGE_VAL;
                 if (!(e_u <= error * own->scale)) error = e_u / own->scale;
                 if (!(e_y <= error * own->scale)) error = e_y / own->scale;
-                own->u_next = u; /* extrapolation is kept only where it stays in bounds */
-                own->y_next = !(y <= own->y[0]) ? own->y[1] : y > u ? y : u;
+                own->u_best = u;
+                own->y_best = y;
             }
-            if (k == 0) continue;
             ratio = error / def->tolerance;
-            grow = ratio > 1e-8 ? 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (k + 2))) : 10.0;
-            if (ratio <= 1.0 && k < 3 && grow < 2.0) grow = 2.0; /* orders are left */
         }
-        *hint = h * (grow < 10.0 ? (grow > 0.1 ? grow : 0.1) : 10.0);
+        /* the error went as h^(2k - 1); where orders are left the next step may well be longer */
+        double grow = ratio > 1e-8 ? 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (2 * k - 1))) : 10.0;
+        if (k < ORDERS && grow < 2.0) grow = 2.0;
+        grow = grow < 10.0 ? (grow > 0.1 ? grow : 0.1) : 10.0;
+        if (!(h < *hint && ratio <= 1.0 && h * grow < *hint)) *hint = h * grow;
         if (!(ratio <= 1.0)) continue;
         for (int i = 0; i < n; i++) {
-            bed[i].own.u[0] = bed[i].own.u_next;
-            bed[i].own.y[0] = bed[i].own.y_next;
+            screen__layer *own = &bed[i].own;
+            double u = own->u_best, y = own->y_best; /* extrapolation is kept only where it stays in bounds */
+            own->y[0] = !(y <= own->y[0]) ? own->y[1] : y > u ? y : u;
+            own->u[0] = u;
         }
         left = h < left ? left - h : 0.0;
     }
