@@ -204,7 +204,7 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
 
 /* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
 typedef struct screen__layer {
-    double log_w, log_factor, start, b, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best, y_best;
+    double log_w, log_factors, layers, b, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best, y_best;
 } screen__layer;
 
 /* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed between steps. */
@@ -902,11 +902,15 @@ static inline screen_status screen__stratification(const screen_def *def, screen
         screen__layer *own = &bed[i].own;
         double log_size = mass > 0.0 ? screen_log_size_factor(own->volume, mass / grains) : 0.0;
         if (slot == 0) {
-            own->log_factor = log_fines + log_size;
-            own->start = riddle_exp(own->log_w + own->log_factor);
+            double log_c = mass > 0.0 ? screen_log_stratification(own->log_w, log_fines, log_size, layers) : own->log_w;
+            if (!screen__rate_ok(log_c)) return SCREEN_NOT_FINITE;
+            own->c[0] = riddle_exp(log_c);
+            own->log_factors = log_fines + log_size;
+            own->layers = layers;
+        } else { /* by its ratio to slot 0, which is near 1 and then costs half as much */
+            own->c[slot] = own->c[0] * (own->layers / layers) * (1.0 + riddle_expm1(log_fines + log_size - own->log_factors));
+            if (!(own->c[slot] < 3.77e260)) return SCREEN_NOT_FINITE;
         }
-        own->c[slot] = own->start * (1.0 + riddle_expm1(log_fines + log_size - own->log_factor)) / layers; /* cheap for a small change */
-        if (!(own->c[slot] < 3.77e260)) return SCREEN_NOT_FINITE;
     }
     return SCREEN_OK;
 }
@@ -941,8 +945,9 @@ static inline void screen__positive_step(const screen_def *def, screen_bed *bed,
             /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold both limits, slow and instant stratification */
             double gain = ((first - second) * e + second) * (2.0 / (1.0 + e));
             double y = own->y[1] / (decay + own->y[1] * bh * gain);
+            if (y > own->y[1]) y = own->y[1]; /* only rounding can bring it above, or below U */
             own->u_next = u;
-            own->y_next = y > u ? y : u; /* only rounding can bring it below */
+            own->y_next = y > u ? y : u;
             after += own->y_next - u;
         }
         double next = limited ? 0.5 * (before + screen_bottom_share(after, def->bottom_limit)) : share;
@@ -1047,15 +1052,15 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
             ratio = error / def->tolerance;
         }
         /* the error went as h^(2k - 1); where orders are left the next step may well be longer */
-        double grow = ratio > 1e-8 ? 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (2 * k - 1))) : 10.0;
+        double grow = ratio <= 1e-8 ? 10.0 : 0.9 * riddle_exp(riddle_log(ratio) * (-1.0 / (2 * k - 1)));
         if (k < ORDERS && grow < 2.0) grow = 2.0;
-        grow = grow < 10.0 ? (grow > 0.1 ? grow : 0.1) : 10.0;
+        grow = !(grow > 0.1) ? 0.1 : grow < 10.0 ? grow : 10.0;
         if (!(h < *hint && ratio <= 1.0 && h * grow < *hint)) *hint = h * grow;
         if (!(ratio <= 1.0)) continue;
         for (int i = 0; i < n; i++) {
             screen__layer *own = &bed[i].own;
-            double u = own->u_best, y = own->y_best; /* extrapolation is kept only where it stays in bounds */
-            own->y[0] = !(y <= own->y[0]) ? own->y[1] : y > u ? y : u;
+            double u = own->u_best, y = own->y_best <= own->y[0] ? own->y_best : own->y[1]; /* extrapolation must stay in bounds */
+            own->y[0] = y > u ? y : u;
             own->u[0] = u;
         }
         left = h < left ? left - h : 0.0;
@@ -1134,6 +1139,8 @@ static inline screen_status screen__curves(const screen_def *def, screen_model m
             now = time[j];
             for (int i = 0; i < def->classes; i++) {
                 double share = bed[i].own.scale, u = bed[i].own.u[0] / share, y = bed[i].own.y[0] / share;
+                if (y > 1.0) y = 1.0; /* only rounding */
+                if (u > y) u = y;
                 size_t at = (size_t)i * (size_t)times + (size_t)j;
                 retained[at] = y;
                 if (stratified) stratified[at] = 1.0 - u;

@@ -361,7 +361,7 @@ static void soldinger_is_positive_at_every_step(void **state) {
         if (def.fixed_step > 0.0 && def.fixed_step < 1e-3) def.fixed_step = 0.0; /* fine steps are what the reference test does */
         def.bottom_limit = trial % 4 == 3 ? 0.2 : HUGE_VAL;
         screen_published(SCREEN_SOLDINGER, p);
-        if (!published) plain(p, pow(10.0, -4.0 + 14.0 * screen__uniform(&random)), pow(10.0, -3.0 + 7.0 * screen__uniform(&random)));
+        if (!published) plain(p, pow(10.0, -20.0 + 30.0 * screen__uniform(&random)), pow(10.0, -3.0 + 7.0 * screen__uniform(&random)));
         assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, p, &operation, 40, time, y, s, b), SCREEN_OK);
         for (int k = 0; k < 80; k++) {
             assert_true(y[k] >= 0.0 && y[k] <= 1.0 && b[k] >= 0.0 && s[k] >= 0.0 && s[k] <= 1.0);
