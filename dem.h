@@ -430,6 +430,17 @@ typedef struct dem__timers {
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
+/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. */
+typedef struct dem_particle {
+    dem_vec x;         /* [m] */
+    double radius;     /* [m] */
+    dem_vec v;         /* [m/s] */
+    double mass;       /* [kg] */
+    dem_vec a;         /* [m/s2] */
+    dem_vec spin;      /* [rad/s] */
+    dem_vec spin_rate; /* its rate [rad/s2] */
+} dem_particle;
+
 typedef struct dem_world {
     dem_def def;
     void *user;        /* yours: handed to the law's hooks; not saved */
@@ -447,13 +458,10 @@ typedef struct dem_world {
     int64_t looks;          /* pairs and walls looked at */
     int64_t rebuilds;       /* of the neighbour list */
 
-    /* particles: state at their own origin step; between, x + v t + a t^2/2. dem_position() evaluates. */
-    double *x, *y, *z, *vx, *vy, *vz, *ax, *ay, *az; /* [m], [m/s], [m/s2] */
-    double *wx, *wy, *wz, *bx, *by, *bz;             /* spin [rad/s], its rate [rad/s2] */
-    double *radius, *mass;                           /* [m], [kg] */
-    int64_t *origin;                                 /* step of the state */
-    uint64_t *id;                                    /* stable, in the order of adding, from 0 */
-    int32_t *material, *group, *alive, *touching;    /* touching: live contacts */
+    dem_particle *particle;
+    int64_t *origin;                              /* step of the state */
+    uint64_t *id;                                 /* stable, in the order of adding, from 0 */
+    int32_t *material, *group, *alive, *touching; /* touching: live contacts */
 
     /* the rest is private */
     double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
@@ -1147,6 +1155,7 @@ DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 DEM_INLINE dem_vec dem__scale(double s, dem_vec a) { return dem_vec3(s * a.x, s * a.y, s * a.z); }
+DEM_INLINE dem_vec dem__plus(dem_vec a, double s, dem_vec b) { return dem_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z); }
 DEM_INLINE double dem__dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
     return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -1537,11 +1546,8 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->x,        &w->y,        &w->z,         &w->vx,        &w->vy,           &w->vz,        &w->ax,
-                          &w->ay,       &w->az,       &w->wx,        &w->wy,        &w->wz,           &w->bx,        &w->by,
-                          &w->bz,       &w->radius,   &w->mass,      &w->lx__,      &w->ex__,         &w->ey__,      &w->ez__,
-                          &w->etx__,    &w->ety__,    &w->etz__,     &w->ly__,      &w->lz__,         &w->qx__,      &w->qy__,
-                          &w->qz__,     &w->rx__,     &w->ry__,      &w->rz__,      &w->wall_speed__, &w->shifted__, &w->link_x__,
+    double **doubles[] = {&w->lx__, &w->ly__, &w->lz__, &w->qx__, &w->qy__, &w->qz__, &w->ex__, &w->ey__, &w->ez__,
+                          &w->etx__, &w->ety__, &w->etz__, &w->rx__, &w->ry__, &w->rz__, &w->wall_speed__, &w->shifted__, &w->link_x__,
                           &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
@@ -1552,6 +1558,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
+    list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->origin, list[n++].size = sizeof(int64_t);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
@@ -1794,8 +1801,8 @@ DEM_INLINE double dem__wrapped(double v, double low, double high) {
 
 /* Position on the parabola at tau after the origin step. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem_vec3(w->x[i] + tau * (w->vx[i] + 0.5 * tau * w->ax[i]), w->y[i] + tau * (w->vy[i] + 0.5 * tau * w->ay[i]),
-                    w->z[i] + tau * (w->vz[i] + 0.5 * tau * w->az[i]));
+    const dem_particle *p = &w->particle[i];
+    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
 }
 DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     const dem_def *d = &w->def;
@@ -1805,38 +1812,36 @@ DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     return x;
 }
 DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem_vec3(w->vx[i] + tau * w->ax[i], w->vy[i] + tau * w->ay[i], w->vz[i] + tau * w->az[i]);
+    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
+}
+
+DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].spin, tau, w->particle[i].spin_rate);
 }
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__settle(dem_world *w, ptrdiff_t i) {
-    double tau = dem__now(w, i);
-    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
-    w->x[i] = x.x, w->y[i] = x.y, w->z[i] = x.z;
-    w->vx[i] = v.x, w->vy[i] = v.y, w->vz[i] = v.z;
-    w->wx[i] += tau * w->bx[i], w->wy[i] += tau * w->by[i], w->wz[i] += tau * w->bz[i];
+    const double tau = dem__now(w, i);
+    dem_particle *p = &w->particle[i];
+    p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
     w->origin[i] = w->step;
 }
 
 /* Puts a stored position back into the periodic box. */
-DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
-    const dem_vec x = dem__in_box(w, dem_vec3(w->x[i], w->y[i], w->z[i]));
-    w->x[i] = x.x, w->y[i] = x.y, w->z[i] = x.z;
-}
+DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) { w->particle[i].x = dem__in_box(w, w->particle[i].x); }
 
-DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->mass[i] * w->radius[i] * w->radius[i]; }
+DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius; }
 
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     dem_vec v = dem__velocity_at(w, i, dem__now(w, i));
-    return 0.5 * w->mass[i] * dem__dot(v, v);
+    return 0.5 * w->particle[i].mass * dem__dot(v, v);
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
-    double tau = dem__now(w, i);
-    dem_vec s = dem_vec3(w->wx[i] + tau * w->bx[i], w->wy[i] + tau * w->by[i], w->wz[i] + tau * w->bz[i]);
+    const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
-    return -w->mass[i] * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
+    return -w->particle[i].mass * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
@@ -1856,25 +1861,24 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % w->link_stride__ + 1);
     const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->link_x__[i], w->link_y__[i], w->link_z__[i])));
     const dem_vec force = dem_vec3(w->lx__[i] - w->ex__[i], w->ly__[i] - w->ey__[i], w->lz__[i] - w->ez__[i]);
-    return dem__dot(force, way) + turned * ((w->qx__[i] - w->etx__[i]) * (w->wx[i] + tau * w->bx[i] + w->link_wx__[i]) +
-                                            (w->qy__[i] - w->ety__[i]) * (w->wy[i] + tau * w->by[i] + w->link_wy__[i]) +
-                                            (w->qz__[i] - w->etz__[i]) * (w->wz[i] + tau * w->bz[i] + w->link_wz__[i]));
+    const dem_vec spin = dem__spin_at(w, i, tau);
+    return dem__dot(force, way) + turned * ((w->qx__[i] - w->etx__[i]) * (spin.x + w->link_wx__[i]) +
+                                            (w->qy__[i] - w->ety__[i]) * (spin.y + w->link_wy__[i]) +
+                                            (w->qz__[i] - w->etz__[i]) * (spin.z + w->link_wz__[i]));
 }
 
 /* What makes accelerations of forces on particle i. */
 static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->sum__[i];
-    sum->per_mass = 1.0 / w->mass[i];
-    sum->per_inertia = 2.5 * sum->per_mass / (w->radius[i] * w->radius[i]);
+    sum->per_mass = 1.0 / w->particle[i].mass;
+    sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
-    double m = 1.0 / w->mass[i], inertia = 1.0 / dem__inertia(w, i);
-    w->ax[i] = w->def.gravity.x + w->lx__[i] * m;
-    w->ay[i] = w->def.gravity.y + w->ly__[i] * m;
-    w->az[i] = w->def.gravity.z + w->lz__[i] * m;
-    w->bx[i] = w->qx__[i] * inertia, w->by[i] = w->qy__[i] * inertia, w->bz[i] = w->qz__[i] * inertia;
+    dem_particle *p = &w->particle[i];
+    p->a = dem__plus(w->def.gravity, 1.0 / p->mass, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
+    p->spin_rate = dem__scale(1.0 / dem__inertia(w, i), dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
@@ -1897,14 +1901,15 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     }
     for (ptrdiff_t k = 0; k < n; k++) {
         ptrdiff_t i = w->count++;
-        double d = diameters[k];
-        w->x[i] = centres[3 * k], w->y[i] = centres[3 * k + 1], w->z[i] = centres[3 * k + 2];
-        dem__wrap(w, i);
-        w->vx[i] = w->vy[i] = w->vz[i] = w->wx[i] = w->wy[i] = w->wz[i] = 0.0;
+        const double d = diameters[k];
+        dem_particle *p = &w->particle[i];
+        p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
+        p->v = dem_vec3(0.0, 0.0, 0.0);
+        p->spin = dem_vec3(0.0, 0.0, 0.0);
         w->lx__[i] = w->ly__[i] = w->lz__[i] = w->qx__[i] = w->qy__[i] = w->qz__[i] = 0.0;
         w->ex__[i] = w->ey__[i] = w->ez__[i] = w->etx__[i] = w->ety__[i] = w->etz__[i] = 0.0;
-        w->radius[i] = 0.5 * d;
-        w->mass[i] = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+        p->radius = 0.5 * d;
+        p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
         dem__weigh(w, i);
         w->origin[i] = w->step;
         w->id[i] = w->next_id__++;
@@ -1954,8 +1959,8 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
     if (w->ledger_on__) w->ledger__.added -= dem__kinetic(w, i) + dem__rotational(w, i);
     dem__settle(w, i);
-    w->vx[i] = velocity.x, w->vy[i] = velocity.y, w->vz[i] = velocity.z;
-    w->wx[i] = spin.x, w->wy[i] = spin.y, w->wz[i] = spin.z;
+    w->particle[i].v = velocity;
+    w->particle[i].spin = spin;
     if (w->ledger_on__) w->ledger__.added += dem__kinetic(w, i) + dem__rotational(w, i);
     w->stale__ = 1;
     return DEM_OK;
@@ -1967,11 +1972,11 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem__settle(w, i);
     double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
-    double *const rate[] = {w->ax, w->ay, w->az, w->bx, w->by, w->bz};
+    dem_vec *const rate[] = {&w->particle[i].a, &w->particle[i].spin_rate};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a][i];
-        rate[a][i] += change / (a < 3 ? w->mass[i] : dem__inertia(w, i));
+        (&rate[a / 3]->x)[a % 3] += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a][i] = !w->link_loaded__[i] ? wanted[a] : load[a][i] + change;
         external[a][i] = wanted[a];
     }
@@ -2939,7 +2944,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double leaves = 2.0 * w->dt__ * speed; /* as far as a contact can open in a step */
-    n = dem__touch_mesh(wall, d, w->radius[i], leaves > w->link_near__ ? leaves : w->link_near__, w->radius[i], touch, &least);
+    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->link_near__ ? leaves : w->link_near__, w->particle[i].radius, touch, &least);
     for (ptrdiff_t m = first; m < end; m++) {
         const int32_t c = w->order__[m];
         int q = 0;
@@ -2949,7 +2954,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end,
                 !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
             q++;
         if (q == n) { /* merged with another, at whatever depth: no force goes on */
-            place[3][c] = w->radius[i];
+            place[3][c] = w->particle[i].radius;
             w->live_force__[c] = 0.0;
             continue;
         }
@@ -3022,11 +3027,11 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
         const dem_vec g = w->def.gravity;
         const double along = dem__dot(g, wall->axis[2]), side = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
         return wall->inside
-                   ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->radius[i] + near, stray + 0.5 * DEM_WHEEL * w->dt__ * side)
+                   ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->particle[i].radius + near, stray + 0.5 * DEM_WHEEL * w->dt__ * side)
                    : 0.0;
     }
     if (wall->kind == DEM_SCREEN) {
-        const double other = dem__third_bar(wall, w->radius[i]) < w->reach__ ? dem__third_bar(wall, w->radius[i]) : w->reach__;
+        const double other = dem__third_bar(wall, w->particle[i].radius) < w->reach__ ? dem__third_bar(wall, w->particle[i].radius) : w->reach__;
         least = dem__time_to_close(other - near, dem__length(u) + stray, a);
     }
     for (int q = 0; q < found; q++) {
@@ -3049,7 +3054,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->has_periodic__) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
     dem__touch touch[DEM__TOUCHES];
-    found = dem__touch_wall(wall, x, w->radius[i], w->def.skip & DEM_SKIP_SPACE ? w->reach__ : w->link_near__, touch, &least);
+    found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? w->reach__ : w->link_near__, touch, &least);
     if (wall->kind == DEM_EXIT) {
         if (least < 0.0) {
             dem__drop(w, i, k);
@@ -3086,14 +3091,14 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    return (double)w->link_stride__ * w->dt__ / w->mass[i] * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
+    return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
 }
 
 /* A new course for particle i, with a ball that holds 16 steps of the present force. */
 static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau), g = w->def.gravity;
-    const dem_vec a = dem__sub(dem_vec3(w->ax[i], w->ay[i], w->az[i]), g);
+    const dem_vec a = dem__sub(w->particle[i].a, g);
     dem__course *c = &w->course__[i];
     c->ux = v.x - t * g.x, c->uy = v.y - t * g.y, c->uz = v.z - t * g.z;
     c->x = x.x - t * (v.x - 0.5 * t * g.x), c->y = x.y - t * (v.y - 0.5 * t * g.y), c->z = x.z - t * (v.z - 0.5 * t * g.z);
@@ -3102,7 +3107,7 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     c->ball = w->slack__ + 16.0 * w->dt__ * dem__length(a);
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     double speed = dem__length(v);
-    if (!(speed * w->dt__ <= 0.5 * w->radius[i]) && w->status == DEM_OK) {
+    if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
         w->failed_id = w->id[i];
     }
@@ -3323,7 +3328,7 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     q->i = i < j ? i : j;
     q->j = i < j ? j : i;
     q->state = q->linked = 0;
-    q->distance = w->radius[i] + w->radius[j];
+    q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
 
@@ -3370,9 +3375,9 @@ static inline int dem__find_pairs(dem_world *w) {
     w->near_count__ = 0;
     if (w->count == 0) return 1;
     memset(grid, 0, sizeof grid);
-    for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->radius[i] < smallest ? w->radius[i] : smallest;
+    for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const double r = w->radius[i];
+        const double r = w->particle[i].radius;
         const int level = dem__level(r, smallest);
         grid[level].widest = r > grid[level].widest ? r : grid[level].widest;
         grid[level].count++;
@@ -3403,7 +3408,7 @@ static inline int dem__find_pairs(dem_world *w) {
         const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
         w->sum__[k].force = dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]);
-        w->sum__[k].torque.x = w->radius[i] + 0.5 * w->margin__;
+        w->sum__[k].torque.x = w->particle[i].radius + 0.5 * w->margin__;
     }
     for (int level = 0, p = 0; level <= top; level++) {
         for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
@@ -3463,7 +3468,7 @@ static inline void dem__find_contacts(dem_world *w) {
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
     w->near__[p].linked = linked;
-    w->near__[p].distance = w->radius[w->near__[p].i] + w->radius[w->near__[p].j] + (linked ? w->link_near__ : 0.0);
+    w->near__[p].distance = w->particle[w->near__[p].i].radius + w->particle[w->near__[p].j].radius + (linked ? w->link_near__ : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
@@ -3491,7 +3496,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
         w->rx__[i] = x.x, w->ry__[i] = x.y, w->rz__[i] = x.z;
-        smallest = w->radius[i] < smallest ? w->radius[i] : smallest;
+        smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
         if (!(fabs(w->rx__[i]) < 1e100 && fabs(w->ry__[i]) < 1e100 && fabs(w->rz__[i]) < 1e100)) {
             w->status = DEM_NOT_FINITE;
             w->failed_id = w->id[i];
@@ -4082,7 +4087,7 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
-    p->diameter = 2.0 * w->radius[i];
+    p->diameter = 2.0 * w->particle[i].radius;
     p->position = x;
     p->velocity = v;
     p->id = w->id[i];
@@ -4285,19 +4290,19 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     b.def = &w->def;
     b.features = features;
     b.material_i = w->material[i];
-    b.radius_i = w->radius[i];
+    b.radius_i = w->particle[i].radius;
     if (j >= 0) {
         double other = dem__inertia(w, j);
         b.material_j = w->material[j];
-        b.radius_j = w->radius[j];
-        b.mass = w->mass[i] * w->mass[j] / (w->mass[i] + w->mass[j]);
+        b.radius_j = w->particle[j].radius;
+        b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
     } else {
         dem__touch touch;
-        dem__touch_element(&w->wall[-1 - j], dem_vec3(w->x[i], w->y[i], w->z[i]), w->radius[i], w->live_element__[c], &touch);
+        dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, w->live_element__[c], &touch);
         b.material_j = w->wall[-1 - j].material;
         b.curvature = touch.curvature;
-        b.mass = w->mass[i];
+        b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
@@ -4411,38 +4416,14 @@ static inline void dem__bury(dem_world *w, int64_t step) {
 
 /* What contacts, or links, see of particle i, `back` after the middle of their step. */
 DEM_INLINE void dem__show(dem_world *w, ptrdiff_t i, double back, double share) {
+    const dem_particle *p = &w->particle[i];
     dem__seen *s = &w->seen__[i];
-    s->x = dem_vec3(w->x[i], w->y[i], w->z[i]);
-    s->radius = w->radius[i];
-    s->v = dem_vec3(w->vx[i] - back * w->ax[i], w->vy[i] - back * w->ay[i], w->vz[i] - back * w->az[i]);
+    s->x = p->x;
+    s->radius = p->radius;
+    s->v = dem__plus(p->v, -back, p->a);
     s->share = share;
-    s->a = dem_vec3(w->ax[i], w->ay[i], w->az[i]);
-    s->spin = dem_vec3(w->wx[i] - back * w->bx[i], w->wy[i] - back * w->by[i], w->wz[i] - back * w->bz[i]);
-}
-
-/* From active__[k] on, particles with the same origin that lie in a row: the end of them in the list, at most a block away. Of a short
-   row only the first, as it is not worth the beginning of a vector loop. */
-DEM_INLINE ptrdiff_t dem__row_end(const dem_world *w, ptrdiff_t k) {
-    const ptrdiff_t limit = k + DEM_BLOCK < w->active_count__ ? k + DEM_BLOCK : w->active_count__;
-    const int32_t *active = w->active__, first = active[k];
-    const int64_t *origin = w->origin + first;
-    ptrdiff_t end = k + 1;
-    while (end < limit && active[end] == first + (int32_t)(end - k) && origin[end - k] == *origin) end++;
-    return end - k < 4 ? k + 1 : end;
-}
-
-/* x + t v + t^2/2 a and v + t a; spin + t rate: of one particle, of n in a row. */
-DEM_INLINE void dem__fly(double *x, double *v, const double *a, double t) {
-    *x += t * (*v + 0.5 * t * *a);
-    *v += t * *a;
-}
-DEM_INLINE void dem__fly_row(double *x, double *v, const double *a, ptrdiff_t n, double t) {
-    DEM__INDEPENDENT
-    for (ptrdiff_t k = 0; k < n; k++) dem__fly(x + k, v + k, a + k, t);
-}
-DEM_INLINE void dem__turn_row(double *spin, const double *rate, ptrdiff_t n, double t) {
-    DEM__INDEPENDENT
-    for (ptrdiff_t k = 0; k < n; k++) spin[k] += t * rate[k];
+    s->a = p->a;
+    s->spin = dem__plus(p->spin, -back, p->spin_rate);
 }
 
 /* A particle that has moved, ready for the forces of the step. */
@@ -4462,22 +4443,12 @@ DEM_INLINE void dem__arrive(dem_world *w, ptrdiff_t i, int64_t step, double back
 DEM_INLINE void dem__advance_all(dem_world *w, double h) {
     const int64_t step = w->step + (h > 0.0);
     const int loads = w->loads_on__ || w->links_on__;
-    for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
         const double t = (double)(step - w->origin[i]) * w->dt__;
-        end = dem__row_end(w, k);
-        const ptrdiff_t n = end - k;
-        if (n == 1) {
-            dem__fly(w->x + i, w->vx + i, w->ax + i, t), w->wx[i] += t * w->bx[i];
-            dem__fly(w->y + i, w->vy + i, w->ay + i, t), w->wy[i] += t * w->by[i];
-            dem__fly(w->z + i, w->vz + i, w->az + i, t), w->wz[i] += t * w->bz[i];
-            dem__arrive(w, i, step, 0.5 * h, loads);
-            continue;
-        }
-        dem__fly_row(w->x + i, w->vx + i, w->ax + i, n, t), dem__turn_row(w->wx + i, w->bx + i, n, t);
-        dem__fly_row(w->y + i, w->vy + i, w->ay + i, n, t), dem__turn_row(w->wy + i, w->by + i, n, t);
-        dem__fly_row(w->z + i, w->vz + i, w->az + i, n, t), dem__turn_row(w->wz + i, w->bz + i, n, t);
-        for (ptrdiff_t q = i; q < i + n; q++) dem__arrive(w, q, step, 0.5 * h, loads);
+        dem_particle *p = &w->particle[i];
+        p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, t), p->spin = dem__spin_at(w, i, t);
+        dem__arrive(w, i, step, 0.5 * h, loads);
     }
 }
 DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
@@ -4498,7 +4469,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
             if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][c], out[7][c], out[8][c]));
         } else {
             dem_wall *wall = &w->wall[-1 - j];
-            dem_vec f = dem__scale(-1.0, push), arm = dem__sub(dem_vec3(w->x[i], w->y[i], w->z[i]), wall->position);
+            dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
             dem_vec t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
@@ -4538,14 +4509,12 @@ static inline void dem__gather_losses(dem_world *w) {
 DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
     const double t = (double)(w->step - w->listed__) * w->dt__;
     const dem__course *c = &w->course__[i];
-    return dem_vec3(w->vx[i] - t * w->def.gravity.x - c->ux, w->vy[i] - t * w->def.gravity.y - c->uy,
-                    w->vz[i] - t * w->def.gravity.z - c->uz);
+    return dem__sub(dem__plus(w->particle[i].v, -t, w->def.gravity), dem_vec3(c->ux, c->uy, c->uz));
 }
 
 /* The same at the end of the next step: between, it is on the line from one to the other. */
 DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    const dem_vec g = w->def.gravity;
-    return dem_vec3(d.x + w->dt__ * (w->ax[i] - g.x), d.y + w->dt__ * (w->ay[i] - g.y), d.z + w->dt__ * (w->az[i] - g.z));
+    return dem__plus(d, w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
 /* Is the velocity of a particle settled now within its ball, to the end of the next step? */
@@ -4555,48 +4524,21 @@ DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
     return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
 }
 
-/* The corrector of velocity Verlet; half: of the step. */
-DEM_INLINE void dem__correct(double *v, double *a, double fresh, double half) {
-    *v += half * (fresh - *a);
-    *a = fresh;
-}
-DEM_INLINE void dem__correct_row(double *v, double *a, const double *fresh, ptrdiff_t n, double half) {
-    DEM__INDEPENDENT
-    for (ptrdiff_t k = 0; k < n; k++) dem__correct(v + k, a + k, fresh[k], half);
-}
-
-/* The six accelerations, a stride apart. Returns 0 unless one of them is infinite or NaN. */
-DEM_INLINE double dem__accelerate(const dem__sum *s, dem_vec g, double *f, ptrdiff_t stride) {
-    const double ax = s->force.x * s->per_mass + g.x, ay = s->force.y * s->per_mass + g.y, az = s->force.z * s->per_mass + g.z;
-    const double bx = s->torque.x * s->per_inertia, by = s->torque.y * s->per_inertia, bz = s->torque.z * s->per_inertia;
-    f[0] = ax, f[stride] = ay, f[2 * stride] = az, f[3 * stride] = bx, f[4 * stride] = by, f[5 * stride] = bz;
-    return 0.0 * (ax + ay + az + bx + by + bz);
-}
-
 /* New accelerations, and velocities corrected from predicted to final. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, double *check) {
     const double half = 0.5 * h;
-    double f[6 * DEM_BLOCK];
     *check = 0.0;
-    for (ptrdiff_t k = 0, end; k < w->active_count__; k = end) {
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        end = dem__row_end(w, k);
-        const ptrdiff_t n = end - k;
-        if (n == 1) {
-            *check += dem__accelerate(&w->sum__[i], w->def.gravity, f, 1);
-            dem__correct(w->vx + i, w->ax + i, f[0], half), dem__correct(w->wx + i, w->bx + i, f[3], half);
-            dem__correct(w->vy + i, w->ay + i, f[1], half), dem__correct(w->wy + i, w->by + i, f[4], half);
-            dem__correct(w->vz + i, w->az + i, f[2], half), dem__correct(w->wz + i, w->bz + i, f[5], half);
-            if (!dem__holds_course(w, i)) dem__unsettle(w, i);
-            continue;
-        }
-        for (ptrdiff_t q = 0; q < n; q++) *check += dem__accelerate(&w->sum__[i + q], w->def.gravity, f + q, n);
-        dem__correct_row(w->vx + i, w->ax + i, f, n, half), dem__correct_row(w->wx + i, w->bx + i, f + 3 * n, n, half);
-        dem__correct_row(w->vy + i, w->ay + i, f + n, n, half), dem__correct_row(w->wy + i, w->by + i, f + 4 * n, n, half);
-        dem__correct_row(w->vz + i, w->az + i, f + 2 * n, n, half), dem__correct_row(w->wz + i, w->bz + i, f + 5 * n, n, half);
-        for (ptrdiff_t q = i; q < i + n; q++) {
-            if (!dem__holds_course(w, q)) dem__unsettle(w, q);
-        }
+        const dem__sum *sum = &w->sum__[i];
+        dem_particle *p = &w->particle[i];
+        const dem_vec a = dem__plus(w->def.gravity, sum->per_mass, sum->force), b = dem__scale(sum->per_inertia, sum->torque);
+        p->v = dem__plus(p->v, half, dem__sub(a, p->a));
+        p->spin = dem__plus(p->spin, half, dem__sub(b, p->spin_rate));
+        p->a = a;
+        p->spin_rate = b;
+        *check += 0.0 * (a.x + a.y + a.z + b.x + b.y + b.z);
+        if (!dem__holds_course(w, i)) dem__unsettle(w, i);
     }
 }
 DEM__TWICE(dem__kick_active, (dem_world * w, double h, double *check), (w, h, check), dem__kick_all(w, h, check))
@@ -4618,27 +4560,26 @@ static inline void dem__settle_events(dem_world *w, int turns) {
         for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
             const int32_t a = side ? j : i;
             dem__unsettle(w, a);
-            const double m = (side ? -1.0 : 1.0) / w->mass[a], turn = 1.0 / dem__inertia(w, a);
-            w->vx[a] += m * impulse.x, w->vy[a] += m * impulse.y, w->vz[a] += m * impulse.z;
-            w->x[a] += m * data[4][c] * n.x, w->y[a] += m * data[4][c] * n.y, w->z[a] += m * data[4][c] * n.z;
+            dem_particle *p = &w->particle[a];
+            const double m = (side ? -1.0 : 1.0) / p->mass, turn = 1.0 / dem__inertia(w, a);
+            p->v = dem__plus(p->v, m, impulse);
+            p->x = dem__plus(p->x, m * data[4][c], n);
             w->shifted__[a] += fabs(m * data[4][c]);
-            if (turns) {
-                w->wx[a] += turn * extra * out[3 + 3 * side][c], w->wy[a] += turn * extra * out[4 + 3 * side][c];
-                w->wz[a] += turn * extra * out[5 + 3 * side][c];
-            }
+            if (!turns) continue;
+            const dem_vec torque = dem_vec3(out[3 + 3 * side][c], out[4 + 3 * side][c], out[5 + 3 * side][c]);
+            p->spin = dem__plus(p->spin, turn * extra, torque);
         }
         if (j < 0) {
-            const dem_vec place = dem_vec3(w->x[i], w->y[i], w->z[i]), t = dem_vec3(out[3][c], out[4][c], out[5][c]);
+            const dem_vec place = w->particle[i].x, t = dem_vec3(out[3][c], out[4][c], out[5][c]);
             dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
             continue;
         }
         /* a pair that is moved apart turns more slowly, as its angular momentum stays */
-        const dem_vec d = dem__apart(w, dem_vec3(w->x[i] - w->x[j], w->y[i] - w->y[j], w->z[i] - w->z[j]));
-        const dem_vec v = dem_vec3(w->vx[i] - w->vx[j], w->vy[i] - w->vy[j], w->vz[i] - w->vz[j]);
+        dem_particle *a = &w->particle[i], *b = &w->particle[j];
+        const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
         const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-        const double mi = 1.0 / w->mass[i], mj = 1.0 / w->mass[j];
-        w->vx[i] += mi * slower.x, w->vy[i] += mi * slower.y, w->vz[i] += mi * slower.z;
-        w->vx[j] -= mj * slower.x, w->vy[j] -= mj * slower.y, w->vz[j] -= mj * slower.z;
+        a->v = dem__plus(a->v, 1.0 / a->mass, slower);
+        b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     }
 }
 
@@ -4666,8 +4607,9 @@ static inline void dem__watch(dem_world *w) {
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        double v = w->vx[i] + w->vy[i] + w->vz[i] + w->ax[i] + w->ay[i] + w->az[i] + w->wx[i] + w->wy[i] + w->wz[i] + w->bx[i] + w->by[i] +
-                   w->bz[i];
+        const dem_particle *p = &w->particle[i];
+        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, p->spin_rate));
+        const double v = sum.x + sum.y + sum.z;
         if (!(fabs(v) <= DBL_MAX)) {
             w->failed_id = w->id[i];
             break;
@@ -4806,7 +4748,6 @@ static inline void dem__step_links(dem_world *w) {
     const double h = (double)w->link_stride__ * w->dt__;
     double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
-    double *const velocity[] = {w->vx, w->vy, w->vz, w->wx, w->wy, w->wz}, *const rate[] = {w->ax, w->ay, w->az, w->bx, w->by, w->bz};
     double *const *out = w->link_out__;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
@@ -4830,18 +4771,17 @@ static inline void dem__step_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         const dem__sum *sum = &w->sum__[i];
-        const dem_vec f = sum->force, t = sum->torque;
-        const double old[6] = {f.x, f.y, f.z, t.x, t.y, t.z};
+        dem_particle *p = &w->particle[i];
+        const dem_vec force = dem__sub(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]), sum->force);
+        const dem_vec torque = dem__sub(dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]), sum->torque);
+        const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         w->link_loaded__[i] = w->link_head__[i] >= 0;
-        for (int a = 0; a < 6; a++) {
-            const double change = (load[a][i] - old[a]) * (a < 3 ? sum->per_mass : sum->per_inertia);
-            velocity[a][i] += 0.5 * h * change;
-            rate[a][i] += change;
-        }
+        p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
+        p->spin = dem__plus(p->spin, 0.5 * h, b), p->spin_rate = dem__add(p->spin_rate, b);
         if (w->ledger_on__) {
             w->ledger__.link_work += dem__motion_energy(w, i);
-            w->link_x__[i] = w->x[i], w->link_y__[i] = w->y[i], w->link_z__[i] = w->z[i];
-            w->link_wx__[i] = w->wx[i], w->link_wy__[i] = w->wy[i], w->link_wz__[i] = w->wz[i];
+            w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
+            w->link_wx__[i] = w->particle[i].spin.x, w->link_wy__[i] = w->particle[i].spin.y, w->link_wz__[i] = w->particle[i].spin.z;
         }
         if (w->stale__) continue;
         const dem_vec stray = dem__stray(w, i);
@@ -4909,7 +4849,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     }
     for (int a = 0; a < 3; a++) {
         double longest = 0.0;
-        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->radius[i] > longest ? w->radius[i] : longest;
+        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->particle[i].radius > longest ? w->particle[i].radius : longest;
         if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest))
             return DEM_BAD_DEFINITION;
     }
@@ -4995,7 +4935,7 @@ DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->mass[i], dem_velocity(world, i)));
+        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->particle[i].mass, dem_velocity(world, i)));
     }
     return sum;
 }
@@ -5084,13 +5024,13 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i] || world->touching[i] < 2) continue;
         const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
-        if (!(fabs(dem__dot(d, s->axis[2])) < world->radius[i])) continue;
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];
         int n = 0, holding = 0;
         for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
             dem__touch touch;
             if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->radius[i], world->live_element__[c], &touch);
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->live_element__[c], &touch);
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;
@@ -5336,7 +5276,7 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = (&x->x)[a];
-        if (!w->def.periodic[a] && !(v + w->radius[i] >= (&low.x)[a] && v - w->radius[i] <= (&high.x)[a])) return 0;
+        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= (&low.x)[a] && v - w->particle[i].radius <= (&high.x)[a])) return 0;
     }
     return w->alive[i];
 }
@@ -5355,11 +5295,11 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     const dem_vec out = dem_vec3(widest, widest, widest); /* a face's spheres stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->radius[i] < room->smallest) room->smallest = w->radius[i];
+        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->radius[i]);
+        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
@@ -5377,7 +5317,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     room->head = room->next + room->capacity;
     for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->radius[i]);
+        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
     }
     return DEM_OK;
 }
@@ -5757,8 +5697,8 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? w->order__[k] : -1, &w->wall[-1 - c.j], *to, w->radius[c.i], c.element, &touch);
-        *from = dem__sub(*to, dem__scale(w->radius[c.i] + touch.gap, touch.normal));
+        dem__touch_place(w, k < w->live_count__ ? w->order__[k] : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
+        *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     return dem__dot(c.force, c.force) > 0.0;
 }
@@ -5781,7 +5721,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     for (int pass = 0; pass < 2; pass++) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem_vec at = dem_position(w, i), v = dem_velocity(w, i);
-            const double r = w->radius[i];
+            const double r = w->particle[i].radius;
             if (!w->alive[i]) continue;
             for (int image = 0; image < images; image++) {
                 const dem_vec x = dem__add(at, shift[image]);
@@ -5792,14 +5732,14 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
                 if (pass == 0) m.solid_fraction += dem__ball_in(region, x, r) * share;
                 if (pass == 0 && inside) {
                     m.count++;
-                    m.mass += w->mass[i];
+                    m.mass += w->particle[i].mass;
                     m.coordination += w->touching[i];
-                    m.velocity = dem__add(m.velocity, dem__scale(w->mass[i], v));
+                    m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
                 }
                 if (pass == 1 && inside) {
                     const dem_vec u = dem__sub(v, m.velocity);
-                    m.granular_temperature += w->mass[i] * dem__dot(u, u);
-                    dem__add_stress(m.kinetic_stress, w->mass[i] * share, u, u);
+                    m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
+                    dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
                 }
             }
         }
@@ -5897,7 +5837,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     memset(&load, 0, sizeof load);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        load.mass = w->mass[i];
+        load.mass = w->particle[i].mass;
         load.velocity = dem_velocity(w, i);
         dem__smear(w, c, field, dem_position(w, i), &load);
     }
@@ -6112,18 +6052,20 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 
 /* Particles present and contacts in order; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
-    double *const columns[] = {w->x,  w->y,  w->z,  w->vx,     w->vy,   w->vz,   w->ax,   w->ay,   w->az,   w->wx,   w->wy,  w->wz,
-                               w->bx, w->by, w->bz, w->radius, w->mass, w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
+    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) dem__f64(s, &columns[k][i]);
+        dem_particle *p = &w->particle[i];
+        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1), dem__vecs(s, &p->spin_rate, 1);
+        dem__f64(s, &p->radius), dem__f64(s, &p->mass);
+        for (int a = 0; a < 6; a++) dem__f64(s, &load[a][i]);
         dem__i64(s, &w->origin[i]);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
         for (int a = 0; a < 6; a++) {
             if (w->links_on__) dem__f64(s, &external[a][i]);
-            else if (s->loading) external[a][i] = columns[17 + a][i];
+            else if (s->loading) external[a][i] = load[a][i];
         }
         double *const last[] = {w->link_x__, w->link_y__, w->link_z__, w->link_wx__, w->link_wy__, w->link_wz__};
         for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &last[a][i]);
@@ -6274,7 +6216,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!dem__positive(w->radius[i]) || !dem__positive(w->mass[i]) || w->material[i] < 0 || w->material[i] >= w->def.materials ||
+        if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 || w->material[i] >= w->def.materials ||
             w->origin[i] > w->step || w->origin[i] < 0)
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
@@ -6444,7 +6386,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
     for (int m = 0; m < DEM_MATERIALS_MAX; m++) smallest[m] = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] && w->radius[i] < smallest[w->material[i]]) smallest[w->material[i]] = w->radius[i];
+        if (w->alive[i] && w->particle[i].radius < smallest[w->material[i]]) smallest[w->material[i]] = w->particle[i].radius;
     }
     for (int m = 0; m < w->def.materials; m++) {
         if (!(smallest[m] < HUGE_VAL)) continue;

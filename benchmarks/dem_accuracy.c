@@ -137,7 +137,7 @@ static int own(const impact *of, int division, int phases, const pair_state *exa
             if (variant >= 2) o->effort = (double)evaluations / phases;
             for (int p = 0; p < phases && variant < 2 && repeat == 0 && status == DEM_OK; p++) {
                 const dem_vec a = dem_velocity(&w, 2 * p), b = dem_velocity(&w, 2 * p + 1);
-                pair_state s = {0.0, 0.0, a.x - b.x, a.y - b.y, w.wz[2 * p], 0.0};
+                pair_state s = {0.0, 0.0, a.x - b.x, a.y - b.y, w.particle[2 * p].spin.z, 0.0};
                 collect(o, miss(of, &s, exact), phases);
             }
             dem_free(&w);

@@ -64,7 +64,7 @@ static int impacts(double restitution, int division, int phases, const pair_stat
         *cpu_s += (machine_processor_seconds() - start) / (ANGLES * phases);
         for (int p = 0; p < phases && status == DEM_OK; p++) {
             const dem_vec u = dem_velocity(&world, 2 * p), v = dem_velocity(&world, 2 * p + 1);
-            const pair_state s = {0.0, 0.0, u.x - v.x, u.y - v.y, world.wz[2 * p], 0.0};
+            const pair_state s = {0.0, 0.0, u.x - v.x, u.y - v.y, world.particle[2 * p].spin.z, 0.0};
             pool(&of_method[DEM], &s, &exact[a], weight);
             for (int m = VERLET; m < METHODS; m++) {
                 pair_state other = approach(&of, dt * (1.0 + (p + 0.5) / phases));

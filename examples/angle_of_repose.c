@@ -112,7 +112,7 @@ static void write_frame(const heap *h, const dem_world *w, pvd *series) {
     int n = 0;
     for (ptrdiff_t i = 0; x && i < w->count; i++) {
         const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
-        const double row[7] = {p.x, p.y, p.z, v.x, v.y, v.z, w->radius[i]};
+        const double row[7] = {p.x, p.y, p.z, v.x, v.y, v.z, w->particle[i].radius};
         if (w->alive[i]) memcpy(x + 7 * n++, row, sizeof row);
     }
     if (!x) {

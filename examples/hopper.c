@@ -75,7 +75,7 @@ static dem_status build(dem_world *world, const silo *s, const discharge *d) {
 
 static double top_of(const dem_world *world) {
     double top = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++) top = fmax(top, world->alive[i] ? dem_position(world, i).z + world->radius[i] : 0.0);
+    for (ptrdiff_t i = 0; i < world->count; i++) top = fmax(top, world->alive[i] ? dem_position(world, i).z + world->particle[i].radius : 0.0);
     return top;
 }
 
@@ -123,7 +123,7 @@ static void write_frame(const dem_world *world, const char *folder, pvd *series,
         const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
         x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
         v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-        d[m++] = 2.0 * world->radius[i];
+        d[m++] = 2.0 * world->particle[i].radius;
     }
     const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v)};
     if (buffer) vtp_points(folder, pvd_name(series, time), m, vtk_vector("position", x), arrays, 2);

@@ -121,7 +121,7 @@ static double radial_segregation(const dem_world *world) {
     dem_vec centre = dem_vec3(0, 0, 0);
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec x = dem_position(world, i);
-        centre.x += world->mass[i] * x.x, centre.z += world->mass[i] * x.z, mass += world->mass[i];
+        centre.x += world->particle[i].mass * x.x, centre.z += world->particle[i].mass * x.z, mass += world->particle[i].mass;
     }
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec x = dem_position(world, i);
@@ -156,7 +156,7 @@ static void write_frame(const dem_world *world, const char *folder, pvd *series,
         const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
         x[3 * i] = at.x, x[3 * i + 1] = at.y, x[3 * i + 2] = at.z;
         v[3 * i] = u.x, v[3 * i + 1] = u.y, v[3 * i + 2] = u.z;
-        d[i] = 2.0 * world->radius[i];
+        d[i] = 2.0 * world->particle[i].radius;
     }
     const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("species", world->group)};
     if (buffer) vtp_points(folder, pvd_name(series, time), (int)n, vtk_vector("position", x), arrays, 3);

@@ -205,7 +205,7 @@ static double rebound(int which, double speed, double w_, double share) {
     dem_add_plane(&w, 0, none, up);
     add(&w, v3(0, 0, R + 1e-8), 2.0 * R, 0);
     dem_set_motion(&w, 0, v3(0, 0, -speed), none);
-    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(w.mass[0] / modulus, 2) / (R * speed), 0.2); /* Hertz */
+    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(w.particle[0].mass / modulus, 2) / (R * speed), 0.2); /* Hertz */
     dem_set_time_step(&w, share * tc);
     run_with_ledger(&w, 1e-8 / speed + 8.0 * tc, which);
     const dem_energy_ledger l = dem_energy(&w);
@@ -445,13 +445,13 @@ static void test_twisting_decays(void **state) {
         const double sliding = sqrt(spin * spin - most * theta / inertia), t1 = asin(most / (spin * sqrt(k * inertia))) / sqrt(k / inertia);
         const double t = 0.5 * spin * inertia / most;
         run(&w, t, which);
-        near_relative(w.wz[0] + w.bz[0] * (double)(w.step - w.origin[0]) * w.def.dt, sliding - most / inertia * (t - t1), 1e-4, "spin");
+        near_relative(w.particle[0].spin.z + w.particle[0].turn.z * (double)(w.step - w.origin[0]) * w.def.dt, sliding - most / inertia * (t - t1), 1e-4, "spin");
         near_absolute(dem_position(&w, 0).x, 0.0, 1e-15, "it stays where it is");
         dem_free(&w);
         on_incline(&w, &laws, 0.0, 0.0, mu, 0.3, which);
         dem_set_motion(&w, 0, none, v3(0, 0, spin));
         run(&w, 2.0 * spin * inertia / most, which);
-        near_absolute(w.wz[0], 0.0, 1e-6, "stopped");
+        near_absolute(w.particle[0].spin.z, 0.0, 1e-6, "stopped");
         dem_free(&w);
     }
 }
@@ -509,7 +509,7 @@ static void settle(dem_world *w, double drag, double t) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             dem_vec v = dem_velocity(w, i);
             const double c = 1.0 - drag * 10.0 * w->def.dt, s = c > 0.0 ? c : 0.0;
-            dem_set_motion(w, i, dem__scale(s, v), v3(s * w->wx[i], s * w->wy[i], s * w->wz[i]));
+            dem_set_motion(w, i, dem__scale(s, v), v3(s * w->particle[i].spin.x, s * w->particle[i].spin.y, s * w->particle[i].spin.z));
         }
     }
 }

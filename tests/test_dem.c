@@ -147,7 +147,7 @@ static void test_free_flight(void **state) {
         add(&w, x, diameter);
         move(&w, 0, v, s);
         if (loaded) assert_int_equal(dem_set_load(&w, 0, force, torque), DEM_OK);
-        double m = loaded ? 1.0 / w.mass[0] : 0.0, turn = loaded ? 2.5 / (w.mass[0] * radius * radius) : 0.0;
+        double m = loaded ? 1.0 / w.particle[0].mass : 0.0, turn = loaded ? 2.5 / (w.particle[0].mass * radius * radius) : 0.0;
         dem_vec a = v3(m * force.x, m * force.y, m * force.z - 9.81);
         for (int k = 1; k <= 25; k++) {
             run(&w, 0.01, DEM_LINEAR);
@@ -157,8 +157,8 @@ static void test_free_flight(void **state) {
                      v3(x.x + t * (v.x + 0.5 * t * a.x), x.y + t * (v.y + 0.5 * t * a.y), x.z + t * (v.z + 0.5 * t * a.z)),
                      loaded ? 1e-11 : 2e-15, "parabola");
             near_vec(dem_velocity(&w, 0), v3(v.x + t * a.x, v.y + t * a.y, v.z + t * a.z), loaded ? 1e-11 : 2e-15, "velocity");
-            near_relative(w.wx[0], s.x + t * turn * torque.x, 1e-11, "spin"),
-                near_relative(w.wz[0], s.z + t * turn * torque.z, 1e-11, "spin");
+            near_relative(w.particle[0].spin.x, s.x + t * turn * torque.x, 1e-11, "spin"),
+                near_relative(w.particle[0].spin.z, s.z + t * turn * torque.z, 1e-11, "spin");
         }
         assert_int_equal(w.contact_steps, 0);
         dem_free(&w);
@@ -184,13 +184,13 @@ static void test_bowled_ball(void **state) {
     double t = 2.0 / (7.0 * 0.3 * 9.81); /* rolls from here */
     run(&w, 0.5 * t, features);
     near_relative(dem_velocity(&w, 0).x, 1.0 - 0.3 * 9.81 * w.time, 1e-4, "sliding: v0 - mu g t");
-    near_relative(w.wy[0] * radius, 2.5 * 0.3 * 9.81 * w.time, 1e-4, "sliding: spin");
+    near_relative(w.particle[0].spin.y * radius, 2.5 * 0.3 * 9.81 * w.time, 1e-4, "sliding: spin");
     run(&w, 1.0 * t, features);
     near_relative(dem_velocity(&w, 0).x, 5.0 / 7.0, 2e-4, "rolls at 5/7 v0");
     double v = dem_velocity(&w, 0).x;
     run(&w, 0.2, features);
     near_relative(dem_velocity(&w, 0).x, v, 1e-3, "rolling goes on");
-    near_relative(w.wy[0] * radius, dem_velocity(&w, 0).x, 1e-3, "without slip");
+    near_relative(w.particle[0].spin.y * radius, dem_velocity(&w, 0).x, 1e-3, "without slip");
     assert_true(dem_position(&w, 0).y == 0.0 && dem_velocity(&w, 0).y == 0.0);
     near_absolute(dem_position(&w, 0).z, radius, 1e-7, "on the plane");
     dem_free(&w);
@@ -212,7 +212,7 @@ static void test_incline(void **state) {
             double a = sticks ? 5.0 / 7.0 * 9.81 * sin(angle[k]) : 9.81 * (sin(angle[k]) - 0.25 * cos(angle[k]));
             near_relative(dem_velocity(&w, 0).x, a * w.time, 0.01, sticks ? "rolls down" : "slides down");
             double rolls = sticks ? a / radius : 2.5 * 0.25 * 9.81 * cos(angle[k]) / radius;
-            near_relative(w.wy[0], rolls * w.time, 0.01, "spin");
+            near_relative(w.particle[0].spin.y, rolls * w.time, 0.01, "spin");
             dem_free(&w);
         }
     }
@@ -312,8 +312,8 @@ static void test_rigid_rotation_is_no_slip(void **state) {
     dem_contact_info c = dem_get_contact(&w, 0);
     near_absolute(sqrt(c.state[0] * c.state[0] + c.state[1] * c.state[1] + c.state[2] * c.state[2]), 0.0, 1e-9,
                   "history of a rigid rotation");
-    near_relative(w.wz[0], spin * 0.8, 1e-4, "spin");
-    near_relative(w.wy[1], spin * 0.6, 1e-4, "spin");
+    near_relative(w.particle[0].spin.z, spin * 0.8, 1e-4, "spin");
+    near_relative(w.particle[1].spin.y, spin * 0.6, 1e-4, "spin");
     dem_free(&w);
 }
 
@@ -335,11 +335,11 @@ static void test_binary_collisions_keep_momentum(void **state) {
             l[0] = l[1] = l[2] = 0.0;
             for (ptrdiff_t i = 0; i < 2; i++) {
                 dem_vec x = dem_position(&w, i), v = dem_velocity(&w, i);
-                double inertia = 0.4 * w.mass[i] * w.radius[i] * w.radius[i];
-                l[0] += w.mass[i] * (x.y * v.z - x.z * v.y) + inertia * w.wx[i];
-                l[1] += w.mass[i] * (x.z * v.x - x.x * v.z) + inertia * w.wy[i];
-                l[2] += w.mass[i] * (x.x * v.y - x.y * v.x) + inertia * w.wz[i];
-                scale += w.mass[i] * 7e-3;
+                double inertia = 0.4 * w.particle[i].mass * w.particle[i].radius * w.particle[i].radius;
+                l[0] += w.particle[i].mass * (x.y * v.z - x.z * v.y) + inertia * w.particle[i].spin.x;
+                l[1] += w.particle[i].mass * (x.z * v.x - x.x * v.z) + inertia * w.particle[i].spin.y;
+                l[2] += w.particle[i].mass * (x.x * v.y - x.y * v.x) + inertia * w.particle[i].spin.z;
+                scale += w.particle[i].mass * 7e-3;
             }
             if (!n) run(&w, 0.005, features);
         }
@@ -372,7 +372,7 @@ static void test_wall_is_an_infinite_mass(void **state) {
                 assert_int_equal(dem_add_spheres(&w, 1, c, &d, heavy, 0), DEM_OK);
             }
             run(&w, 4e-4, k ? DEM_LINEAR | DEM_FRICTION : DEM_LINEAR);
-            v[wall] = dem_velocity(&w, 0), s[wall] = v3(w.wx[0], w.wy[0], w.wz[0]);
+            v[wall] = dem_velocity(&w, 0), s[wall] = v3(w.particle[0].spin.x, w.particle[0].spin.y, w.particle[0].spin.z);
             assert_true(v[wall].z > 0.3);
             dem_free(&w);
         }
@@ -500,7 +500,7 @@ static void test_belt(void **state) {
     assert_int_equal(dem_move(&w, 0, v3(0.7, 0, 0)), DEM_OK);
     run(&w, 0.3, DEM_LINEAR | DEM_FRICTION);
     near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * 0.7, 1e-3, "a belt gives 2/7 of its speed");
-    near_relative(0.7 - dem_velocity(&w, 0).x, -w.wy[0] * radius, 2e-3, "without slip");
+    near_relative(0.7 - dem_velocity(&w, 0).x, -w.particle[0].spin.y * radius, 2e-3, "without slip");
     dem_free(&w);
 }
 
@@ -673,7 +673,7 @@ static void test_periodic(void **state) {
             dem_vec x = dem_position(&w, i);
             assert_true(x.x >= -0.0625 && x.x <= 0.0625 && x.y >= -0.0625 && x.y <= 0.0625 && x.z >= -0.0625 && x.z <= 0.0625);
         }
-        spin[across] = v3(w.wx[0], w.wy[0], w.wz[0]);
+        spin[across] = v3(w.particle[0].spin.x, w.particle[0].spin.y, w.particle[0].spin.z);
         assert_true(w.contact_steps > 5);
         dem_free(&w);
     }
@@ -856,7 +856,7 @@ static void test_no_contact_is_missed(void **state) {
             dem_vec at = scene_vector(&r, 0.044);
             for (int i = 0; i < n; i++) { /* no overlap yet: try elsewhere */
                 dem_vec x = dem_position(&w, i);
-                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) < w.radius[i] + 0.5 * d)
+                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) < w.particle[i].radius + 0.5 * d)
                     at = scene_vector(&r, 0.044), i = -1;
             }
             add(&w, at, d);
@@ -874,7 +874,7 @@ static void test_no_contact_is_missed(void **state) {
                 for (int j = i + 1; j < n; j++) {
                     dem_vec a = dem_position(&w, i), b = dem_position(&w, j), d = v3(a.x - b.x, a.y - b.y, a.z - b.z);
                     if (def.periodic[0]) d.x -= 0.1 * floor(d.x / 0.1 + 0.5), d.z -= 0.1 * floor(d.z / 0.1 + 0.5);
-                    now[i][j] = sqrt(d.x * d.x + d.y * d.y + d.z * d.z) < (w.radius[i] + w.radius[j]) * (1.0 - 1e-12);
+                    now[i][j] = sqrt(d.x * d.x + d.y * d.y + d.z * d.z) < (w.particle[i].radius + w.particle[j].radius) * (1.0 - 1e-12);
                     overlaps += now[i][j];
                 }
             }

@@ -54,7 +54,7 @@ static double oscillation_error(double interval, double *drift) {
     add(&w, 0, 0, 0), add(&w, SIZE + 1e-3, 0, 0);
     assert_int_equal(dem_set_links(&w, &spring, spring_kernel, interval, 0.0), DEM_OK);
     assert_int_equal(dem_add_link(&w, 0, 1, 0, state), DEM_OK);
-    const double pull = state[STIFFNESS] * 1e-3, mass = w.mass[0], omega = sqrt(2.0 * state[STIFFNESS] / mass), v0 = 0.3e-3 * omega;
+    const double pull = state[STIFFNESS] * 1e-3, mass = w.particle[0].mass, omega = sqrt(2.0 * state[STIFFNESS] / mass), v0 = 0.3e-3 * omega;
     assert_int_equal(dem_set_load(&w, 0, dem_vec3(-pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK); /* at rest at a gap of 1 mm */
     assert_int_equal(dem_set_load(&w, 1, dem_vec3(pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
     assert_int_equal(dem_run(&w, interval, DEM_LINEAR), DEM_OK); /* the first evaluation: load and spring cancel */
@@ -100,10 +100,10 @@ static void test_angular_momentum(void **state) {
         l[0] = l[1] = l[2] = energy[k] = 0.0;
         for (int i = 0; i < 2; i++) {
             const dem_vec x = dem_position(&w, i), v = dem_velocity(&w, i);
-            const double m = w.mass[i], inertia = 0.4 * m * w.radius[i] * w.radius[i];
-            l[0] += m * (x.y * v.z - x.z * v.y) + inertia * w.wx[i];
-            l[1] += m * (x.z * v.x - x.x * v.z) + inertia * w.wy[i];
-            l[2] += m * (x.x * v.y - x.y * v.x) + inertia * w.wz[i];
+            const double m = w.particle[i].mass, inertia = 0.4 * m * w.particle[i].radius * w.particle[i].radius;
+            l[0] += m * (x.y * v.z - x.z * v.y) + inertia * w.particle[i].spin.x;
+            l[1] += m * (x.z * v.x - x.x * v.z) + inertia * w.particle[i].spin.y;
+            l[2] += m * (x.x * v.y - x.y * v.x) + inertia * w.particle[i].spin.z;
             energy[k] += 0.5 * m * (v.x * v.x + v.y * v.y + v.z * v.z);
         }
     }
@@ -143,7 +143,7 @@ static void test_hanging(void **state) {
     make(&w, 4e-6, dem_vec3(0, 0, -9.81));
     const int ceiling = dem_add_plane(&w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, -1));
     add(&w, 0, 0, -0.5 * SIZE - 1e-4);
-    const double weight = 9.81 * w.mass[0], strong[SPRING_STATES] = {weight / 4e-4, 9e-4, 5e-3},
+    const double weight = 9.81 * w.particle[0].mass, strong[SPRING_STATES] = {weight / 4e-4, 9e-4, 5e-3},
                  weak[SPRING_STATES] = {weight / 4e-3, 9e-4, 0.0};
     w.user = &ended;
     assert_int_equal(dem_set_links(&w, &spring, spring_kernel, 1e-4, 0.0), DEM_OK);
@@ -271,10 +271,10 @@ static void test_leaving(void **state) {
     assert_int_equal(w.count, 4);
     assert_int_equal(dem_find_link(&w, 0, 1, 0) >= 0, 1);
     assert_int_equal(dem_find_link(&w, 2, 3, 0) >= 0, 1);
-    const double left = w.mass[0] * (dem_velocity(&w, 0).x + dem_velocity(&w, 1).x);
+    const double left = w.particle[0].mass * (dem_velocity(&w, 0).x + dem_velocity(&w, 1).x);
     assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_OK);
-    assert_true(fabs(w.mass[0] * (dem_velocity(&w, 0).x + dem_velocity(&w, 1).x) - left) <
-                1e-12 * w.mass[0]); /* nothing pulls from outside */
+    assert_true(fabs(w.particle[0].mass * (dem_velocity(&w, 0).x + dem_velocity(&w, 1).x) - left) <
+                1e-12 * w.particle[0].mass); /* nothing pulls from outside */
     dem_free(&w);
 }
 

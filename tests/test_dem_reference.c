@@ -89,9 +89,9 @@ static outcome run_impact(const impact *a) {
     assert_true(left);
     dem_vec v = dem_velocity(&world, 0);
     o.duration = touched * def.dt;
-    o.vn = v.z, o.vt = v.x, o.spin = world.wy[0];
+    o.vn = v.z, o.vt = v.x, o.spin = world.particle[0].spin.y;
     o.contact_vt = v.x - a->radius * o.spin;
-    if (a->other_radius > 0.0) o.other_vt = dem_velocity(&world, 1).x, o.other_spin = world.wy[1];
+    if (a->other_radius > 0.0) o.other_vt = dem_velocity(&world, 1).x, o.other_spin = world.particle[1].spin.y;
     dem_free(&world);
     return o;
 }
@@ -378,7 +378,7 @@ static double oblique_error(double steps, double slip, const double *exact, doub
         assert_int_equal(dem_add_spheres(&world, 2, at, d, m, 0), DEM_OK);
         assert_int_equal(dem_set_motion(&world, 0, dem_vec3(slip, 0, -1.0), dem_vec3(0, 20, 5)), DEM_OK);
         assert_int_equal(dem_run(&world, 4.0 * t_c, DEM_LINEAR | DEM_FRICTION), DEM_OK);
-        double out[4] = {dem_velocity(&world, 0).x, dem_velocity(&world, 0).z, world.wy[0] * 2.5e-3, dem_velocity(&world, 1).x};
+        double out[4] = {dem_velocity(&world, 0).x, dem_velocity(&world, 0).z, world.particle[0].spin.y * 2.5e-3, dem_velocity(&world, 1).x};
         for (int a = 0; a < 4; a++) {
             result[4 * k + a] = out[a];
             if (exact) worst = fmax(worst, fabs(out[a] - exact[4 * k + a]));
@@ -427,9 +427,9 @@ static dem_vec angular_momentum(const dem_world *w, double *size) {
     *size = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x = dem_position(w, i), v = dem_velocity(w, i);
-        double m = w->mass[i], inertia = 0.4 * m * w->radius[i] * w->radius[i];
-        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->wx[i], m * (x.z * v.x - x.x * v.z) + inertia * w->wy[i],
-                             m * (x.x * v.y - x.y * v.x) + inertia * w->wz[i]);
+        double m = w->particle[i].mass, inertia = 0.4 * m * w->particle[i].radius * w->particle[i].radius;
+        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->particle[i].spin.x, m * (x.z * v.x - x.x * v.z) + inertia * w->particle[i].spin.y,
+                             m * (x.x * v.y - x.y * v.x) + inertia * w->particle[i].spin.z);
         sum = dem_vec3(sum.x + l.x, sum.y + l.y, sum.z + l.z);
         *size += sqrt(l.x * l.x + l.y * l.y + l.z * l.z);
     }
@@ -447,7 +447,7 @@ static void test_momentum(void **state) {
         dem_vec p = dem_momentum(&world), l = angular_momentum(&world, &scale);
         for (ptrdiff_t i = 0; i < world.count; i++) {
             dem_vec v = dem_velocity(&world, i);
-            sum += world.mass[i] * sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+            sum += world.particle[i].mass * sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
         }
         assert_int_equal(dem_run(&world, 0.03, features[k]), DEM_OK);
         dem_vec p2 = dem_momentum(&world), l2 = angular_momentum(&world, &scale);

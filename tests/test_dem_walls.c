@@ -431,7 +431,7 @@ static void test_concave_corner(void **state) {
     const int box = wall_index(dem_add_box(&w, 0, zero, v3(0.05, 0.06, 0.07)));
     add(&w, v3(0.005, 0.0051, 0.0052), diameter);
     run(&w, 0.4, DEM_LINEAR);
-    const double m = w.mass[0];
+    const double m = w.particle[0].mass;
     assert_int_equal(dem_contact_count(&w), 3);
     near_vec(w.wall[box].force, dem__scale(m, def.gravity), 1e-9 * m, "force on a box");
     double found[3] = {0, 0, 0};
@@ -599,7 +599,7 @@ static void test_piston(void **state) {
     for (int k = 0; k < 5; k++) add(&w, v3(0, 0, radius + k * diameter), diameter);
     assert_int_equal(dem_control_force(&w, piston, v3(0, 0, 2), mass, target, 2.0), DEM_OK);
     run(&w, 1.5, DEM_LINEAR | DEM_FRICTION);
-    const double weight = 5.0 * w.mass[0] * 9.81;
+    const double weight = 5.0 * w.particle[0].mass * 9.81;
     near_relative(w.wall[piston].force.z, -target, 1e-6, "force on the piston");
     near_relative(w.wall[lid].force.z, target - weight, 1e-6, "force on the lid");
     near_absolute(w.wall[piston].rate, 0.0, 1e-9, "piston at rest");
@@ -630,7 +630,7 @@ static void test_piston_momentum(void **state) {
     start(&w, &def);
     const int wall = wall_index(dem_add_plane(&w, 0, zero, up));
     add(&w, v3(0, 0, 2.0 * radius), diameter);
-    const double m = w.mass[0], mass = 30.0 * m;
+    const double m = w.particle[0].mass, mass = 30.0 * m;
     assert_int_equal(dem_control_force(&w, wall, up, mass, 0.0, 0.0), DEM_OK);
     move(&w, 0, v3(0.1, 0, -1.0), zero);
     run(&w, 0.02, DEM_LINEAR);
@@ -652,7 +652,7 @@ static void test_rotor(void **state) {
     start(&w, &def);
     const int k = wall_index(dem_add_cylinder(&w, 0, zero, v3(0, 1, 0), drum, 1));
     add(&w, v3(drum - radius, 0.01, 0), diameter);
-    const double m = w.mass[0], i = 0.4 * m * radius * radius;
+    const double m = w.particle[0].mass, i = 0.4 * m * radius * radius;
     assert_int_equal(dem_control_torque(&w, k, v3(0, 3, 0), v3(0, 1, 0), inertia, 0.0, 0.0), DEM_OK);
     move(&w, 0, v3(0, 0, -v0), zero); /* about +y */
     const double before = m * v0 * (drum - radius);
@@ -660,7 +660,7 @@ static void test_rotor(void **state) {
         run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
         dem__settle(&w, 0);
         const dem_vec moment = dem__cross(dem_position(&w, 0), dem_velocity(&w, 0));
-        near_relative(m * moment.y + i * w.wy[0] + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
+        near_relative(m * moment.y + i * w.particle[0].spin.y + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
     }
     /* the same impulse j brakes the ball, and turns ball and drum: v - j/m + j r^2/i ... until the surfaces run alike */
     const double j = v0 / (1.0 / m + radius * radius / i + drum * drum / inertia);
@@ -700,7 +700,7 @@ static void test_belt(void **state) {
         run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
         near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * u, 2e-3, "rolling on a belt");
         dem__settle(&w, 0);
-        near_relative(w.vx[0] - radius * w.wy[0], u, 2e-3, "its surface");
+        near_relative(w.particle[0].v.x - radius * w.particle[0].spin.y, u, 2e-3, "its surface");
         near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
         dem_free(&w);
     }
@@ -978,7 +978,7 @@ static void test_stl_of_a_cube(void **state) {
         dem_free_mesh(&m), dem_free_mesh(&m);
         add(&w, v3(0.02, 0.02, 0.05 + radius - 1e-7), diameter);
         run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
-        near_relative(w.wall[box].force.z, -w.mass[0] * 9.81, 1e-3, "weight on a cube from a file");
+        near_relative(w.wall[box].force.z, -w.particle[0].mass * 9.81, 1e-3, "weight on a cube from a file");
         dem_free(&w);
     }
     free(s), free(t);

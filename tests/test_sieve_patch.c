@@ -73,7 +73,7 @@ static void test_wedge(void **state) {
         if (grain[k].stays < 0) {
             assert_int_equal(p.world.passed_count, 1);
         } else {
-            const double weight = p.world.mass[0] * 9.81;
+            const double weight = p.world.particle[0].mass * 9.81;
             for (int s = 0; s <= 200; s++) { /* up and down, slowly */
                 const double f = -grain[k].press * weight * (s < 100 ? s : 200 - s) / 100.0;
                 assert_int_equal(dem_set_load(&p.world, 0, dem_vec3(0.0, 0.0, f), dem_vec3(0.0, 0.0, 0.0)), DEM_OK);
