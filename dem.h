@@ -397,18 +397,6 @@ typedef struct dem__course {
     double ball, since;         /* [m/s], [s] */
 } dem__course;
 
-/* Private: what contacts see of an active particle at the end of the step. Two cache lines. */
-typedef struct dem__seen {
-    dem_vec x;     /* [m] */
-    double radius; /* [m] */
-    dem_vec v;     /* in the middle of the step [m/s] */
-    double share;  /* of its mass that a contact may count on: 1 / contacts */
-    dem_vec a;     /* at its beginning [m/s2] */
-    double unused;
-    dem_vec spin; /* in the middle [rad/s] */
-    double unused_too;
-} dem__seen;
-
 /* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
 typedef struct dem__sum {
     dem_vec force, torque;        /* [N], [N m] */
@@ -430,15 +418,20 @@ typedef struct dem__timers {
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
-/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. */
+/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
+   computed, v and spin are those in the middle of the step. Three cache lines. */
 typedef struct dem_particle {
     dem_vec x;         /* [m] */
     double radius;     /* [m] */
     dem_vec v;         /* [m/s] */
     double mass;       /* [kg] */
     dem_vec a;         /* [m/s2] */
+    double share__;    /* of its mass that a contact may count on: 1 / contacts [-] */
     dem_vec spin;      /* [rad/s] */
-    dem_vec spin_rate; /* its rate [rad/s2] */
+    double room__;     /* how much further it may stray from its course, at least [m/s] */
+    dem_vec spin_rate; /* [rad/s2] */
+    int64_t origin;    /* step of the state */
+    double unused__[4];
 } dem_particle;
 
 typedef struct dem_world {
@@ -459,7 +452,6 @@ typedef struct dem_world {
     int64_t rebuilds;       /* of the neighbour list */
 
     dem_particle *particle;
-    int64_t *origin;                              /* step of the state */
     uint64_t *id;                                 /* stable, in the order of adding, from 0 */
     int32_t *material, *group, *alive, *touching; /* touching: live contacts */
 
@@ -475,7 +467,6 @@ typedef struct dem_world {
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
     void *particle_block__, *live_block__, *near_block__;
     size_t particle_bytes__, live_bytes__, near_bytes__;
-    dem__seen *seen__;
     dem__sum *sum__;
     double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
@@ -1559,10 +1550,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
-    list[n].address = &w->origin, list[n++].size = sizeof(int64_t);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
-    list[n].address = &w->seen__, list[n++].size = sizeof(dem__seen);
     list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
     return n;
 }
@@ -1792,7 +1781,7 @@ DEM_API void dem_free(dem_world *world) {
 
 /* ------------------------------------------------------------------------------------------------- >>scene */
 
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->origin[i]) * w->dt__; }
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->dt__; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     const double length = high - low;
@@ -1824,7 +1813,7 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     dem_particle *p = &w->particle[i];
     p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
-    w->origin[i] = w->step;
+    w->particle[i].origin = w->step;
 }
 
 /* Puts a stored position back into the periodic box. */
@@ -1911,7 +1900,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         p->radius = 0.5 * d;
         p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
         dem__weigh(w, i);
-        w->origin[i] = w->step;
+        w->particle[i].origin = w->step;
         w->id[i] = w->next_id__++;
         w->material[i] = material;
         w->group[i] = group;
@@ -2838,7 +2827,7 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 /* From the centre of j to that of i, at a step. */
 DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__apart(
-        w, dem__sub(dem__at(w, i, (double)(step - w->origin[i]) * w->dt__), dem__at(w, j, (double)(step - w->origin[j]) * w->dt__)));
+        w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->dt__), dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
 }
 
 /* Pair p, at a step at which its centres are d apart, d known to within `blur`. */
@@ -2937,7 +2926,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     const ptrdiff_t i = w->live_i__[w->order__[first]];
     const int k = -1 - (int)w->live_j__[w->order__[first]];
     const dem_wall *wall = &w->wall[k];
-    const double tau = (double)(step - w->origin[i]) * w->dt__;
+    const double tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
     double **place = w->live_place__, least;
@@ -3050,7 +3039,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
-    double tau = (double)(step - w->origin[i]) * w->dt__, least;
+    double tau = (double)(step - w->particle[i].origin) * w->dt__, least;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->has_periodic__) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
     dem__touch touch[DEM__TOUCHES];
@@ -3094,9 +3083,15 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
 }
 
+/* Of a particle that has strayed so far from its course: what its ball leaves it beyond this step. */
+DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
+    const dem_vec pull = dem__sub(w->particle[i].a, w->def.gravity);
+    w->particle[i].room__ = w->course__[i].ball - strayed - w->dt__ * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+}
+
 /* A new course for particle i, with a ball that holds 16 steps of the present force. */
 static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->origin[i]) * w->dt__;
+    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau), g = w->def.gravity;
     const dem_vec a = dem__sub(w->particle[i].a, g);
     dem__course *c = &w->course__[i];
@@ -3106,6 +3101,7 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     w->shifted__[i] = 0.0;
     c->ball = w->slack__ + 16.0 * w->dt__ * dem__length(a);
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
+    dem__leave_room(w, i, 0.0);
     double speed = dem__length(v);
     if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
@@ -3215,7 +3211,7 @@ static inline void dem__compact(dem_world *w) {
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap || (void *)base == (void *)w->seen__) continue; /* of this step only */
+        if ((void *)base == (void *)remap) continue; /* of this step only */
         if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
         else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
@@ -3334,10 +3330,10 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
 
 /* The near pairs of sphere p of the sorted list with those after it on one level. */
 static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t p) {
-    const dem__sum *scratch = w->sum__;
+    const dem__course *scratch = w->course__;
     const int32_t *sorted = w->remap__;
-    const dem_vec x = scratch[p].force;
-    const double extent = scratch[p].torque.x, reach = extent + g->widest + 0.5 * w->margin__;
+    const dem_vec x = dem_vec3(scratch[p].x, scratch[p].y, scratch[p].z);
+    const double extent = scratch[p].ball, reach = extent + g->widest + 0.5 * w->margin__;
     int32_t first[3], cells[3];
     cells[0] = dem__cells(g, 0, x.x, reach, &first[0]);
     cells[1] = dem__cells(g, 1, x.y, reach, &first[1]);
@@ -3352,8 +3348,8 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
                 const int32_t end = part ? row[cells[0] - before] : row[first[0] + before];
                 int32_t q = part ? row[0] : row[first[0]];
                 for (q = q > p ? q : p + 1; q < end; q++) {
-                    const dem_vec d = dem__apart(w, dem__sub(x, scratch[q].force));
-                    const double sum = extent + scratch[q].torque.x;
+                    const dem_vec d = dem__apart(w, dem_vec3(x.x - scratch[q].x, x.y - scratch[q].y, x.z - scratch[q].z));
+                    const double sum = extent + scratch[q].ball;
                     if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
                 }
             }
@@ -3363,8 +3359,8 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
 }
 
 /* Finds the near pairs: gap below margin. Spheres are sorted by size class, then by cell; each looks at the cells around it on its own
-   level and the coarser ones, and there at those after it in the list. Returns 0 when out of memory. The sums of forces serve as
-   scratch: a step begins with clearing them. */
+   level and the coarser ones, and there at those after it in the list. Returns 0 when out of memory. The courses serve as
+   scratch: a rebuild sets all of them. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__grid grid[DEM__LEVELS_MAX];
     double smallest = HUGE_VAL, low[3], high[3];
@@ -3407,8 +3403,8 @@ static inline int dem__find_pairs(dem_world *w) {
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
         const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
-        w->sum__[k].force = dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]);
-        w->sum__[k].torque.x = w->particle[i].radius + 0.5 * w->margin__;
+        w->course__[k].x = w->rx__[i], w->course__[k].y = w->ry__[i], w->course__[k].z = w->rz__[i];
+        w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
     }
     for (int level = 0, p = 0; level <= top; level++) {
         for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
@@ -3756,7 +3752,7 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
 DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b, int k,
                                     double half, dem__touch *touch) {
     const dem_wall *wall = &w->wall[number];
-    const dem__seen *s = &w->seen__[i];
+    const dem_particle *s = &w->particle[i];
     const dem_vec x = s->x;
     dem__touch_place(w, slot, wall, x, s->radius, element, touch);
     const double reach = s->radius + touch->gap;
@@ -3772,19 +3768,19 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t n
     b->vx[k] = s->v.x - middle.x, b->vy[k] = s->v.y - middle.y, b->vz[k] = s->v.z - middle.z;
     b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
     b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
-    b->share[k] = s->share;
+    b->share[k] = s->share__;
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
     return v;
 }
 
 DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
-    const dem__seen *p = &w->seen__[i], *q = &w->seen__[j];
+    const dem_particle *p = &w->particle[i], *q = &w->particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
     b->part_i[k] = p->radius, b->part_j[k] = q->radius;
     b->sum[k] = p->radius + q->radius;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
     b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
-    b->share[k] = p->share < q->share ? p->share : q->share;
+    b->share[k] = p->share__ < q->share__ ? p->share__ : q->share__;
     if (!turns) return;
     b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
@@ -4062,7 +4058,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 /* -------------------------------------------------------------------------------------------------- >>step */
 
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
-    double tau = (double)(w->step + 1 - w->origin[i]) * w->dt__;
+    double tau = (double)(w->step + 1 - w->particle[i].origin) * w->dt__;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
         ptrdiff_t k = w->passed_count - 1;
@@ -4275,8 +4271,13 @@ static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
     return n;
 }
 
+DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) {
+    w->particle[i].share__ = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
+}
+
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->touching[i]++;
+    dem__divide(w, i);
     if (w->is_active__[i]) return;
     w->is_active__[i] = 1;
     w->active__[w->active_count__++] = (int32_t)i;
@@ -4359,10 +4360,12 @@ static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
     const int32_t near_pair = w->live_near__[c];
     if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
     w->touching[i]--;
+    dem__divide(w, i);
     dem__unsettle(w, i);
     if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
     if (j >= 0) {
         w->touching[j]--;
+        dem__divide(w, j);
         dem__unsettle(w, j);
         if (near_pair < 0 || w->stale__) return;
         dem__near *q = &w->near__[near_pair];
@@ -4414,41 +4417,15 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     }
 }
 
-/* What contacts, or links, see of particle i, `back` after the middle of their step. */
-DEM_INLINE void dem__show(dem_world *w, ptrdiff_t i, double back, double share) {
-    const dem_particle *p = &w->particle[i];
-    dem__seen *s = &w->seen__[i];
-    s->x = p->x;
-    s->radius = p->radius;
-    s->v = dem__plus(p->v, -back, p->a);
-    s->share = share;
-    s->a = p->a;
-    s->spin = dem__plus(p->spin, -back, p->spin_rate);
-}
-
-/* A particle that has moved, ready for the forces of the step. */
-DEM_INLINE void dem__arrive(dem_world *w, ptrdiff_t i, int64_t step, double back, int loads) {
-    dem__sum *sum = &w->sum__[i];
-    w->origin[i] = step;
-    if (w->has_periodic__) dem__wrap(w, i);
-    dem__show(w, i, back, w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0);
-    sum->force = dem_vec3(0.0, 0.0, 0.0);
-    sum->torque = dem_vec3(0.0, 0.0, 0.0);
-    if (!loads) return;
-    sum->force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
-    sum->torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
-}
-
-/* Active particles to the time of the step that is being computed: positions are final, velocities predicted. */
+/* Active particles to the time of the step that is being computed; their velocities to the middle of it. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h) {
     const int64_t step = w->step + (h > 0.0);
-    const int loads = w->loads_on__ || w->links_on__;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const double t = (double)(step - w->origin[i]) * w->dt__;
         dem_particle *p = &w->particle[i];
-        p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, t), p->spin = dem__spin_at(w, i, t);
-        dem__arrive(w, i, step, 0.5 * h, loads);
+        const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
+        p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
+        if (w->has_periodic__) dem__wrap(w, i);
     }
 }
 DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
@@ -4499,7 +4476,7 @@ static inline void dem__gather_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const dem_vec v = w->seen__[i].v, spin = w->seen__[i].spin;
+        const dem_vec v = w->particle[i].v, spin = w->particle[i].spin;
         l->external_work += w->dt__ * (w->ex__[i] * v.x + w->ey__[i] * v.y + w->ez__[i] * v.z);
         l->external_work += w->dt__ * (w->etx__[i] * spin.x + w->ety__[i] * spin.y + w->etz__[i] * spin.z);
     }
@@ -4524,22 +4501,40 @@ DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
     return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
 }
 
-/* New accelerations, and velocities corrected from predicted to final. */
+/* Is the velocity sure to stay within its ball, to the end of the next step? It strays by no more than the pull, in whatever norm. */
+DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
+    const double way = dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+    p->room__ -= way;
+    return p->room__ > 0.5 * way; /* false for NaN */
+}
+
+/* New accelerations, and velocities from the middle of the step to its end. Sums are zero afterwards, ready for the next. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, double *check) {
+    const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
-    *check = 0.0;
+    const int loads = w->loads_on__ || w->links_on__;
+    double all = 0.0;
     for (ptrdiff_t k = 0; k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const dem__sum *sum = &w->sum__[i];
+        dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
-        const dem_vec a = dem__plus(w->def.gravity, sum->per_mass, sum->force), b = dem__scale(sum->per_inertia, sum->torque);
-        p->v = dem__plus(p->v, half, dem__sub(a, p->a));
-        p->spin = dem__plus(p->spin, half, dem__sub(b, p->spin_rate));
-        p->a = a;
-        p->spin_rate = b;
-        *check += 0.0 * (a.x + a.y + a.z + b.x + b.y + b.z);
-        if (!dem__holds_course(w, i)) dem__unsettle(w, i);
+        dem_vec force = sum->force, torque = sum->torque;
+        if (loads) {
+            force = dem__add(force, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
+            torque = dem__add(torque, dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
+        }
+        const dem_vec pull = dem__scale(sum->per_mass, force);
+        p->a = dem__add(w->def.gravity, pull);
+        p->spin_rate = dem__scale(sum->per_inertia, torque);
+        p->v = dem__plus(p->v, half, p->a);
+        p->spin = dem__plus(p->spin, half, p->spin_rate);
+        p->origin = step;
+        sum->force = dem_vec3(0.0, 0.0, 0.0);
+        sum->torque = dem_vec3(0.0, 0.0, 0.0);
+        all += pull.x + pull.y + pull.z + p->spin_rate.x + p->spin_rate.y + p->spin_rate.z;
+        if (!dem__stays(p, w->dt__, pull)) dem__unsettle(w, i);
     }
+    *check = 0.0 * all;
 }
 DEM__TWICE(dem__kick_active, (dem_world * w, double h, double *check), (w, h, check), dem__kick_all(w, h, check))
 static inline int dem__kick(dem_world *w, double h) {
@@ -4589,7 +4584,10 @@ static inline void dem__watch(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->unsettled_count__; k++) {
         const ptrdiff_t i = w->unsettled__[k];
         const int stays = w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i));
-        if (w->alive[i] && !w->stale__ && (w->touching[i] == 0 || !dem__holds_course(w, i))) dem__restart(w, i, w->step);
+        if (w->alive[i] && !w->stale__) {
+            if (w->touching[i] == 0 || !dem__holds_course(w, i)) dem__restart(w, i, w->step);
+            else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
+        }
         w->is_active__[i] = w->alive[i] && stays;
         flown += !w->is_active__[i];
     }
@@ -4754,7 +4752,6 @@ static inline void dem__step_links(dem_world *w) {
         dem__settle(w, i);
         dem__wrap(w, i);
         if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
-        dem__show(w, i, 0.0, 1.0);
         w->sum__[i].force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
         w->sum__[i].torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
         for (int a = 0; a < 6; a++) load[a][i] = external[a][i];
@@ -4783,10 +4780,12 @@ static inline void dem__step_links(dem_world *w) {
             w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
             w->link_wx__[i] = w->particle[i].spin.x, w->link_wy__[i] = w->particle[i].spin.y, w->link_wz__[i] = w->particle[i].spin.z;
         }
+        w->sum__[i].force = dem_vec3(0.0, 0.0, 0.0);
+        w->sum__[i].torque = dem_vec3(0.0, 0.0, 0.0);
         if (w->stale__) continue;
-        const dem_vec stray = dem__stray(w, i);
-        const double left = w->course__[i].ball - dem__link_drift(w, i);
-        if (!(left > 0.0 && dem__dot(stray, stray) < left * left)) dem__restart(w, i, w->step);
+        const double strayed = dem__length(dem__stray(w, i));
+        if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
+        else dem__restart(w, i, w->step);
     }
     for (int32_t k = 0; k < (int32_t)w->link_count__;) {
         if (w->link_ended__[k]) dem__cut_link(w, k);
@@ -4809,10 +4808,10 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     } else dem__advance(w, w->dt__);
     dem__call_kernel(w, kernel, w->live_count__, w->dt__);
     dem__gather(w, w->dt__, turns);
+    if (features & DEM_ENERGY) dem__gather_losses(w);
     const int finite = dem__kick(w, w->dt__);
     dem__kick_walls(w, w->dt__);
     dem__settle_events(w, turns);
-    if (features & DEM_ENERGY) dem__gather_losses(w);
     w->particle_steps += w->count - w->dropped__;
     w->contact_steps += w->live_count__;
     w->step++;
@@ -6060,7 +6059,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
         dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1), dem__vecs(s, &p->spin_rate, 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
         for (int a = 0; a < 6; a++) dem__f64(s, &load[a][i]);
-        dem__i64(s, &w->origin[i]);
+        dem__i64(s, &w->particle[i].origin);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
         for (int a = 0; a < 6; a++) {
@@ -6217,7 +6216,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 static inline int dem__loaded_is_sound(const dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 || w->material[i] >= w->def.materials ||
-            w->origin[i] > w->step || w->origin[i] < 0)
+            w->particle[i].origin > w->step || w->particle[i].origin < 0)
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }
@@ -6225,7 +6224,7 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         const int32_t i = w->live_i__[c], j = w->live_j__[c];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
         if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
-        if (w->origin[i] != w->step || (j >= 0 && w->origin[j] != w->step)) return 0;
+        if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         if (c > 0 && !dem__before(w, (int32_t)c - 1, (int32_t)c)) return 0;
     }
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
@@ -6326,6 +6325,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         if (dem__is_loaded(w, i) && !w->is_active__[i]) {
             dem__activate(w, i);
             w->touching[i]--;
+            dem__divide(w, i);
         }
     }
     return DEM_OK;
