@@ -361,7 +361,7 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_slot() and dem_set_slot_state() read and write them. */
+       ended for one that is over. dem_get_contact() and dem_set_slot_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
@@ -459,7 +459,7 @@ typedef struct dem_world {
     double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
+    int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
         ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
@@ -485,14 +485,16 @@ typedef struct dem_world {
     dem__timers pair_timers__, wall_timers__;
     int64_t listed__; /* step at which the list was built */
 
-    /* live contacts, in slots; order__ sorts them by partners, which fixes every sum */
+    /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end. What has happened
+       alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
-    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *order__, *order_spare__;
+    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *slots__; /* slots: a list, for the moment */
     uint8_t *live_event__, *live_ended__;
     double *live_gap__, *live_force__, *live_predict__, *live_mass__;
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
-    double *live_out__[9];                                     /* force on i, torque on i, torque on j */
+    double *live_out__[9];                                     /* force on i, torque on i, torque on j; of the step before: not kept */
+    double out__[9][DEM_BLOCK];                                /* the same of the block just computed, where they are not kept */
     double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
@@ -723,11 +725,10 @@ typedef struct dem_contact_info {
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* The link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
-/* For hooks of laws: the contact in a slot, and its state. */
-DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot);
-DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k); /* k = 0 .. dem_contact_count-1, sorted by partners */
+/* The contact in slot k = 0 .. dem_contact_count-1; in a law's hooks without its force. */
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
+DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state); /* for hooks of laws */
 
 /* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
    A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it
@@ -1558,8 +1559,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__, &w->order__,
-                            &w->live_near__, &w->live_wall_next__, &w->order_spare__};
+    int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__,
+                            &w->live_near__, &w->live_wall_next__, &w->slots__};
     double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -2920,11 +2921,21 @@ static inline int dem__bear_at_mesh(dem_world *w, ptrdiff_t i, int wall, const d
     return 1;
 }
 
-/* The contacts of one particle with one mesh, order__[first .. end-1], to a step at which the wall already is: each goes on at the deepest
-   place whose normal is near its own, or ends. Are there places left for new ones? */
-static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end, int64_t step, int bear) {
-    const ptrdiff_t i = w->live_i__[w->order__[first]];
-    const int k = -1 - (int)w->live_j__[w->order__[first]];
+/* The contacts of particle i with wall k, by element; how many. */
+DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
+    int n = 0;
+    for (int32_t c = w->wall_head__[i]; c >= 0 && n < DEM__NUMBERS; c = w->live_wall_next__[c]) {
+        if (w->live_j__[c] != -1 - k) continue;
+        int q = n++;
+        for (; q > 0 && w->live_element__[slot[q - 1]] > w->live_element__[c]; q--) slot[q] = slot[q - 1];
+        slot[q] = c;
+    }
+    return n;
+}
+
+/* The contacts of particle i with mesh k to a step at which the wall already is: each goes on at the deepest place whose normal is near
+   its own, or ends. Are there places left for new ones? */
+static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
     const dem_wall *wall = &w->wall[k];
     const double tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
@@ -2934,8 +2945,8 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     int n, taken = 0, used = 0, left = 0;
     const double leaves = 2.0 * w->dt__ * speed; /* as far as a contact can open in a step */
     n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->link_near__ ? leaves : w->link_near__, w->particle[i].radius, touch, &least);
-    for (ptrdiff_t m = first; m < end; m++) {
-        const int32_t c = w->order__[m];
+    for (int m = 0; m < slots; m++) {
+        const int32_t c = slot[m];
         int q = 0;
         used |= 1 << w->live_element__[c];
         while (q < n &&
@@ -2963,32 +2974,26 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     return left;
 }
 
-/* The end of the run of contacts with the same mesh that begins at order__[k]; k + 1 if it is none. */
-DEM_INLINE ptrdiff_t dem__mesh_run(const dem_world *w, ptrdiff_t k) {
-    const int32_t i = w->live_i__[w->order__[k]], j = w->live_j__[w->order__[k]];
-    if (j < 0 && w->wall[-1 - j].kind == DEM_MESH) {
-        while (k + 1 < w->live_count__ && w->live_i__[w->order__[k + 1]] == i && w->live_j__[w->order__[k + 1]] == j) k++;
-    }
-    return k + 1;
+/* Follows the contacts with a mesh of which slot c holds the first; of other contacts does nothing. */
+static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
+    const ptrdiff_t i = w->live_i__[c];
+    const int k = -1 - (int)w->live_j__[c];
+    int32_t slot[DEM__NUMBERS];
+    if (k < 0 || w->wall[k].kind != DEM_MESH) return 0;
+    const int slots = dem__contacts_at(w, i, k, slot);
+    return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
     const ptrdiff_t live = w->live_count__;
-    ptrdiff_t k;
+    ptrdiff_t c;
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) num_threads(w->def.threads) if (w->def.threads > 1 && live >= 4 * DEM_BLOCK)
 #endif
-    for (k = 0; k < live; k++) {
-        const int32_t c = w->order__[k], j = w->live_j__[c];
-        if (j >= 0 || w->wall[-1 - j].kind != DEM_MESH) continue;
-        w->live_event__[c] = 0;
-        if (k > 0 && w->live_i__[w->order__[k - 1]] == w->live_i__[c] && w->live_j__[w->order__[k - 1]] == j) continue;
-        w->live_event__[c] = (uint8_t)dem__follow_mesh(w, k, dem__mesh_run(w, k), step, 0);
-    }
-    for (k = 0; k < live && w->status == DEM_OK; k++) {
-        const int32_t c = w->order__[k], j = w->live_j__[c];
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && w->live_event__[c]) dem__follow_mesh(w, k, dem__mesh_run(w, k), step, 1);
+    for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+    for (c = 0; c < live && w->status == DEM_OK; c++) {
+        if (w->live_event__[c]) dem__follow_slot(w, c, step, 1);
     }
 }
 
@@ -3697,10 +3702,10 @@ typedef struct dem__slots {
     double *state[DEM_STATE_MAX], *constant[DEM_CONSTANTS_MAX], *out[9], *gap, *force, *predict, *mass, *elastic, *power[3], *loss[4];
 } dem__slots;
 
-DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__slots *at) {
+DEM_INLINE void dem__locate(dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__slots *at) {
     for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
     for (int a = 0; a < law->constants; a++) at->constant[a] = w->live_constant__[a] + base;
-    for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + base;
+    for (int a = 0; a < 9; a++) at->out[a] = w->keeps_out__ ? w->live_out__[a] + base : w->out__[a];
     at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base,
     at->mass = w->live_mass__ + base;
     if (!(features & DEM_ENERGY)) return;
@@ -3814,16 +3819,16 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, int n, cons
     }
 }
 
-/* A first or last step of contact c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
-                          dem_vec wall_speed, const dem_law *law, int features) {
+/* A first or last step of contact k of a block, in slot c: mends force, history and losses, and leaves impulse and shift for the end of
+   the step. */
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i, double arm_j, double gap,
+                          double force, dem_vec wall_speed, const dem_law *law, int features) {
     const double h = 1.0 / q->rate;
     double s[DEM_STATE_MAX];
     dem__event e;
-    dem__slots at;
     dem_response r;
     double extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
-    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : w->live_state__[a][c];
+    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at->state[a][k];
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;
@@ -3831,10 +3836,9 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         q->closing = e.closing;
         q->dt = e.duration;
         law->force(q, s, &r);
-        for (int a = 0; a < law->history; a++) w->live_state__[a][c] = s[a];
-        dem__locate(w, 0, law, features, &at);
-        dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
-        w->live_force__[c] = r.contact;
+        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        dem__put_force(at, k, q, &r, arm_i, arm_j, features);
+        at->force[k] = r.contact;
         start = r.contact;
         extra = e.impulse - 0.5 * h * start;
         sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
@@ -3843,7 +3847,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
                 const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
                 r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
             }
-            dem__put_losses(&at, c, &r, 0.0, 1.0);
+            dem__put_losses(at, k, &r, 0.0, 1.0);
         }
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
@@ -3853,27 +3857,26 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
             q->closing = e.closing;
             law->force(q, s, &r);
             if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
-                dem__locate(w, 0, law, features, &at);
-                dem__put_force(&at, c, q, &r, arm_i, arm_j, features);
-                w->live_force__[c] = r.contact;
+        dem__put_force(at, k, q, &r, arm_i, arm_j, features);
+                at->force[k] = r.contact;
                 w->live_ended__[c] = 0;
                 start = r.contact;
                 extra -= 0.5 * h * start;
-                if (features & DEM_ENERGY) dem__put_losses(&at, c, &r, 0.0, 1.0);
+                if (features & DEM_ENERGY) dem__put_losses(at, k, &r, 0.0, 1.0);
             }
         }
     }
-    w->live_gap__[c] = e.gap;
+    at->gap[k] = e.gap;
     w->live_event__[c] = 1;
     double **data = w->live_event_data__;
     data[0][c] = q->normal[0], data[1][c] = q->normal[1], data[2][c] = q->normal[2];
     data[3][c] = extra, data[4][c] = e.shift, data[5][c] = sliding;
     if (features & DEM_ENERGY) {
         const double across = wall_speed.x * q->normal[0] + wall_speed.y * q->normal[1] + wall_speed.z * q->normal[2];
-        w->live_loss__[0][c] = e.loss;
-        if (force != 0.0) w->live_elastic__[c] = e.elastic;
-        w->live_loss__[3][c] = e.impulse * across;
-        w->live_power__[2][c] = start * across;
+        at->loss[0][k] = e.loss;
+        if (force != 0.0) at->elastic[k] = e.elastic;
+        at->loss[3][k] = e.impulse * across;
+        at->power[2][k] = start * across;
     }
 }
 
@@ -3957,7 +3960,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             for (int q = 0; q < walls; q++) {
                 const ptrdiff_t c = base + wall[q];
                 const double power =
-                    w->live_out__[0][c] * wall_speed[q].x + w->live_out__[1][c] * wall_speed[q].y + w->live_out__[2][c] * wall_speed[q].z;
+                    at.out[0][wall[q]] * wall_speed[q].x + at.out[1][wall[q]] * wall_speed[q].y + at.out[2][wall[q]] * wall_speed[q].z;
                 w->live_loss__[3][c] = half * (w->live_power__[2][c] + power);
                 w->live_power__[2][c] = power;
             }
@@ -3976,8 +3979,9 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                     view.rate = rate;
                     view.constants = p;
                     view.user = user;
-                    dem__mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law,
-                              features);
+                    dem__mend(w, c, &at, k, &view, arm_i, arm_j, was[k], before[k],
+                              is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
+                    for (int a = 0; a < 9; a++) w->live_out__[a][c] = at.out[a][k]; /* kept, for the end of the step */
                 }
                 q += is_wall;
             }
@@ -4245,18 +4249,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* How many of order__[0 .. n-1] come before the contact in slot c. */
-static inline ptrdiff_t dem__place_in_order(const dem_world *w, int32_t c, ptrdiff_t n) {
-    ptrdiff_t low = 0;
-    while (low < n) {
-        const ptrdiff_t middle = low + (n - low) / 2;
-        if (dem__before(w, w->order__[middle], c)) low = middle + 1;
-        else n = middle;
-    }
-    return low;
-}
-
-/* The slots that are marked, in order, into order_spare__. Marks are few: eight at a time. */
+/* The slots that are marked, into slots__. Marks are few: eight at a time. */
 static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
     ptrdiff_t n = 0;
     for (ptrdiff_t c = 0; c < w->live_count__; c += 8) {
@@ -4264,11 +4257,27 @@ static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
         uint64_t eight = 0;
         memcpy(&eight, mark + c, (size_t)(end - c));
         for (ptrdiff_t k = c; eight && k < end; k++) {
-            if (mark[k]) w->order_spare__[n++] = (int32_t)k;
+            if (mark[k]) w->slots__[n++] = (int32_t)k;
         }
     }
-    dem__sort(w, w->order_spare__, n);
     return n;
+}
+
+/* Slots first .. first + n - 1 by partners. */
+static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
+    double *scratch = w->live_event_data__[0]; /* of use within a step only */
+    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
+    dem__sort(w, w->slots__, n);
+    for (int a = 0; a < arrays; a++) {
+        const size_t size = list[a].size;
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        if ((void *)base == (void *)w->slots__ || (void *)base == (void *)scratch) continue;
+        base += (size_t)first * size;
+        memcpy(scratch, base, (size_t)n * size);
+        for (ptrdiff_t k = 0; k < n; k++) memcpy(base + (size_t)k * size, (char *)scratch + (size_t)(w->slots__[k] - first) * size, size);
+    }
+    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
 }
 
 DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) {
@@ -4318,8 +4327,13 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
 
 /* Makes the contacts born since the last call ready, and puts them into the order. */
 static inline void dem__admit_born(dem_world *w, double gap) {
-    ptrdiff_t born = w->born__, old = w->live_count__ - born;
+    const ptrdiff_t born = w->born__, old = w->live_count__ - born;
+    dem__array list[8] = {{&w->live_i__, sizeof(int32_t)}, {&w->live_j__, sizeof(int32_t)}, {&w->live_element__, sizeof(int32_t)},
+                          {&w->live_near__, sizeof(int32_t)}};
+    int arrays = 4;
+    for (int a = 0; w->meshes__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
     if (!born) return;
+    dem__order(w, old, born, list, arrays);
     for (ptrdiff_t c = old; c < w->live_count__; c++) {
         ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
         dem__activate(w, i);
@@ -4336,14 +4350,6 @@ static inline void dem__admit_born(dem_world *w, double gap) {
             w->live_elastic__[c] = 0.0;
             for (int a = 0; a < 3; a++) w->live_power__[a][c] = 0.0;
         }
-        w->order_spare__[c - old] = (int32_t)c;
-    }
-    dem__sort(w, w->order_spare__, born);
-    for (ptrdiff_t b = born - 1, end = old; b >= 0; b--) { /* those from its place on make room for it and the rest of the born */
-        const ptrdiff_t place = dem__place_in_order(w, w->order_spare__[b], end);
-        memmove(&w->order__[place + b + 1], &w->order__[place], (size_t)(end - place) * sizeof *w->order__);
-        w->order__[place + b] = w->order_spare__[b];
-        end = place;
     }
     w->born__ = 0;
 }
@@ -4382,7 +4388,6 @@ static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
 
 /* The contact of slot `from` goes into a free one. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
-    w->order__[dem__place_in_order(w, from, w->live_count__)] = to;
     if (w->live_j__[from] < 0) {
         w->live_wall_next__[to] = w->live_wall_next__[from];
         dem__unlink_wall_contact(w, w->live_i__[from], from, to);
@@ -4390,30 +4395,23 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     for (int a = 0; a < n; a++) {
         char *base;
         memcpy(&base, list[a].address, sizeof base);
-        if (a == 3 || a == 6) continue; /* the orders are no property of a slot */
+        if ((void *)base == (void *)w->slots__) continue; /* no property of a slot */
         memcpy(base + (size_t)to * list[a].size, base + (size_t)from * list[a].size, list[a].size);
     }
 }
 
-/* Takes out contacts that ended: the order keeps, and slots at the end fill the gaps. */
+/* Takes out contacts that ended: slots at the end fill the gaps. */
 static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
     if (dead == 0) return;
     const int n = dem__live_arrays(w, list);
-    ptrdiff_t last = w->live_count__, kept = 0, from = 0;
-    for (ptrdiff_t k = 0; k <= dead; k++) {
-        const ptrdiff_t place = k < dead ? dem__place_in_order(w, w->order_spare__[k], w->live_count__) : w->live_count__;
-        memmove(&w->order__[kept], &w->order__[from], (size_t)(place - from) * sizeof *w->order__);
-        kept += place - from;
-        from = place + 1;
-    }
-    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, w->order_spare__[k], step);
-    w->live_count__ = kept;
-    for (ptrdiff_t k = 0; k < dead; k++) {
-        const int32_t gap = w->order_spare__[k];
-        while (w->live_ended__[last - 1] && last - 1 > gap) last--;
-        if (gap < kept) dem__move_contact(w, (int32_t)--last, gap, list, n);
+    ptrdiff_t last = w->live_count__;
+    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, w->slots__[k], step);
+    w->live_count__ -= dead;
+    for (ptrdiff_t k = 0; k < dead && w->slots__[k] < w->live_count__; k++) {
+        while (w->live_ended__[last - 1]) last--;
+        dem__move_contact(w, (int32_t)--last, w->slots__[k], list, n);
     }
 }
 
@@ -4430,49 +4428,41 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h) {
 }
 DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
 
-/* Sums forces and torques, always in the same order. */
-DEM_INLINE void dem__gather_forces(dem_world *w, double h, int turns) {
-    double *const *out = w->live_out__;
-    for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
-        const int32_t c = w->order__[k], i = w->live_i__[c], j = w->live_j__[c];
-        const dem_vec push = dem_vec3(out[0][c], out[1][c], out[2][c]);
+/* Sums forces and torques of the contacts in slots first .. end-1. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t first, ptrdiff_t end, int turns) {
+    const double *out[9];
+    for (int a = 0; a < 9; a++) out[a] = w->keeps_out__ ? w->live_out__[a] + first : w->out__[a];
+    for (ptrdiff_t k = 0; k < end - first; k++) {
+        const int32_t i = w->live_i__[first + k], j = w->live_j__[first + k];
+        const dem_vec push = dem_vec3(out[0][k], out[1][k], out[2][k]);
         dem__sum *a = &w->sum__[i];
         a->force = dem__add(a->force, push);
-        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][c], out[4][c], out[5][c]));
+        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
         if (j >= 0) {
             dem__sum *b = &w->sum__[j];
             b->force = dem__sub(b->force, push);
-            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][c], out[7][c], out[8][c]));
+            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][k], out[7][k], out[8][k]));
         } else {
             dem_wall *wall = &w->wall[-1 - j];
-            dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
-            dem_vec t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : dem_vec3(0.0, 0.0, 0.0);
+            const dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
+            const dem_vec t = turns ? dem_vec3(out[3][k], out[4][k], out[5][k]) : dem_vec3(0.0, 0.0, 0.0);
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
         }
     }
-    if (h > 0.0) {
-        for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__add(w->wall[k].impulse, dem__scale(h, w->wall[k].force));
-    }
 }
 
 /* Two of them, so that a scene without friction does not ask at every contact. */
-DEM__TWICE(dem__gather_turns, (dem_world * w, double h), (w, h), dem__gather_forces(w, h, 1))
-DEM__TWICE(dem__gather_plain, (dem_world * w, double h), (w, h), dem__gather_forces(w, h, 0))
-static inline void dem__gather(dem_world *w, double h, int turns) {
-    if (turns) dem__gather_turns(w, h);
-    else dem__gather_plain(w, h);
-}
+DEM__TWICE(dem__gather_turns, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__gather_forces(w, first, end, 1))
+DEM__TWICE(dem__gather_plain, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__gather_forces(w, first, end, 0))
 
 static inline void dem__gather_losses(dem_world *w) {
     dem_energy_ledger *l = &w->ledger__;
     for (ptrdiff_t k = 0; k < w->live_count__; k++) {
-        const int32_t c = w->order__[k];
-        l->normal_loss += w->live_loss__[0][c];
-        l->sliding_loss += w->live_loss__[1][c];
-        l->rolling_loss += w->live_loss__[2][c];
-        l->wall_work += w->live_loss__[3][c];
+        l->normal_loss += w->live_loss__[0][k];
+        l->sliding_loss += w->live_loss__[1][k];
+        l->rolling_loss += w->live_loss__[2][k];
+        l->wall_work += w->live_loss__[3][k];
     }
     for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
@@ -4548,7 +4538,7 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     double *const *data = w->live_event_data__, *const *out = w->live_out__;
     const ptrdiff_t events = dem__list_marked(w, w->live_event__);
     for (ptrdiff_t k = 0; k < events; k++) {
-        const int32_t c = w->order_spare__[k], i = w->live_i__[c], j = w->live_j__[c];
+        const int32_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
         const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
         const double extra = data[5][c], along = dem__dot(f, n);
         const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
@@ -4656,8 +4646,8 @@ static DEM__APART int dem__undo_look(dem_world *w) {
     return 0;
 }
 
-static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count, double h) {
-    w->kernel_dt__ = h;
+/* Threads take blocks; returns 0 if there are too few for them. */
+static inline int dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
 #ifdef _OPENMP
     if (w->def.threads > 1 && count >= 4 * DEM_BLOCK) {
         const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
@@ -4667,10 +4657,30 @@ static inline void dem__call_kernel(dem_world *w, dem_kernel_fn kernel, ptrdiff_
             const ptrdiff_t first = b * DEM_BLOCK, end = first + DEM_BLOCK;
             kernel(w, first, end < count ? end : count);
         }
-        return;
+        return 1;
     }
+#else
+    (void)w, (void)kernel, (void)count;
 #endif
-    if (count > 0) kernel(w, 0, count);
+    return 0;
+}
+
+/* Forces of all contacts and their sums. One thread sums each block while it is in the cache; what contacts did is kept if somebody may
+   ask for it. */
+static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
+    const ptrdiff_t count = w->live_count__;
+    for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
+    w->kernel_dt__ = h;
+    w->keeps_out__ = 1;
+    const int shared = dem__share_blocks(w, kernel, count);
+    w->keeps_out__ = keep || shared;
+    for (ptrdiff_t first = 0; first < count; first += DEM_BLOCK) {
+        const ptrdiff_t end = first + DEM_BLOCK < count ? first + DEM_BLOCK : count;
+        if (!shared) kernel(w, first, end);
+        if (turns) dem__gather_turns(w, first, end);
+        else dem__gather_plain(w, first, end);
+    }
+    for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
 }
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
@@ -4718,10 +4728,9 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     w->features__ = features;
     w->law__ = law;
     if (w->fresh__) {
-        if (law->born && w->live_count__ > old) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
+        if (law->born && w->live_count__ > old) law->born(w, w->slots__, w->live_count__ - old, w->user);
         dem__advance(w, 0.0);
-        dem__call_kernel(w, kernel, w->live_count__, 0.0);
-        dem__gather(w, 0.0, (features & DEM_FRICTION) != 0);
+        dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
         dem__bury(w, w->step);
@@ -4756,7 +4765,8 @@ static inline void dem__step_links(dem_world *w) {
         w->sum__[i].torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
         for (int a = 0; a < 6; a++) load[a][i] = external[a][i];
     }
-    dem__call_kernel(w, w->link_kernel__, w->link_count__, h);
+    w->kernel_dt__ = h;
+    if (!dem__share_blocks(w, w->link_kernel__, w->link_count__)) w->link_kernel__(w, 0, w->link_count__);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
         const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k];
         if (w->link_ended__[k]) continue;
@@ -4793,7 +4803,7 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
-static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
     const int turns = (features & DEM_FRICTION) != 0;
     if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
@@ -4804,10 +4814,9 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         dem__admit_born(w, 1.0);
         dem__advance(w, w->dt__);
         for (ptrdiff_t c = old; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
-        if (law->born) law->born(w, w->order_spare__, w->live_count__ - old, w->user);
+        if (law->born) law->born(w, w->slots__, w->live_count__ - old, w->user);
     } else dem__advance(w, w->dt__);
-    dem__call_kernel(w, kernel, w->live_count__, w->dt__);
-    dem__gather(w, w->dt__, turns);
+    dem__evaluate(w, kernel, w->dt__, turns, keep);
     if (features & DEM_ENERGY) dem__gather_losses(w);
     const int finite = dem__kick(w, w->dt__);
     dem__kick_walls(w, w->dt__);
@@ -4871,7 +4880,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     if (!dem__prepare_run(w, law, kernel, features)) return w->status;
     w->target__ += duration;
     for (int64_t n = (int64_t)floor(remaining + 0.5); n > 0; n--) {
-        if (!dem__step(w, law, kernel, features)) return w->status;
+        if (!dem__step(w, law, kernel, features, n == 1)) return w->status;
     }
     return DEM_OK;
 }
@@ -4963,17 +4972,17 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
 
-DEM_API dem_contact_info dem_get_slot(const dem_world *world, int32_t slot) {
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || slot < 0 || slot >= world->live_count__) return info;
-    info.i = world->live_i__[slot];
-    info.j = world->live_j__[slot];
-    info.gap = world->live_gap__[slot];
-    info.force = dem_vec3(world->live_out__[0][slot], world->live_out__[1][slot], world->live_out__[2][slot]);
-    info.element = world->live_element__[slot];
-    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][slot];
+    if (!world || k < 0 || k >= world->live_count__) return info;
+    info.i = world->live_i__[k];
+    info.j = world->live_j__[k];
+    info.gap = world->live_gap__[k];
+    info.force = dem_vec3(world->live_out__[0][k], world->live_out__[1][k], world->live_out__[2][k]);
+    info.element = world->live_element__[k];
+    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][k];
     return info;
 }
 
@@ -5000,10 +5009,6 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
 
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
-}
-
-DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
-    return dem_get_slot(world, world && k >= 0 && k < world->live_count__ ? world->order__[k] : -1);
 }
 
 /* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
@@ -5696,7 +5701,7 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? w->order__[k] : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
+        dem__touch_place(w, k < w->live_count__ ? k : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     return dem__dot(c.force, c.force) > 0.0;
@@ -6049,7 +6054,7 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
 }
 
-/* Particles present and contacts in order; remap__[i] must be the index among those present. */
+/* Particles present and contacts; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
     double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
@@ -6077,8 +6082,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
         if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
         for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
     }
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
-        const int32_t c = s->loading ? (int32_t)k : w->order__[k];
+    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
         int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
         if (remap && j >= 0) j = remap[j];
         dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
@@ -6225,7 +6229,11 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
         if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
-        if (c > 0 && !dem__before(w, (int32_t)c - 1, (int32_t)c)) return 0;
+        w->slots__[c] = (int32_t)c;
+    }
+    dem__sort(w, w->slots__, w->live_count__); /* none is there twice */
+    for (ptrdiff_t c = 1; c < w->live_count__; c++) {
+        if (!dem__before(w, w->slots__[c - 1], w->slots__[c])) return 0;
     }
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
         const int32_t i = w->link_i__[k], j = w->link_j__[k];
@@ -6312,7 +6320,6 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->stale__ = 1;
     dem__find_links(w);
     for (ptrdiff_t c = 0; c < live; c++) {
-        w->order__[c] = (int32_t)c;
         dem__activate(w, w->live_i__[c]);
         if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
         else {

@@ -387,7 +387,7 @@ static void test_rolling_stops(void **state) {
             dem_set_motion(&w, 0, v3(v, 0, 0), v3(0, v / ball, 0));
             run(&w, 0.0, which);
             if (damped) { /* the spring at its end, as if it had rolled before: else the dashpot takes its share of the start */
-                dem_contact_info c = dem_get_slot(&w, 0);
+                dem_contact_info c = dem_get_contact(&w, 0);
                 c.state[CONTACT_ANGLE + 1] = elastic_angle(mu, which);
                 dem_set_slot_state(&w, 0, c.state);
             }

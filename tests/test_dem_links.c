@@ -174,7 +174,7 @@ static void test_hanging(void **state) {
 static void crowd_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
     (void)user;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const dem_contact_info c = dem_get_slot(w, slots[k]);
+        const dem_contact_info c = dem_get_contact(w, slots[k]);
         const double state[SPRING_STATES] = {0.4, 4e-4, 1e-4};
         if (dem_find_link(w, c.i, c.j, c.element) < 0 && dem_add_link(w, c.i, c.j, c.element, state) != DEM_OK)
             w->status = DEM_OUT_OF_MEMORY;
