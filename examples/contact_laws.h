@@ -385,7 +385,7 @@ static inline double contact_prepare_bonds(const dem_birth *b, double *constants
 static inline void contact_bonds_born(dem_world *world, const int32_t *slots, ptrdiff_t n, void *user) {
     const contact_laws *laws = (const contact_laws *)user;
     for (ptrdiff_t k = 0; laws && laws->bonding && k < n; k++) {
-        dem_contact_info c = dem_get_slot(world, slots[k]);
+        dem_contact_info c = dem_get_contact(world, slots[k]);
         const int i = world->material[c.i], j = c.j >= 0 ? world->material[c.j] : world->wall[-1 - c.j].material;
         if (!(laws->pair[i < j ? i : j][i < j ? j : i].bond_modulus > 0.0)) continue;
         c.state[CONTACT_WHOLE] = 2.0;

@@ -168,8 +168,8 @@ static double rms_speed(const dem_world *world) {
     double mass = 0.0, sum = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec v = dem_velocity(world, i);
-        mass += world->mass[i];
-        sum += world->mass[i] * (v.x * v.x + v.y * v.y + v.z * v.z);
+        mass += world->particle[i].mass;
+        sum += world->particle[i].mass * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
     return mass > 0.0 ? sqrt(sum / mass) : 0.0;
 }
@@ -306,7 +306,7 @@ static void watch_layers(layers *l, const dem_world *world, double time) {
         for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < l->cells; cy++) {
             for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < l->cells; cx++) {
                 for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
-                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y, sum = world->radius[i] + world->radius[k];
+                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y, sum = world->particle[i].radius + world->particle[k].radius;
                     covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
                 }
             }
@@ -334,7 +334,7 @@ static void remaining_mass(const dem_world *world, const wet_scene *wet, double 
     for (int c = 0; c < CLASSES; c++) mass[c] = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
-        mass[world->group[i]] += world->mass[i] + (wet ? WATER * wet->films.particle[world->id[i]] : 0.0);
+        mass[world->group[i]] += world->particle[i].mass + (wet ? WATER * wet->films.particle[world->id[i]] : 0.0);
     }
     for (ptrdiff_t k = 0; k < world->passed_count; k++) {
         const dem_passed *p = &world->passed[k];
@@ -361,7 +361,7 @@ static void write_frame(const dem_world *world, const char *folder, pvd *series,
             const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
             x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
             v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-            d[m] = 2.0 * world->radius[i];
+            d[m] = 2.0 * world->particle[i].radius;
             group[m++] = world->group[i];
         }
         const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("class", group)};

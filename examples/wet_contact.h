@@ -125,7 +125,7 @@ static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const
 
 /* What the contact in a slot needs to know of its bridge. */
 static void wet_tell_contact(const wet_scene *s, dem_world *w, int32_t slot, const bridge *b) {
-    dem_contact_info c = dem_get_slot(w, slot);
+    dem_contact_info c = dem_get_contact(w, slot);
     c.state[WET_WIDTH] = b->width;
     c.state[WET_RADIUS] = b->radius;
     wet_resistance(b, &s->liquid, WET_NEAR, s->printed, c.state + WET_LINK_NORMAL);
@@ -133,7 +133,7 @@ static void wet_tell_contact(const wet_scene *s, dem_world *w, int32_t slot, con
 }
 
 static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const bridge_contact *q) {
-    const dem_contact_info c = dem_get_slot(w, slot);
+    const dem_contact_info c = dem_get_contact(w, slot);
     double state[WET_LINK_STATES];
     bridge b;
     int swapped;
@@ -159,7 +159,7 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
     size_t count = 0;
     if (!wanted || !asking) s->status = BRIDGE_INVALID;
     for (ptrdiff_t k = 0; k < n && s->status == BRIDGE_OK; k++) {
-        const dem_contact_info c = dem_get_slot(w, slots[k]);
+        const dem_contact_info c = dem_get_contact(w, slots[k]);
         const ptrdiff_t link = dem_find_link(w, c.i, c.j, c.element);
         int swapped;
         if (link >= 0) {
@@ -174,8 +174,8 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
         q->partner = wet_partner(s, &c);
-        q->radius_i = w->radius[c.i];
-        q->radius_j = c.j >= 0 ? w->radius[c.j] : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
+        q->radius_i = w->particle[c.i].radius;
+        q->radius_j = c.j >= 0 ? w->particle[c.j].radius : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
         bridge_volume_range(wet_kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
                             &q->volume_max);
     }

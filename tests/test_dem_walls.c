@@ -253,7 +253,7 @@ static void incline(double tangent, double friction, dem_vec spin, int cells, do
         near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-9, "position on triangles");
         near_vec(dem_velocity(&w[1], 0), dem_velocity(&w[0], 0), 1e-9, "velocity on triangles");
         for (int k = 0; k < 2; k++) dem__settle(&w[k], 0);
-        near_vec(v3(w[1].wx[0], w[1].wy[0], w[1].wz[0]), v3(w[0].wx[0], w[0].wy[0], w[0].wz[0]), 1e-9 / radius, "spin on triangles");
+        near_vec(w[1].particle[0].spin, w[0].particle[0].spin, 1e-9 / radius, "spin on triangles");
     }
     assert_true(dem__dot(dem_position(&w[1], 0), down) > 0.04); /* over many facets */
     for (int k = 0; k < 2; k++) dem_free(&w[k]);
