@@ -99,6 +99,7 @@ extern "C" {
 #define DEM_WALLS_MAX 32     /* walls are looked at by every particle near them; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16 /* constants of a law, folded per contact at its birth */
 #define DEM_STATE_MAX 16     /* doubles that a law may keep per contact */
+#define DEM_KINDS_MAX 32     /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
 #define DEM_FORMAT 4u        /* version of dem_save */
@@ -403,6 +404,12 @@ typedef struct dem__sum {
     double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
 } dem__sum;
 
+/* Private: what contacts of the same sizes and materials share. */
+typedef struct dem__kind {
+    double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
+    double constant[DEM_CONSTANTS_MAX];
+} dem__kind;
+
 typedef struct dem__timer {
     int32_t next, prev, due; /* due: the bucket it waits in, or -1 */
     int32_t directed;        /* of a wall: counts on the particle's course, not only on its speed */
@@ -459,7 +466,7 @@ typedef struct dem_world {
     double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
+    int keeps_out__, sums__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
         ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
@@ -488,13 +495,15 @@ typedef struct dem_world {
     /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end. What has happened
        alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
-    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *slots__; /* slots: a list, for the moment */
+    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__, *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
     uint8_t *live_event__, *live_ended__;
-    double *live_gap__, *live_force__, *live_predict__, *live_mass__;
+    double *live_gap__, *live_force__;
+    dem__kind kind__[DEM_KINDS_MAX];
+    int kinds__;
+    double *live_mass__, *live_predict__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
-    double *live_state__[DEM_STATE_MAX], *live_constant__[DEM_CONSTANTS_MAX];
+    double *live_state__[DEM_STATE_MAX];
     double *live_out__[9];                                     /* force on i, torque on i, torque on j; of the step before: not kept */
-    double out__[9][DEM_BLOCK];                                /* the same of the block just computed, where they are not kept */
     double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
@@ -1560,7 +1569,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__,
-                            &w->live_near__, &w->live_wall_next__, &w->slots__};
+                            &w->live_near__, &w->live_wall_next__, &w->live_kind__, &w->slots__};
     double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -3699,19 +3708,42 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
 
 /* Where the slots of a block begin. */
 typedef struct dem__slots {
-    double *state[DEM_STATE_MAX], *constant[DEM_CONSTANTS_MAX], *out[9], *gap, *force, *predict, *mass, *elastic, *power[3], *loss[4];
+    double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__slots;
 
-DEM_INLINE void dem__locate(dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__slots *at) {
+DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__row *out, dem__slots *at) {
     for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
-    for (int a = 0; a < law->constants; a++) at->constant[a] = w->live_constant__[a] + base;
-    for (int a = 0; a < 9; a++) at->out[a] = w->keeps_out__ ? w->live_out__[a] + base : w->out__[a];
-    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base, at->predict = w->live_predict__ + base,
-    at->mass = w->live_mass__ + base;
+    for (int a = 0; a < 9; a++) at->out[a] = w->keeps_out__ ? w->live_out__[a] + base : out[a];
+    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base;
     if (!(features & DEM_ENERGY)) return;
     for (int a = 0; a < 3; a++) at->power[a] = w->live_power__[a] + base;
     for (int a = 0; a < 4; a++) at->loss[a] = w->live_loss__[a] + base;
     at->elastic = w->live_elastic__ + base;
+}
+
+/* What the law needs of each contact of a block: kept from block to block, as most contacts are of the same kinds. */
+typedef struct dem__traits {
+    int32_t kind[DEM_BLOCK]; /* of which the rows are; -2: of none yet */
+    dem__row mass, predict, constant[DEM_CONSTANTS_MAX];
+} dem__traits;
+
+DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+    const int32_t *kind = w->live_kind__ + base;
+    int32_t differ = 0;
+    for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
+    for (int k = 0; k < n && differ; k++) {
+        const ptrdiff_t c = base + k;
+        if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
+        t->kind[k] = kind[k];
+        if (kind[k] >= 0) {
+            const dem__kind *of = &w->kind__[kind[k]];
+            t->mass[k] = of->mass, t->predict[k] = of->predict;
+            for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
+        } else {
+            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c];
+            for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
+        }
+    }
 }
 
 /* Force on i, torques on i and j. */
@@ -3904,13 +3936,39 @@ DEM_INLINE int dem__mark(const double *before, const double *was, const double *
     return any != 0;
 }
 
+/* Adds a block's forces and torques to the sums, slot by slot. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *const *out, int turns) {
+    for (int k = 0; k < n; k++) {
+        const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
+        const dem_vec push = dem_vec3(out[0][k], out[1][k], out[2][k]);
+        dem__sum *a = &w->sum__[i];
+        a->force = dem__add(a->force, push);
+        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
+        if (j >= 0) {
+            dem__sum *b = &w->sum__[j];
+            b->force = dem__sub(b->force, push);
+            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][k], out[7][k], out[8][k]));
+        } else {
+            dem_wall *wall = &w->wall[-1 - j];
+            const dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
+            const dem_vec t = turns ? dem_vec3(out[3][k], out[4][k], out[5][k]) : dem_vec3(0.0, 0.0, 0.0);
+            wall->force = dem__add(wall->force, f);
+            wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
+        }
+    }
+}
+
 /* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
-   do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. */
+   do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. One
+   thread also sums, each block while it is in the cache. */
 DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
     const void *user = w->user;
     dem__rows b;
+    dem__traits traits;
+    dem__row out[9];
+    for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -3929,19 +3987,20 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 
         dem__slots at;
         dem__row before, was, ended;
-        dem__locate(w, base, law, features, &at);
+        dem__locate(w, base, law, features, out, &at);
+        dem__take_traits(w, base, n, law->constants, &traits);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->constants; a++) p[a] = at.constant[a][k];
+            for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
-            const double predict = at.predict[k]; /* read outside the choice, or the loop does not vectorise */
+            const double predict = traits.predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
-            q.mass = at.mass[k];
+            q.mass = traits.mass[k];
             q.dt = h;
             q.rate = rate;
             q.constants = p;
@@ -3972,9 +4031,9 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 if (w->live_event__[c]) {
                     dem_contact view;
                     double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-                    for (int a = 0; a < law->constants; a++) p[a] = w->live_constant__[a][c];
+                    for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
                     dem__view(&b, k, half, turns, &view, &arm_i, &arm_j);
-                    view.mass = w->live_mass__[c];
+                    view.mass = traits.mass[k];
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
@@ -3986,6 +4045,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 q += is_wall;
             }
         }
+        if (w->sums__) dem__gather_forces(w, base, n, at.out, turns);
     }
 }
 
@@ -4294,9 +4354,12 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
 
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     dem_birth b;
+    dem__kind kind;
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
-    double constants[DEM_CONSTANTS_MAX] = {0.0}, inertia = dem__inertia(w, i), k;
+    const double inertia = dem__inertia(w, i);
+    int same = 0;
     memset(&b, 0, sizeof b);
+    memset(&kind, 0, sizeof kind);
     b.def = &w->def;
     b.features = features;
     b.material_i = w->material[i];
@@ -4318,11 +4381,20 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
     b.damping_ratio = w->damping_ratio__[b.material_i][b.material_j];
-    k = law->prepare(&b, constants);
-    for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = constants[a];
-    w->live_mass__[c] = b.mass;
+    const double stiffness = law->prepare(&b, kind.constant);
+    kind.mass = b.mass;
     /* the next term of the Taylor series of the velocity that the dashpot sees, for the two bodies alone */
-    w->live_predict__[c] = 1.0 - 0.5 * k * w->dt__ * w->dt__ / b.mass;
+    kind.predict = 1.0 - 0.5 * stiffness * w->dt__ * w->dt__ / b.mass;
+    while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
+    w->live_kind__[c] = same < DEM_KINDS_MAX ? same : -1;
+    if (same < DEM_KINDS_MAX) {
+        w->kind__[same] = kind;
+        w->kinds__ += same == w->kinds__;
+        return;
+    }
+    for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = kind.constant[a];
+    w->live_mass__[c] = kind.mass;
+    w->live_predict__[c] = kind.predict;
 }
 
 /* Makes the contacts born since the last call ready, and puts them into the order. */
@@ -4427,34 +4499,6 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h) {
     }
 }
 DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
-
-/* Sums forces and torques of the contacts in slots first .. end-1. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t first, ptrdiff_t end, int turns) {
-    const double *out[9];
-    for (int a = 0; a < 9; a++) out[a] = w->keeps_out__ ? w->live_out__[a] + first : w->out__[a];
-    for (ptrdiff_t k = 0; k < end - first; k++) {
-        const int32_t i = w->live_i__[first + k], j = w->live_j__[first + k];
-        const dem_vec push = dem_vec3(out[0][k], out[1][k], out[2][k]);
-        dem__sum *a = &w->sum__[i];
-        a->force = dem__add(a->force, push);
-        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
-        if (j >= 0) {
-            dem__sum *b = &w->sum__[j];
-            b->force = dem__sub(b->force, push);
-            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][k], out[7][k], out[8][k]));
-        } else {
-            dem_wall *wall = &w->wall[-1 - j];
-            const dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
-            const dem_vec t = turns ? dem_vec3(out[3][k], out[4][k], out[5][k]) : dem_vec3(0.0, 0.0, 0.0);
-            wall->force = dem__add(wall->force, f);
-            wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
-        }
-    }
-}
-
-/* Two of them, so that a scene without friction does not ask at every contact. */
-DEM__TWICE(dem__gather_turns, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__gather_forces(w, first, end, 1))
-DEM__TWICE(dem__gather_plain, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__gather_forces(w, first, end, 0))
 
 static inline void dem__gather_losses(dem_world *w) {
     dem_energy_ledger *l = &w->ledger__;
@@ -4646,7 +4690,7 @@ static DEM__APART int dem__undo_look(dem_world *w) {
     return 0;
 }
 
-/* Threads take blocks; returns 0 if there are too few for them. */
+/* Blocks to threads; returns 0 if there are too few for them. */
 static inline int dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
 #ifdef _OPENMP
     if (w->def.threads > 1 && count >= 4 * DEM_BLOCK) {
@@ -4665,20 +4709,19 @@ static inline int dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_
     return 0;
 }
 
-/* Forces of all contacts and their sums. One thread sums each block while it is in the cache; what contacts did is kept if somebody may
-   ask for it. */
+/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
     const ptrdiff_t count = w->live_count__;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
     w->keeps_out__ = 1;
-    const int shared = dem__share_blocks(w, kernel, count);
-    w->keeps_out__ = keep || shared;
-    for (ptrdiff_t first = 0; first < count; first += DEM_BLOCK) {
-        const ptrdiff_t end = first + DEM_BLOCK < count ? first + DEM_BLOCK : count;
-        if (!shared) kernel(w, first, end);
-        if (turns) dem__gather_turns(w, first, end);
-        else dem__gather_plain(w, first, end);
+    w->sums__ = 0;
+    if (dem__share_blocks(w, kernel, count)) {
+        dem__gather_forces(w, 0, (int)count, w->live_out__, turns);
+    } else {
+        w->keeps_out__ = keep;
+        w->sums__ = 1;
+        kernel(w, 0, count);
     }
     for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
 }
@@ -4723,6 +4766,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         }
     }
     if (w->fresh__ || w->features__ != features || w->law__ != law) {
+        w->kinds__ = 0;
         for (ptrdiff_t c = 0; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
     }
     w->features__ = features;
