@@ -446,7 +446,7 @@ typedef struct dem_world {
     void *user;        /* yours: handed to the law's hooks; not saved */
     int64_t step;      /* steps done */
     double time;       /* [s] */
-    ptrdiff_t count;   /* particles present; a dropped one stays, with alive = 0, until the list is rebuilt */
+    ptrdiff_t count;   /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
@@ -3389,6 +3389,7 @@ static inline int dem__find_pairs(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const double r = w->particle[i].radius;
         const int level = dem__level(r, smallest);
+        if (!w->alive[i]) continue;
         grid[level].widest = r > grid[level].widest ? r : grid[level].widest;
         grid[level].count++;
         sorted[i] = level;
@@ -3406,6 +3407,7 @@ static inline int dem__find_pairs(dem_world *w) {
     int32_t *start = w->cells__;
     for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
         const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->rx__[i], w->ry__[i], w->rz__[i]);
         w->cell_next__[i] = (int32_t)c;
         start[c]++;
@@ -3415,6 +3417,7 @@ static inline int dem__find_pairs(dem_world *w) {
         start[c] = (int32_t)sum;
     }
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
+        if (!w->alive[i]) continue;
         const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
         w->course__[k].x = w->rx__[i], w->course__[k].y = w->ry__[i], w->course__[k].z = w->rz__[i];
@@ -3500,10 +3503,11 @@ static inline void dem__find_links(dem_world *w) {
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
-    dem__compact(w);
+    if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL;
     for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
         w->rx__[i] = x.x, w->ry__[i] = x.y, w->rz__[i] = x.z;
         smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
@@ -3542,7 +3546,9 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->listed__ = w->step;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__aim(w, i, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) dem__aim(w, i, w->step);
+    }
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         const dem__near *q = &w->near__[p];
         if (q->state == 0) dem__wait_on_course(w, p, w->step, &w->course__[q->i], &w->course__[q->j]);
