@@ -88,6 +88,21 @@ DEM__QUIET
 #define DEM__LOUD
 #endif
 
+/* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                \
+    static void name parameters {                                                                                                          \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
+        else call;                                                                                                                         \
+    }                                                                                                                                      \
+    DEM__LOUD
+#else
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    DEM__QUIET static void name parameters { call; }                                                                                       \
+    DEM__LOUD
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -3342,38 +3357,98 @@ static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
     return 1;
 }
 
-/* The near pairs of sphere p of the sorted list with those after it on one level. */
-static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t p) {
-    const dem__course *scratch = w->course__;
-    const int32_t *sorted = w->remap__;
-    const dem_vec x = dem_vec3(scratch[p].x, scratch[p].y, scratch[p].z);
-    const double extent = scratch[p].ball, reach = extent + g->widest + 0.5 * w->margin__;
-    int32_t first[3], cells[3];
-    cells[0] = dem__cells(g, 0, x.x, reach, &first[0]);
-    cells[1] = dem__cells(g, 1, x.y, reach, &first[1]);
-    cells[2] = dem__cells(g, 2, x.z, reach, &first[2]);
-    const int32_t before = cells[0] < g->n[0] - first[0] ? cells[0] : g->n[0] - first[0]; /* cells of a row before it wraps */
-    for (int32_t cz = 0; cz < cells[2]; cz++) {
-        const int32_t iz = first[2] + cz < g->n[2] ? first[2] + cz : first[2] + cz - g->n[2];
-        for (int32_t cy = 0; cy < cells[1]; cy++) {
-            const int32_t iy = first[1] + cy < g->n[1] ? first[1] + cy : first[1] + cy - g->n[1];
-            const int32_t *row = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-            for (int part = 0; part < 2; part++) { /* neighbours in a row of cells are neighbours in the list */
-                const int32_t end = part ? row[cells[0] - before] : row[first[0] + before];
-                int32_t q = part ? row[0] : row[first[0]];
-                for (q = q > p ? q : p + 1; q < end; q++) {
-                    const dem_vec d = dem__apart(w, dem_vec3(x.x - scratch[q].x, x.y - scratch[q].y, x.z - scratch[q].z));
-                    const double sum = extent + scratch[q].ball;
-                    if (dem__dot(d, d) < sum * sum && !dem__add_near(w, sorted[p], sorted[q])) return 0;
-                }
-            }
+/* Spheres that those of a cell may be near to. */
+enum { DEM__CROWD = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
+typedef struct dem__crowd {
+    double x[DEM__CROWD], y[DEM__CROWD], z[DEM__CROWD], extent[DEM__CROWD];
+    int32_t at[DEM__CROWD]; /* in the sorted list */
+    int n;
+} dem__crowd;
+
+/* The nearest image of a distance of two places within the periodic box. */
+DEM_INLINE double dem__image(double d, double length) {
+    d = d > 0.5 * length ? d - length : d;
+    return d < -0.5 * length ? d + length : d;
+}
+
+/* Those of a crowd that are near a sphere: their numbers in it, and how many. Without a branch, which nobody could predict. */
+DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count) {
+    double room[DEM__CROWD];
+    int m = 0;
+    for (int k = 0; k < c->n; k++) {
+        const double x = dem__image(s->x - c->x[k], length[0]), y = dem__image(s->y - c->y[k], length[1]),
+                     z = dem__image(s->z - c->z[k], length[2]), sum = s->ball + c->extent[k];
+        room[k] = x * x + y * y + z * z - sum * sum;
+    }
+    for (int k = 0; k < c->n; k++) {
+        near[m] = k;
+        m += room[k] < 0.0;
+    }
+    *count = m;
+}
+DEM__TWICE(dem__choose, (const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count),
+           (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
+
+/* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. */
+static inline int dem__meet(dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end) {
+    const dem_def *d = &w->def;
+    const double length[3] = {d->periodic[0] ? d->high.x - d->low.x : HUGE_VAL, d->periodic[1] ? d->high.y - d->low.y : HUGE_VAL,
+                              d->periodic[2] ? d->high.z - d->low.z : HUGE_VAL};
+    int32_t near[DEM__CROWD];
+    for (int32_t p = first; p < end; p++) {
+        int n;
+        dem__choose(crowd, &w->course__[p], length, near, &n);
+        for (int k = 0; k < n; k++) {
+            const int32_t q = crowd->at[near[k]];
+            if (q > p && !dem__add_near(w, w->remap__[p], w->remap__[q])) return 0;
         }
     }
     return 1;
 }
 
-/* Finds the near pairs: gap below margin. Spheres are sorted by size class, then by cell; each looks at the cells around it on its own
-   level and the coarser ones, and there at those after it in the list. Returns 0 when out of memory. The courses serve as
+/* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
+static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t first, int32_t end) {
+    const dem__course *scratch = w->course__;
+    dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
+    double extent = 0.0;
+    dem__crowd crowd;
+    for (int32_t p = first; p < end; p++) {
+        low.x = scratch[p].x < low.x ? scratch[p].x : low.x, high.x = scratch[p].x > high.x ? scratch[p].x : high.x;
+        low.y = scratch[p].y < low.y ? scratch[p].y : low.y, high.y = scratch[p].y > high.y ? scratch[p].y : high.y;
+        low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
+        extent = scratch[p].ball > extent ? scratch[p].ball : extent;
+    }
+    const double reach = extent + g->widest + 0.5 * w->margin__;
+    int32_t from[3], cells[3];
+    for (int a = 0; a < 3; a++) {
+        const double l = (&low.x)[a], h = (&high.x)[a];
+        cells[a] = dem__cells(g, a, 0.5 * (l + h), 0.5 * (h - l) + reach, &from[a]);
+    }
+    const int32_t before = cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
+    crowd.n = 0;
+    for (int32_t row = 0; row < cells[1] * cells[2]; row++) {
+        const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
+        const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
+        const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
+        for (int part = 0; part < 2; part++) { /* neighbours in a row of cells are neighbours in the list */
+            const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
+            int32_t q = part ? cell[0] : cell[from[0]];
+            for (q = q > first ? q : first; q < last; q++) {
+                if (crowd.n == DEM__CROWD) {
+                    if (!dem__meet(w, &crowd, first, end)) return 0;
+                    crowd.n = 0;
+                }
+                crowd.x[crowd.n] = scratch[q].x, crowd.y[crowd.n] = scratch[q].y, crowd.z[crowd.n] = scratch[q].z;
+                crowd.extent[crowd.n] = scratch[q].ball;
+                crowd.at[crowd.n++] = q;
+            }
+        }
+    }
+    return dem__meet(w, &crowd, first, end);
+}
+
+/* Finds the near pairs: gap below margin. Spheres are sorted by size class, then by cell; those of a cell look at the cells around
+   it on their own level and the coarser ones, and there at those after them in the list. Returns 0 when out of memory. The courses serve as
    scratch: a rebuild sets all of them. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__grid grid[DEM__LEVELS_MAX];
@@ -3424,10 +3499,12 @@ static inline int dem__find_pairs(dem_world *w) {
         w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
     }
     for (int level = 0, p = 0; level <= top; level++) {
-        for (const int32_t end = p + (int32_t)grid[level].count; p < end; p++) {
+        for (const int32_t last = p + (int32_t)grid[level].count; p < last;) {
+            const int32_t end = start[w->cell_next__[sorted[p]] + 1]; /* of its cell */
             for (int other = level; other <= top; other++) {
-                if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], start, p)) return 0;
+                if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], start, p, end)) return 0;
             }
+            p = end;
         }
     }
     return 1;
@@ -4107,20 +4184,6 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     }
 }
 
-/* On x86-64 the loops of a step are there twice, for AVX2 and without: same bits, as neither fuses. */
-#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                \
-    static void name parameters {                                                                                                          \
-        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
-        else call;                                                                                                                         \
-    }                                                                                                                                      \
-    DEM__LOUD
-#else
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    DEM__QUIET static void name parameters { call; }                                                                                       \
-    DEM__LOUD
-#endif
 #define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features) DEM__KERNEL(name, dem_kernel(world, first, end, &(law), features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
