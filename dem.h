@@ -427,7 +427,7 @@ typedef struct dem__kind {
 
 typedef struct dem__timer {
     int32_t next, prev, due; /* due: the bucket it waits in, or -1 */
-    int32_t directed;        /* of a wall: counts on the particle's course, not only on its speed */
+    uint32_t sure;           /* of a wall: step, modulo 2^32, before which it need not be looked at, whatever the particle's course */
 } dem__timer;
 
 typedef struct dem__timers {
@@ -1653,7 +1653,7 @@ static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count
     list[0].address = &t->at, list[0].size = sizeof(dem__timer);
     if (count > t->capacity && !dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count)) return 0;
     for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
-    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].directed = 0;
+    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].sure = 0;
     return 1;
 }
 
@@ -3103,7 +3103,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
     int better = 0;
     if (steps < DEM_WHEEL / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, x, v, k, touch, found));
-    w->wall_timers__.at[e].directed = better > steps;
+    w->wall_timers__.at[e].sure = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
 
@@ -3146,7 +3146,10 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         const dem__timer *timer = &w->wall_timers__.at[e];
-        if (timer->due >= 0 && (faster || timer->directed)) dem__set_timer(&w->wall_timers__, e, step + 1); /* the look finds the time */
+        if (timer->due < 0) continue;
+        const int wait = (int)((timer->due - step) & (DEM_WHEEL - 1)), sure = (int)(int32_t)(timer->sure - (uint32_t)(uint64_t)step);
+        const int now = faster || sure < 1 ? 1 : sure; /* the look finds the time */
+        if (now < wait) dem__set_timer(&w->wall_timers__, e, step + now);
     }
 }
 
