@@ -458,10 +458,10 @@ typedef struct dem_particle {
 
 typedef struct dem_world {
     dem_def def;
-    void *user;        /* yours: handed to the law's hooks; not saved */
-    int64_t step;      /* steps done */
-    double time;       /* [s] */
-    ptrdiff_t count;   /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
+    void *user;      /* yours: handed to the law's hooks; not saved */
+    int64_t step;    /* steps done */
+    double time;     /* [s] */
+    ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
@@ -481,8 +481,8 @@ typedef struct dem_world {
     double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, sums__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__, ledger_on__,
-        ledger_started__;
+    int keeps_out__, sums__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
+        features__, ledger_on__, ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
@@ -510,7 +510,8 @@ typedef struct dem_world {
     /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end. What has happened
        alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
-    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__, *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
+    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
+        *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
     uint8_t *live_event__, *live_ended__;
     double *live_gap__, *live_force__;
     dem__kind kind__[DEM_KINDS_MAX];
@@ -1562,9 +1563,10 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->lx__, &w->ly__, &w->lz__, &w->qx__, &w->qy__, &w->qz__, &w->ex__, &w->ey__, &w->ez__,
-                          &w->etx__, &w->ety__, &w->etz__, &w->rx__, &w->ry__, &w->rz__, &w->wall_speed__, &w->shifted__, &w->link_x__,
-                          &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__, &w->link_wz__};
+    double **doubles[] = {&w->lx__,     &w->ly__,     &w->lz__,      &w->qx__,         &w->qy__,      &w->qz__,
+                          &w->ex__,     &w->ey__,     &w->ez__,      &w->etx__,        &w->ety__,     &w->etz__,
+                          &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__, &w->shifted__, &w->link_x__,
+                          &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__,    &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
                             &w->unsettled__};
@@ -1583,8 +1585,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    int32_t **integers[] = {&w->live_i__,    &w->live_j__,         &w->live_element__,
-                            &w->live_near__, &w->live_wall_next__, &w->live_kind__, &w->slots__};
+    int32_t **integers[] = {&w->live_i__,         &w->live_j__,    &w->live_element__, &w->live_near__,
+                            &w->live_wall_next__, &w->live_kind__, &w->slots__};
     double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -1844,7 +1846,9 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
 /* Puts a stored position back into the periodic box. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) { w->particle[i].x = dem__in_box(w, w->particle[i].x); }
 
-DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) { return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius; }
+DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
+    return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
+}
 
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     dem_vec v = dem__velocity_at(w, i, dem__now(w, i));
@@ -1876,9 +1880,9 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->link_x__[i], w->link_y__[i], w->link_z__[i])));
     const dem_vec force = dem_vec3(w->lx__[i] - w->ex__[i], w->ly__[i] - w->ey__[i], w->lz__[i] - w->ez__[i]);
     const dem_vec spin = dem__spin_at(w, i, tau);
-    return dem__dot(force, way) + turned * ((w->qx__[i] - w->etx__[i]) * (spin.x + w->link_wx__[i]) +
-                                            (w->qy__[i] - w->ety__[i]) * (spin.y + w->link_wy__[i]) +
-                                            (w->qz__[i] - w->etz__[i]) * (spin.z + w->link_wz__[i]));
+    return dem__dot(force, way) +
+           turned * ((w->qx__[i] - w->etx__[i]) * (spin.x + w->link_wx__[i]) + (w->qy__[i] - w->ety__[i]) * (spin.y + w->link_wy__[i]) +
+                     (w->qz__[i] - w->etz__[i]) * (spin.z + w->link_wz__[i]));
 }
 
 /* What makes accelerations of forces on particle i. */
@@ -2851,8 +2855,8 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 
 /* From the centre of j to that of i, at a step. */
 DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
-    return dem__apart(
-        w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->dt__), dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
+    return dem__apart(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->dt__),
+                                  dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
 }
 
 /* Pair p, at a step at which its centres are d apart, d known to within `blur`. */
@@ -2968,7 +2972,8 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double leaves = 2.0 * w->dt__ * speed; /* as far as a contact can open in a step */
-    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->link_near__ ? leaves : w->link_near__, w->particle[i].radius, touch, &least);
+    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->link_near__ ? leaves : w->link_near__, w->particle[i].radius, touch,
+                        &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
@@ -3044,12 +3049,13 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
     if (wall->kind == DEM_CYLINDER) {
         const dem_vec g = w->def.gravity;
         const double along = dem__dot(g, wall->axis[2]), side = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        return wall->inside
-                   ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->particle[i].radius + near, stray + 0.5 * DEM_WHEEL * w->dt__ * side)
-                   : 0.0;
+        return wall->inside ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->particle[i].radius + near,
+                                                 stray + 0.5 * DEM_WHEEL * w->dt__ * side)
+                            : 0.0;
     }
     if (wall->kind == DEM_SCREEN) {
-        const double other = dem__third_bar(wall, w->particle[i].radius) < w->reach__ ? dem__third_bar(wall, w->particle[i].radius) : w->reach__;
+        const double other =
+            dem__third_bar(wall, w->particle[i].radius) < w->reach__ ? dem__third_bar(wall, w->particle[i].radius) : w->reach__;
         least = dem__time_to_close(other - near, dem__length(u) + stray, a);
     }
     for (int q = 0; q < found; q++) {
@@ -3975,7 +3981,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
             q->closing = e.closing;
             law->force(q, s, &r);
             if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
-        dem__put_force(at, k, q, &r, arm_i, arm_j, features);
+                dem__put_force(at, k, q, &r, arm_i, arm_j, features);
                 at->force[k] = r.contact;
                 w->live_ended__[c] = 0;
                 start = r.contact;
@@ -4124,8 +4130,8 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                     view.rate = rate;
                     view.constants = p;
                     view.user = user;
-                    dem__mend(w, c, &at, k, &view, arm_i, arm_j, was[k], before[k],
-                              is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law, features);
+                    dem__mend(w, c, &at, k, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law,
+                              features);
                     for (int a = 0; a < 9; a++) w->live_out__[a][c] = at.out[a][k]; /* kept, for the end of the step */
                 }
                 q += is_wall;
@@ -4412,9 +4418,7 @@ static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const 
     for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
 }
 
-DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) {
-    w->particle[i].share__ = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
-}
+DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->particle[i].share__ = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
 
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->touching[i]++;
@@ -4472,7 +4476,9 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
 /* Makes the contacts born since the last call ready, and puts them into the order. */
 static inline void dem__admit_born(dem_world *w, double gap) {
     const ptrdiff_t born = w->born__, old = w->live_count__ - born;
-    dem__array list[8] = {{&w->live_i__, sizeof(int32_t)}, {&w->live_j__, sizeof(int32_t)}, {&w->live_element__, sizeof(int32_t)},
+    dem__array list[8] = {{&w->live_i__, sizeof(int32_t)},
+                          {&w->live_j__, sizeof(int32_t)},
+                          {&w->live_element__, sizeof(int32_t)},
                           {&w->live_near__, sizeof(int32_t)}};
     int arrays = 4;
     for (int a = 0; w->meshes__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
@@ -4973,7 +4979,8 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     }
     for (int a = 0; a < 3; a++) {
         double longest = 0.0;
-        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++) longest = w->particle[i].radius > longest ? w->particle[i].radius : longest;
+        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++)
+            longest = w->particle[i].radius > longest ? w->particle[i].radius : longest;
         if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest))
             return DEM_BAD_DEFINITION;
     }
@@ -6335,8 +6342,8 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 || w->material[i] >= w->def.materials ||
-            w->particle[i].origin > w->step || w->particle[i].origin < 0)
+        if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
+            w->material[i] >= w->def.materials || w->particle[i].origin > w->step || w->particle[i].origin < 0)
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }

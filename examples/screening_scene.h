@@ -306,7 +306,8 @@ static void watch_layers(layers *l, const dem_world *world, double time) {
         for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < l->cells; cy++) {
             for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < l->cells; cx++) {
                 for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
-                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y, sum = world->particle[i].radius + world->particle[k].radius;
+                    const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y,
+                                 sum = world->particle[i].radius + world->particle[k].radius;
                     covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
                 }
             }

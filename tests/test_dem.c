@@ -856,7 +856,8 @@ static void test_no_contact_is_missed(void **state) {
             dem_vec at = scene_vector(&r, 0.044);
             for (int i = 0; i < n; i++) { /* no overlap yet: try elsewhere */
                 dem_vec x = dem_position(&w, i);
-                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) < w.particle[i].radius + 0.5 * d)
+                if (sqrt((x.x - at.x) * (x.x - at.x) + (x.y - at.y) * (x.y - at.y) + (x.z - at.z) * (x.z - at.z)) <
+                    w.particle[i].radius + 0.5 * d)
                     at = scene_vector(&r, 0.044), i = -1;
             }
             add(&w, at, d);

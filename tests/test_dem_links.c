@@ -54,7 +54,8 @@ static double oscillation_error(double interval, double *drift) {
     add(&w, 0, 0, 0), add(&w, SIZE + 1e-3, 0, 0);
     assert_int_equal(dem_set_links(&w, &spring, spring_kernel, interval, 0.0), DEM_OK);
     assert_int_equal(dem_add_link(&w, 0, 1, 0, state), DEM_OK);
-    const double pull = state[STIFFNESS] * 1e-3, mass = w.particle[0].mass, omega = sqrt(2.0 * state[STIFFNESS] / mass), v0 = 0.3e-3 * omega;
+    const double pull = state[STIFFNESS] * 1e-3, mass = w.particle[0].mass, omega = sqrt(2.0 * state[STIFFNESS] / mass),
+                 v0 = 0.3e-3 * omega;
     assert_int_equal(dem_set_load(&w, 0, dem_vec3(-pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK); /* at rest at a gap of 1 mm */
     assert_int_equal(dem_set_load(&w, 1, dem_vec3(pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
     assert_int_equal(dem_run(&w, interval, DEM_LINEAR), DEM_OK); /* the first evaluation: load and spring cancel */

@@ -153,7 +153,8 @@ static void test_column(void **state) {
             double above = 0.0;
             assert_int_equal(dem_measure_region(&w, &slab, &m), DEM_OK);
             assert_int_equal(dem_measure_region(&w, &round, &c), DEM_OK);
-            for (int k = 0; k < 10; k++) above += w.particle[k].mass * g * fmin(fmax(dem_position(&w, k).z - low, 0.0), high - low) / (high - low);
+            for (int k = 0; k < 10; k++)
+                above += w.particle[k].mass * g * fmin(fmax(dem_position(&w, k).z - low, 0.0), high - low) / (high - low);
             near_absolute(m.contact_stress[2][2] * area, above, 1e-6 * weight, "weight above");
             near_absolute(c.contact_stress[2][2] * RIDDLE_PI * 16e-6, above, 1e-6 * weight, "weight above, cylinder");
             near_absolute(m.contact_stress[0][2] + m.contact_stress[0][0] + m.contact_stress[2][0], 0.0, 1e-9, "other parts");
@@ -162,8 +163,8 @@ static void test_column(void **state) {
     const dem_region ball = dem_sphere_region(v3(0, 0, 0.0275), 1e-3); /* a chord of 2 mm through it carries the weight of five */
     dem_measure m;
     assert_int_equal(dem_measure_region(&w, &ball, &m), DEM_OK);
-    near_relative(m.contact_stress[2][2] * 4.0 / 3.0 * RIDDLE_PI * 1e-9, (w.particle[6].mass * 4.0 * g) * 1e-3 + (w.particle[5].mass * 5.0 * g) * 1e-3, 2e-2,
-                  "in a ball");
+    near_relative(m.contact_stress[2][2] * 4.0 / 3.0 * RIDDLE_PI * 1e-9,
+                  (w.particle[6].mass * 4.0 * g) * 1e-3 + (w.particle[5].mass * 5.0 * g) * 1e-3, 2e-2, "in a ball");
     dem_free(&w);
 }
 

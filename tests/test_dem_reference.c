@@ -378,7 +378,8 @@ static double oblique_error(double steps, double slip, const double *exact, doub
         assert_int_equal(dem_add_spheres(&world, 2, at, d, m, 0), DEM_OK);
         assert_int_equal(dem_set_motion(&world, 0, dem_vec3(slip, 0, -1.0), dem_vec3(0, 20, 5)), DEM_OK);
         assert_int_equal(dem_run(&world, 4.0 * t_c, DEM_LINEAR | DEM_FRICTION), DEM_OK);
-        double out[4] = {dem_velocity(&world, 0).x, dem_velocity(&world, 0).z, world.particle[0].spin.y * 2.5e-3, dem_velocity(&world, 1).x};
+        double out[4] = {dem_velocity(&world, 0).x, dem_velocity(&world, 0).z, world.particle[0].spin.y * 2.5e-3,
+                         dem_velocity(&world, 1).x};
         for (int a = 0; a < 4; a++) {
             result[4 * k + a] = out[a];
             if (exact) worst = fmax(worst, fabs(out[a] - exact[4 * k + a]));
@@ -428,7 +429,8 @@ static dem_vec angular_momentum(const dem_world *w, double *size) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x = dem_position(w, i), v = dem_velocity(w, i);
         double m = w->particle[i].mass, inertia = 0.4 * m * w->particle[i].radius * w->particle[i].radius;
-        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->particle[i].spin.x, m * (x.z * v.x - x.x * v.z) + inertia * w->particle[i].spin.y,
+        dem_vec l = dem_vec3(m * (x.y * v.z - x.z * v.y) + inertia * w->particle[i].spin.x,
+                             m * (x.z * v.x - x.x * v.z) + inertia * w->particle[i].spin.y,
                              m * (x.x * v.y - x.y * v.x) + inertia * w->particle[i].spin.z);
         sum = dem_vec3(sum.x + l.x, sum.y + l.y, sum.z + l.z);
         *size += sqrt(l.x * l.x + l.y * l.y + l.z * l.z);
