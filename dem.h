@@ -117,6 +117,7 @@ extern "C" {
 #define DEM_KINDS_MAX 32     /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 4u        /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
@@ -4028,19 +4029,24 @@ DEM_INLINE int dem__mark(const double *before, const double *was, const double *
     return any != 0;
 }
 
-/* Adds a block's forces and torques to the sums, slot by slot. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *const *out, int turns) {
+/* Adds forces and torques of the contacts in n slots to the sums, slot by slot: to all, or to those of `own` particles and, with the first
+   particle, the walls. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *const *out, int turns, int all, uint32_t from,
+                                   uint32_t own) {
     for (int k = 0; k < n; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
         const dem_vec push = dem_vec3(out[0][k], out[1][k], out[2][k]);
-        dem__sum *a = &w->sum__[i];
-        a->force = dem__add(a->force, push);
-        if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
+        if (all || (uint32_t)i - from < own) {
+            dem__sum *a = &w->sum__[i];
+            a->force = dem__add(a->force, push);
+            if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
+        }
         if (j >= 0) {
+            if (!all && (uint32_t)j - from >= own) continue;
             dem__sum *b = &w->sum__[j];
             b->force = dem__sub(b->force, push);
             if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][k], out[7][k], out[8][k]));
-        } else {
+        } else if (all || from == 0) {
             dem_wall *wall = &w->wall[-1 - j];
             const dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
             const dem_vec t = turns ? dem_vec3(out[3][k], out[4][k], out[5][k]) : dem_vec3(0.0, 0.0, 0.0);
@@ -4137,7 +4143,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 q += is_wall;
             }
         }
-        if (w->sums__) dem__gather_forces(w, base, n, at.out, turns);
+        if (w->sums__) dem__gather_forces(w, base, n, at.out, turns, 1, 0, 0);
     }
 }
 
@@ -4565,10 +4571,23 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     }
 }
 
-/* Active particles to the time of the step that is being computed; their velocities to the middle of it. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h) {
+/* So many parts are n pieces of work shared in: one, or one a thread if each is worth starting it. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+#ifdef _OPENMP
+    return w->def.threads == 1 || n < 256 * (ptrdiff_t)w->def.threads ? 1
+           : w->def.threads < DEM__PARTS_MAX                          ? w->def.threads
+                                                                      : DEM__PARTS_MAX;
+#else
+    (void)w, (void)n;
+    return 1;
+#endif
+}
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+
+/* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+    for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
@@ -4576,7 +4595,17 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h) {
         if (w->has_periodic__) dem__wrap(w, i);
     }
 }
-DEM__TWICE(dem__advance, (dem_world * w, double h), (w, h), dem__advance_all(w, h))
+DEM__TWICE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+           dem__advance_all(w, h, first, end))
+static inline void dem__advance(dem_world *w, double h) {
+    const ptrdiff_t n = w->active_count__;
+    const int parts = dem__parts(w, n);
+    int q;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#endif
+    for (q = 0; q < parts; q++) dem__advance_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts));
+}
 
 static inline void dem__gather_losses(dem_world *w) {
     dem_energy_ledger *l = &w->ledger__;
@@ -4620,13 +4649,15 @@ DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
     return p->room__ > 0.5 * way; /* false for NaN */
 }
 
-/* New accelerations, and velocities from the middle of the step to its end. Sums are zero afterwards, ready for the next. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, double *check) {
+/* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
+   afterwards, ready for the next. Those that may stray are listed in remap__ from `first` on. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
     const int loads = w->loads_on__ || w->links_on__;
     double all = 0.0;
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
         dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
@@ -4644,15 +4675,29 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, double *check) {
         sum->force = dem_vec3(0.0, 0.0, 0.0);
         sum->torque = dem_vec3(0.0, 0.0, 0.0);
         all += pull.x + pull.y + pull.z + p->spin_rate.x + p->spin_rate.y + p->spin_rate.z;
-        if (!dem__stays(p, w->dt__, pull)) dem__unsettle(w, i);
+        if (!dem__stays(p, w->dt__, pull)) w->remap__[first + n++] = (int32_t)i;
     }
     *check = 0.0 * all;
+    *strays = n;
 }
-DEM__TWICE(dem__kick_active, (dem_world * w, double h, double *check), (w, h, check), dem__kick_all(w, h, check))
+DEM__TWICE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+           (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 static inline int dem__kick(dem_world *w, double h) {
-    double check;
-    dem__kick_active(w, h, &check);
-    return check == 0.0;
+    const ptrdiff_t n = w->active_count__;
+    const int parts = dem__parts(w, n);
+    double check[DEM__PARTS_MAX], all = 0.0;
+    ptrdiff_t strays[DEM__PARTS_MAX];
+    int q;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#endif
+    for (q = 0; q < parts; q++) dem__kick_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
+    for (q = 0; q < parts; q++) {
+        const int32_t *stray = w->remap__ + dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < strays[q]; k++) dem__unsettle(w, stray[k]);
+        all += check[q];
+    }
+    return all == 0.0;
 }
 
 /* Impulses and shifts of contacts that began or ended within the step. */
@@ -4768,38 +4813,39 @@ static DEM__APART int dem__undo_look(dem_world *w) {
     return 0;
 }
 
-/* Blocks to threads; returns 0 if there are too few for them. */
-static inline int dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
+/* Blocks to threads. */
+static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
+    const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
+    const int parts = dem__parts(w, count);
+    int q;
 #ifdef _OPENMP
-    if (w->def.threads > 1 && count >= 4 * DEM_BLOCK) {
-        const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
-        ptrdiff_t b;
-#pragma omp parallel for schedule(static) num_threads(w->def.threads)
-        for (b = 0; b < blocks; b++) {
-            const ptrdiff_t first = b * DEM_BLOCK, end = first + DEM_BLOCK;
-            kernel(w, first, end < count ? end : count);
-        }
-        return 1;
-    }
-#else
-    (void)w, (void)kernel, (void)count;
+#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
 #endif
-    return 0;
+    for (q = 0; q < parts; q++) {
+        const ptrdiff_t first = DEM_BLOCK * dem__part(blocks, q, parts), end = DEM_BLOCK * dem__part(blocks, q + 1, parts);
+        kernel(w, first, end < count ? end : count);
+    }
 }
 
-/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
+DEM__TWICE(dem__gather_part, (dem_world * w, int turns, uint32_t from, uint32_t own), (w, turns, from, own),
+           dem__gather_forces(w, 0, (int)w->live_count__, w->live_out__, turns, 0, from, own))
+
+/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. One thread sums as it goes; of several
+   each sums for particles of its own, in the same order. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const ptrdiff_t count = w->live_count__;
+    const int parts = dem__parts(w, w->live_count__);
+    int q;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
-    w->keeps_out__ = 1;
-    w->sums__ = 0;
-    if (dem__share_blocks(w, kernel, count)) {
-        dem__gather_forces(w, 0, (int)count, w->live_out__, turns);
-    } else {
-        w->keeps_out__ = keep;
-        w->sums__ = 1;
-        kernel(w, 0, count);
+    w->keeps_out__ = keep || parts > 1;
+    w->sums__ = parts == 1;
+    dem__share_blocks(w, kernel, w->live_count__);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#endif
+    for (q = 0; q < parts; q++) {
+        const ptrdiff_t from = dem__part(w->count, q, parts), end = dem__part(w->count, q + 1, parts);
+        if (parts > 1) dem__gather_part(w, turns, (uint32_t)from, (uint32_t)(end - from));
     }
     for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
 }
@@ -4888,7 +4934,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) load[a][i] = external[a][i];
     }
     w->kernel_dt__ = h;
-    if (!dem__share_blocks(w, w->link_kernel__, w->link_count__)) w->link_kernel__(w, 0, w->link_count__);
+    dem__share_blocks(w, w->link_kernel__, w->link_count__);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
         const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k];
         if (w->link_ended__[k]) continue;
