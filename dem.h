@@ -25,11 +25,12 @@
              or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
              that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
-             Predicted velocity Verlet, with the first and last step of a contact resolved in time: second order in dt with damping.
+             Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
+             order in dt with damping.
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 650 bytes a sphere and
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 570 bytes a sphere and
              16 more for every wall, 56 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
              growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
