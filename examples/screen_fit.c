@@ -923,7 +923,7 @@ int main(int argc, char **argv) {
         option_int("starts", "N", &starts, 1, 1000, "random starts of a fit; a tenth of them for model 3"),
         option_double("shrink", "W", &shrink, 0.0, 1.0, "price of large exponents in the fits of predictions; 0: the plain minimum"),
         option_int("search", "N", &evaluations, 100, 100000000,
-                   "compare with a global search of N evaluations: 1e6 take a minute for model 2, ten for model 1, an hour for 3"),
+                   "compare with a global search of N evaluations: 1e6 take a minute for model 2, ten for model 1, twenty for 3"),
         option_int("search-model", "M", &model, 0, GRAIN, "of this model only, 4: model 1 with the grain's mass; default all but 3"),
     };
     program self =
