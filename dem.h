@@ -2803,6 +2803,20 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 
 /* ------------------------------------------------------------------------------------------------- >>lists */
 
+/* So many parts are n pieces of work shared in: one, or one a thread if each is worth starting it. One part begins no parallel region, for
+   that would cost more than the work of a dilute step. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+#ifdef _OPENMP
+    return w->def.threads == 1 || n < 256 * (ptrdiff_t)w->def.threads ? 1
+           : w->def.threads < DEM__PARTS_MAX                          ? w->def.threads
+                                                                      : DEM__PARTS_MAX;
+#else
+    (void)w, (void)n;
+    return 1;
+#endif
+}
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
    looked at; a look finds a contact, or the next time when one is possible. */
 
@@ -3018,11 +3032,16 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
     const ptrdiff_t live = w->live_count__;
+    const int parts = dem__parts(w, live);
     ptrdiff_t c;
+    if (parts > 1) {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static) num_threads(w->def.threads) if (w->def.threads > 1 && live >= 4 * DEM_BLOCK)
+#pragma omp parallel for schedule(static) num_threads(parts)
 #endif
-    for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+        for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+    } else {
+        for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+    }
     for (c = 0; c < live && w->status == DEM_OK; c++) {
         if (w->live_event__[c]) dem__follow_slot(w, c, step, 1);
     }
@@ -4572,19 +4591,6 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     }
 }
 
-/* So many parts are n pieces of work shared in: one, or one a thread if each is worth starting it. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-#ifdef _OPENMP
-    return w->def.threads == 1 || n < 256 * (ptrdiff_t)w->def.threads ? 1
-           : w->def.threads < DEM__PARTS_MAX                          ? w->def.threads
-                                                                      : DEM__PARTS_MAX;
-#else
-    (void)w, (void)n;
-    return 1;
-#endif
-}
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
-
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
@@ -4602,8 +4608,12 @@ static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
     const int parts = dem__parts(w, n);
     int q;
+    if (parts == 1) {
+        dem__advance_part(w, h, 0, n);
+        return;
+    }
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
     for (q = 0; q < parts; q++) dem__advance_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts));
 }
@@ -4689,10 +4699,13 @@ static inline int dem__kick(dem_world *w, double h) {
     double check[DEM__PARTS_MAX], all = 0.0;
     ptrdiff_t strays[DEM__PARTS_MAX];
     int q;
+    if (parts == 1) dem__kick_part(w, h, 0, n, &check[0], &strays[0]);
+    else {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__kick_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
+        for (q = 0; q < parts; q++) dem__kick_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
+    }
     for (q = 0; q < parts; q++) {
         const int32_t *stray = w->remap__ + dem__part(n, q, parts);
         for (ptrdiff_t k = 0; k < strays[q]; k++) dem__unsettle(w, stray[k]);
@@ -4819,8 +4832,12 @@ static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff
     const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
     const int parts = dem__parts(w, count);
     int q;
+    if (parts == 1) {
+        kernel(w, 0, count);
+        return;
+    }
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
     for (q = 0; q < parts; q++) {
         const ptrdiff_t first = DEM_BLOCK * dem__part(blocks, q, parts), end = DEM_BLOCK * dem__part(blocks, q + 1, parts);
@@ -4841,12 +4858,14 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     w->keeps_out__ = keep || parts > 1;
     w->sums__ = parts == 1;
     dem__share_blocks(w, kernel, w->live_count__);
+    if (parts > 1) {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) {
-        const ptrdiff_t from = dem__part(w->count, q, parts), end = dem__part(w->count, q + 1, parts);
-        if (parts > 1) dem__gather_part(w, turns, (uint32_t)from, (uint32_t)(end - from));
+        for (q = 0; q < parts; q++) {
+            const ptrdiff_t from = dem__part(w->count, q, parts), end = dem__part(w->count, q + 1, parts);
+            dem__gather_part(w, turns, (uint32_t)from, (uint32_t)(end - from));
+        }
     }
     for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
 }
