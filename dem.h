@@ -440,8 +440,6 @@ typedef struct dem__timers {
     int32_t wheel[DEM_WHEEL];
 } dem__timers;
 
-/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
-   otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Three cache lines. */
 typedef struct dem_particle {
@@ -458,6 +456,8 @@ typedef struct dem_particle {
     double unused__[4];
 } dem_particle;
 
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
+   otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 typedef struct dem_world {
     dem_def def;
     void *user;      /* yours: handed to the law's hooks; not saved */
@@ -521,7 +521,7 @@ typedef struct dem_world {
     double *live_mass__, *live_predict__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9];                                     /* force on i, torque on i, torque on j; of the step before: not kept */
+    double *live_out__[9];                                     /* force on i, torques on i and j: of a run's last step, with threads of all */
     double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
@@ -3271,7 +3271,7 @@ static inline void dem__compact(dem_world *w) {
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap) continue; /* of this step only */
+        if ((void *)base == (void *)remap) continue;
         if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
         else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
@@ -3939,12 +3939,7 @@ DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, d
 
 /* Nearest images; positions of active particles lie within the periodic box. */
 DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
-    const double half = 0.5 * length;
-    for (int k = 0; k < n; k++) {
-        double d = row[k];
-        d = d > half ? d - length : d;
-        row[k] = d < -half ? d + length : d;
-    }
+    for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
 /* Nearest images, normals and gaps of a block in which rows wall[0 .. walls-1] are walls. */
