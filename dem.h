@@ -26,7 +26,7 @@
              that is the pair's kernel.
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
-             order in dt with damping.
+             order in dt with damping, third for the restitution of a linear contact.
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
@@ -375,7 +375,8 @@ typedef struct dem_law {
     int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
-    /* fills constants, and returns the stiffness that predicts velocities [N/m]: k_n of a linear law, 0 to leave it out */
+    /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
+       the third order; else 0 */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
@@ -521,8 +522,8 @@ typedef struct dem_world {
     double *live_mass__, *live_predict__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9];                                     /* force on i, torques on i and j: of a run's last step, with threads of all */
-    double *live_event_data__[6];                              /* n, impulse, shift, sliding time */
+    double *live_out__[9];        /* force on i, torques on i and j: of a run's last step, with threads of all */
+    double *live_event_data__[6]; /* n, impulse, shift, sliding time */
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
     /* links, in the order of their making; each stands in the lists of its bodies */
@@ -3723,7 +3724,9 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
 }
 
 /* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
-   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. */
+   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
+   velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
+   second derivative. */
 typedef struct dem__event {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
@@ -3739,19 +3742,30 @@ DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem
     e->gap = 0.0;
     e->closing = c->closing;
     dem__flow(c, state, &e->gap, &e->closing, e->duration, law);
-    dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
-    e->impulse = c->mass * (c->closing - e->closing);
+    const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
+    double next = e->gap, then = e->closing;
+    dem__flow(c, state, &next, &then, h, law);
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads there within the next step */
+    e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
-    e->loss = 0.5 * c->mass * (c->closing * c->closing - e->closing * e->closing) - elastic;
+    e->loss = 0.5 * c->mass * (c->closing * c->closing - handed * handed) - elastic;
     return 1;
 }
 
 /* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
 DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, double gap, double force, dem__event *e, const dem_law *law) {
-    double h = 1.0 / c->rate, u = (gap - c->gap) * c->rate + 0.5 * h * force / c->mass;
+    const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
+    const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
+    double own = speed;                                /* the motion's own: it comes along the chord of the step before */
+    if (!(verlet < 0.0 && gap < 0.0)) return 0;
+    for (int k = 0; k < 2; k++) {
+        double back = gap, then = own;
+        dem__flow(c, state, &back, &then, -h, law);
+        own += speed + half_kick - (back - gap) * c->rate;
+    }
+    const double u = verlet + own - speed;
     double t = 0.0, g = gap, v = u, f = force, before, after;
-    if (!(u < 0.0 && gap < 0.0)) return 0;
     const int pulls = dem__force_alone(c, state, 0.0, u, &before, law) < 0.0;
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
@@ -3770,10 +3784,10 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
     e->closing = v;
     e->gap = g - (h - t) * v;
     dem__force_alone(c, state, e->gap, v, &after, law);
-    e->impulse = c->mass * (u - v);
+    e->impulse = c->mass * (verlet - v);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = e->gap < 0.0 ? after : 0.0;
-    e->loss = before - e->elastic + 0.5 * c->mass * (u * u - v * v);
+    e->loss = before - e->elastic + 0.5 * c->mass * (verlet * verlet - v * v);
     return 1;
 }
 
@@ -3973,6 +3987,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;
+        const double push = q->mass * (q->closing - e.closing); /* what friction is in proportion to */
         q->gap = e.gap;
         q->closing = e.closing;
         q->dt = e.duration;
@@ -3982,7 +3997,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
         at->force[k] = r.contact;
         start = r.contact;
         extra = e.impulse - 0.5 * h * start;
-        sliding = r.contact > 0.0 ? e.impulse / r.contact - 0.5 * h : 0.0;
+        sliding = r.contact > 0.0 ? push / r.contact - 0.5 * h : 0.0;
         if (features & DEM_ENERGY) {
             if (features & DEM_FRICTION) {
                 const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
@@ -4125,7 +4140,10 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             at.force[k] = r.contact;
             at.gap[k] = b.gap[k];
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
-            if (features & DEM_ENERGY) dem__put_losses(&at, k, &r, h, before[k]);
+            if (features & DEM_ENERGY) {
+                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* what the force does along the step: K/24 less */
+                dem__put_losses(&at, k, &r, h, before[k]);
+            }
         }
         const int events = dem__mark(before, was, ended, at.force, n, w->live_event__ + base, w->live_ended__ + base);
         if (features & DEM_ENERGY) {
@@ -4450,6 +4468,14 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->active__[w->active_count__++] = (int32_t)i;
 }
 
+/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k = K m/h^2
+   and a dashpot of c = C m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
+   2 z (z - 1)^2 + 2 K z^2 + C (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
+DEM_INLINE double dem__prediction(double K, double damping_ratio) {
+    const double C = 2.0 * damping_ratio * sqrt(K);
+    return 1.0 - (11.0 * K - 5.0 * C * C + 9.0 * C * K - 3.0 * C * C * C) / 24.0;
+}
+
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     dem_birth b;
     dem__kind kind;
@@ -4481,8 +4507,7 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     b.damping_ratio = w->damping_ratio__[b.material_i][b.material_j];
     const double stiffness = law->prepare(&b, kind.constant);
     kind.mass = b.mass;
-    /* the next term of the Taylor series of the velocity that the dashpot sees, for the two bodies alone */
-    kind.predict = 1.0 - 0.5 * stiffness * w->dt__ * w->dt__ / b.mass;
+    kind.predict = dem__prediction(stiffness * w->dt__ * w->dt__ / b.mass, b.damping_ratio);
     while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
     w->live_kind__[c] = same < DEM_KINDS_MAX ? same : -1;
     if (same < DEM_KINDS_MAX) {
