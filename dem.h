@@ -71,6 +71,13 @@
 #define DEM__APART
 #endif
 
+/* Particles lie in any order: what is needed soon is asked for. */
+#if defined(__GNUC__)
+#define DEM__PREFETCH(address) __builtin_prefetch(address)
+#else
+#define DEM__PREFETCH(address) ((void)(address))
+#endif
+
 /* For the block of contacts: no iteration reads what another writes. */
 #if defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
@@ -2843,6 +2850,14 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     t->wheel[bucket] = e;
 }
 
+/* Empties the bucket of a step: the first that waits in it, the others by their `next`. A look puts none back there. */
+DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
+    int32_t *head = &t->wheel[step & (DEM_WHEEL - 1)];
+    const int32_t first = *head;
+    *head = -1;
+    return first;
+}
+
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t / w->dt__ * (1.0 - 1e-9);
@@ -3157,7 +3172,7 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     c->x = x.x - t * (v.x - 0.5 * t * g.x), c->y = x.y - t * (v.y - 0.5 * t * g.y), c->z = x.z - t * (v.z - 0.5 * t * g.z);
     c->since = t;
     w->shifted__[i] = 0.0;
-    c->ball = (w->touching[i] == 0 ? 0.1 : 1.0) * w->slack__ + 16.0 * w->dt__ * dem__length(a);
+    c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + 16.0 * w->dt__ * dem__length(a);
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     dem__leave_room(w, i, 0.0);
     double speed = dem__length(v);
@@ -3629,7 +3644,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->margin__ = w->count > 0 ? 2.0 * smallest * w->def.skin : 1.0;
     w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
     w->reach__ = 4.0 * w->margin__;
-    w->blur__ = 5e-5 * smallest; /* a few times what the steps of a contact shift */
+    w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
     w->fall__ = dem__length(w->def.gravity);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
@@ -4087,6 +4102,14 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *
     }
 }
 
+/* Ahead of a contact: particle i is mostly that of the one before. */
+DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
+    const dem_particle *p = &w->particle[j < 0 ? 0 : j];
+    DEM__PREFETCH(&p->x);
+    DEM__PREFETCH(&p->a);
+    DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
+}
+
 /* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
    do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. One
    thread also sums, each block while it is in the cache. */
@@ -4106,6 +4129,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
+            if (c + DEM_BLOCK < end) dem__fetch_partner(w, w->live_j__[c + DEM_BLOCK]);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
             else {
                 wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
@@ -4808,10 +4832,18 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
+/* Ahead of a look. */
+DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    DEM__PREFETCH(&p->x);
+    DEM__PREFETCH(&p->a);
+    DEM__PREFETCH(&p->origin);
+    DEM__PREFETCH(&w->course__[i]);
+}
+
 /* Looks at everything whose time has come, at the given step. */
 static inline void dem__look(dem_world *w, int64_t step) {
     if (w->meshes__) dem__follow(w, step);
-    int32_t *pairs = &w->pair_timers__.wheel[step & (DEM_WHEEL - 1)], *walls = &w->wall_timers__.wheel[step & (DEM_WHEEL - 1)];
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
             if (w->near__[p].state == 0) dem__look_at_pair(w, p, step);
@@ -4822,14 +4854,23 @@ static inline void dem__look(dem_world *w, int64_t step) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
-    while (*pairs >= 0) {
-        const int32_t p = *pairs;
-        dem__stop_timer(&w->pair_timers__, p);
-        dem__look_at_pair(w, p, step);
+    for (int32_t p = dem__take_due(&w->pair_timers__, step); p >= 0;) {
+        int32_t due[DEM_BLOCK];
+        int n = 0;
+        for (; p >= 0 && n < DEM_BLOCK; p = w->pair_timers__.at[p].next) {
+            w->pair_timers__.at[p].due = -1;
+            DEM__PREFETCH(&w->near__[p]);
+            due[n++] = p;
+        }
+        for (int k = 0; k < n; k++) {
+            dem__fetch_flight(w, w->near__[due[k]].i);
+            dem__fetch_flight(w, w->near__[due[k]].j);
+        }
+        for (int k = 0; k < n; k++) dem__look_at_pair(w, due[k], step);
     }
-    while (*walls >= 0) {
-        const int32_t e = *walls;
-        dem__stop_timer(&w->wall_timers__, e);
+    for (int32_t e = dem__take_due(&w->wall_timers__, step), next; e >= 0; e = next) {
+        next = w->wall_timers__.at[e].next;
+        w->wall_timers__.at[e].due = -1;
         dem__look_at_wall(w, e, step);
     }
 }
