@@ -31,7 +31,7 @@
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 570 bytes a sphere and
-             16 more for every wall, 56 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
+             32 more for every wall, 48 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
              growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
@@ -408,14 +408,6 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
-/* Private: whom a particle may meet. */
-typedef struct dem__near {
-    int32_t i, j;    /* i < j */
-    int32_t state;   /* 0 apart, 1 in contact, 2 a partner has left */
-    int32_t linked;  /* 1: they have a link */
-    double distance; /* of centres, below which they are in contact [m] */
-} dem__near;
-
 /* Private: what timers know of a particle. In a frame that falls since the list was built it moves from x with u, and strays from
    that velocity by less than ball until it is given another course. One cache line. */
 typedef struct dem__course {
@@ -435,9 +427,14 @@ typedef struct dem__kind {
     double constant[DEM_CONSTANTS_MAX];
 } dem__kind;
 
+/* Private: two particles that may meet, or a particle and a wall (of which only the first four are in use). Half a cache line. */
 typedef struct dem__timer {
-    int32_t next, prev, due; /* due: the bucket it waits in, or -1 */
-    uint32_t sure;           /* of a wall: step, modulo 2^32, before which it need not be looked at, whatever the particle's course */
+    int32_t next, prev;
+    uint32_t sure;   /* of a wall: step, modulo 2^32, before which it need not be looked at, whatever the particle's course */
+    int16_t due;     /* the bucket it waits in, or -1 */
+    int16_t state;   /* 0 apart, 1 in contact, 2 a partner has left */
+    int32_t i, j;    /* i < j */
+    double distance; /* of centres, below which they are in contact [m] */
 } dem__timer;
 
 typedef struct dem__timers {
@@ -497,8 +494,8 @@ typedef struct dem_world {
     const dem_law *law__;
     dem_energy_ledger ledger__;
     ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
-    void *particle_block__, *live_block__, *near_block__;
-    size_t particle_bytes__, live_bytes__, near_bytes__;
+    void *particle_block__, *live_block__;
+    size_t particle_bytes__, live_bytes__;
     dem__sum *sum__;
     double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
     double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
@@ -510,11 +507,10 @@ typedef struct dem_world {
     int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
         *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
 
-    /* near pairs, and timers of pairs and of particles with walls */
-    ptrdiff_t near_count__, near_capacity__, adjacent_capacity__, cells_capacity__;
-    dem__near *near__;
+    /* near pairs, particles and walls: near__.at[0 .. near_count - 1], wall_timers__.at[i * walls + k] */
+    ptrdiff_t near_count__, adjacent_capacity__, cells_capacity__;
     int32_t *adjacent__, *cells__; /* adjacent: (pair, other particle) of each particle */
-    dem__timers pair_timers__, wall_timers__;
+    dem__timers near__, wall_timers__;
     int64_t listed__; /* step at which the list was built */
 
     /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end. What has happened
@@ -1643,11 +1639,6 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
-static inline int dem__near_arrays(dem_world *w, dem__array *list) {
-    list[0].address = &w->near__, list[0].size = sizeof(dem__near);
-    return 1;
-}
-
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->link_i__, &w->link_j__, &w->link_element__, &w->link_next_i__, &w->link_next_j__};
@@ -1659,11 +1650,15 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Timers, all at rest. */
-static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
+static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     dem__array list[1];
     list[0].address = &t->at, list[0].size = sizeof(dem__timer);
-    if (count > t->capacity && !dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count)) return 0;
+    return count <= t->capacity || dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count);
+}
+
+/* Timers, all at rest. */
+static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
+    if (!dem__grow_timers(w, t, count)) return 0;
     for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
     for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].sure = 0;
     return 1;
@@ -1803,9 +1798,8 @@ DEM_API void dem_free(dem_world *world) {
     dem_allocator a = world->def.allocator;
     if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
     if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
-    if (world->near_block__) a.fn(a.user, world->near_block__, world->near_bytes__, 0);
     if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
-    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
+    if (world->near__.block) a.fn(a.user, world->near__.block, world->near__.bytes, 0);
     if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
     if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
     if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
@@ -2843,7 +2837,7 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     if (a->due == bucket) return;
     dem__stop_timer(t, e);
     const int32_t head = t->wheel[bucket];
-    a->due = bucket;
+    a->due = (int16_t)bucket;
     a->prev = -1;
     a->next = head;
     if (head >= 0) t->at[head].prev = e;
@@ -2895,9 +2889,9 @@ DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 DEM_INLINE void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, const dem__course *a, const dem__course *b, dem_vec d,
                                    double blur) {
     const double t = dem__time_to_touch(d, dem_vec3(a->ux - b->ux, a->uy - b->uy, a->uz - b->uz),
-                                        w->near__[p].distance + 2.0 * w->blur__ + blur, a->ball + b->ball);
-    if (t < HUGE_VAL) dem__set_timer(&w->pair_timers__, p, step + dem__steps_until(w, t));
-    else dem__stop_timer(&w->pair_timers__, p); /* never, on these courses */
+                                        w->near__.at[p].distance + 2.0 * w->blur__ + blur, a->ball + b->ball);
+    if (t < HUGE_VAL) dem__set_timer(&w->near__, p, step + dem__steps_until(w, t));
+    else dem__stop_timer(&w->near__, p); /* never, on these courses */
 }
 
 /* The same for a pair whose centres nobody has computed. */
@@ -2928,7 +2922,7 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
 }
 
 static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
-    dem__near *q = &w->near__[p];
+    dem__timer *q = &w->near__.at[p];
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
     w->looks++;
     if (dem__dot(d, d) < q->distance * q->distance && dem__bear(w, q->i, q->j, 0, p)) {
@@ -3239,7 +3233,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__course a = w->course__[i];
     for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
         const int32_t p = w->adjacent__[2 * k];
-        if (w->near__[p].state == 0) dem__wait_on_course(w, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
+        if (w->near__.at[p].state == 0) dem__wait_on_course(w, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
     }
 }
 
@@ -3262,7 +3256,7 @@ static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     }
     for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
     for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
-        const int32_t due = t->at[e].due;
+        const int16_t due = t->at[e].due;
         t->at[e].due = -1;
         if (due >= 0) dem__set_timer(t, e, due);
     }
@@ -3389,17 +3383,11 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, double x, double y, double z)
 }
 
 static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
-    if (w->near_count__ >= w->near_capacity__) {
-        dem__array list[DEM__ARRAYS_MAX];
-        int n = dem__near_arrays(w, list);
-        if (w->near_count__ > INT32_MAX / 4 ||
-            !dem__grow_group(w, list, n, &w->near_block__, &w->near_bytes__, &w->near_capacity__, w->near_count__ + 1))
-            return 0;
-    }
-    dem__near *q = &w->near__[w->near_count__++];
+    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_timers(w, &w->near__, w->near_count__ + 1)) return 0;
+    dem__timer *q = &w->near__.at[w->near_count__++];
     q->i = i < j ? i : j;
     q->j = i < j ? j : i;
-    q->state = q->linked = 0;
+    q->state = 0;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
@@ -3563,13 +3551,13 @@ static inline int dem__find_adjacent(dem_world *w) {
     if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 4 * w->near_count__)) return 0;
     int32_t *start = w->adjacent_start__;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__[p].i]++, start[w->near__[p].j]++;
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__.at[p].i]++, start[w->near__.at[p].j]++;
     for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
         sum += start[i];
         start[i] = (int32_t)sum;
     }
     for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
-        const int32_t i = w->near__[p].i, j = w->near__[p].j, a = --start[i], b = --start[j];
+        const int32_t i = w->near__.at[p].i, j = w->near__.at[p].j, a = --start[i], b = --start[j];
         w->adjacent__[2 * a] = w->adjacent__[2 * b] = (int32_t)p;
         w->adjacent__[2 * a + 1] = j, w->adjacent__[2 * b + 1] = i;
     }
@@ -3597,15 +3585,15 @@ static inline void dem__find_contacts(dem_world *w) {
             continue;
         }
         w->live_near__[c] = dem__near_pair(w, i, j);
-        if (w->live_near__[c] >= 0) w->near__[w->live_near__[c]].state = 1;
+        if (w->live_near__[c] >= 0) w->near__.at[w->live_near__[c]].state = 1;
     }
 }
 
 /* Near pair p (or -1) is linked, or not any more. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
-    w->near__[p].linked = linked;
-    w->near__[p].distance = w->particle[w->near__[p].i].radius + w->particle[w->near__[p].j].radius + (linked ? w->link_near__ : 0.0);
+    w->near__.at[p].distance =
+        w->particle[w->near__.at[p].i].radius + w->particle[w->near__.at[p].j].radius + (linked ? w->link_near__ : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
@@ -3658,8 +3646,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
-    if (!dem__make_timers(w, &w->pair_timers__, w->near_count__) ||
-        (!keeps && !dem__make_timers(w, &w->wall_timers__, w->count * w->walls))) {
+    if (!dem__make_timers(w, &w->near__, w->near_count__) || (!keeps && !dem__make_timers(w, &w->wall_timers__, w->count * w->walls))) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -3674,7 +3661,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         if (w->alive[i]) dem__aim(w, i, w->step);
     }
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
-        const dem__near *q = &w->near__[p];
+        const dem__timer *q = &w->near__.at[p];
         if (q->state == 0) dem__wait_on_course(w, p, w->step, &w->course__[q->i], &w->course__[q->j]);
     }
     if (w->status != DEM_OK) return 0;
@@ -4349,8 +4336,8 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     if (w->stale__) return;
     for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
         const int32_t p = w->adjacent__[2 * a];
-        dem__stop_timer(&w->pair_timers__, p);
-        if (w->near__[p].state == 0) w->near__[p].state = 2;
+        dem__stop_timer(&w->near__, p);
+        if (w->near__.at[p].state == 0) w->near__.at[p].state = 2;
     }
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->wall_timers__, (int32_t)i * w->walls + k);
 }
@@ -4595,7 +4582,7 @@ static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
         dem__divide(w, j);
         dem__unsettle(w, j);
         if (near_pair < 0 || w->stale__) return;
-        dem__near *q = &w->near__[near_pair];
+        dem__timer *q = &w->near__.at[near_pair];
         q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
         if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
             dem__wait_for_pair(w, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
@@ -4846,7 +4833,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
     if (w->meshes__) dem__follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__[p].state == 0) dem__look_at_pair(w, p, step);
+            if (w->near__.at[p].state == 0) dem__look_at_pair(w, p, step);
         }
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
@@ -4854,17 +4841,16 @@ static inline void dem__look(dem_world *w, int64_t step) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
-    for (int32_t p = dem__take_due(&w->pair_timers__, step); p >= 0;) {
+    for (int32_t p = dem__take_due(&w->near__, step); p >= 0;) {
         int32_t due[DEM_BLOCK];
         int n = 0;
-        for (; p >= 0 && n < DEM_BLOCK; p = w->pair_timers__.at[p].next) {
-            w->pair_timers__.at[p].due = -1;
-            DEM__PREFETCH(&w->near__[p]);
+        for (; p >= 0 && n < DEM_BLOCK; p = w->near__.at[p].next) {
+            w->near__.at[p].due = -1;
             due[n++] = p;
         }
         for (int k = 0; k < n; k++) {
-            dem__fetch_flight(w, w->near__[due[k]].i);
-            dem__fetch_flight(w, w->near__[due[k]].j);
+            dem__fetch_flight(w, w->near__.at[due[k]].i);
+            dem__fetch_flight(w, w->near__.at[due[k]].j);
         }
         for (int k = 0; k < n; k++) dem__look_at_pair(w, due[k], step);
     }
@@ -4879,7 +4865,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
 static DEM__APART int dem__undo_look(dem_world *w) {
     for (; w->born__ > 0; w->born__--) {
         const int32_t p = w->live_near__[--w->live_count__];
-        if (p >= 0) w->near__[p].state = 0;
+        if (p >= 0) w->near__.at[p].state = 0;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
@@ -4954,7 +4940,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         w->def.skip = 0; /* everything, once; the timers stay */
         old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__[p].state == 0) dem__look_at_pair(w, p, w->step);
+            if (w->near__.at[p].state == 0) dem__look_at_pair(w, p, w->step);
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
@@ -4967,7 +4953,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         dem__list_active(w);
         for (ptrdiff_t c = old; c < w->live_count__; c++) {
             const int32_t i = w->live_i__[c], j = w->live_j__[c];
-            if (j >= 0) dem__stop_timer(&w->pair_timers__, w->live_near__[c]);
+            if (j >= 0) dem__stop_timer(&w->near__, w->live_near__[c]);
             else if (w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
         }
     }
