@@ -3039,20 +3039,23 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
+static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
+    for (ptrdiff_t c = first; c < end; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+}
+
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
     const ptrdiff_t live = w->live_count__;
     const int parts = dem__parts(w, live);
-    ptrdiff_t c;
-    if (parts > 1) {
+    int q;
+    if (parts == 1) dem__find_followers(w, step, 0, live);
+    else {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static) num_threads(parts)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
-    } else {
-        for (c = 0; c < live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(live, q, parts), dem__part(live, q + 1, parts));
     }
-    for (c = 0; c < live && w->status == DEM_OK; c++) {
+    for (ptrdiff_t c = 0; c < live && w->status == DEM_OK; c++) {
         if (w->live_event__[c]) dem__follow_slot(w, c, step, 1);
     }
 }
@@ -3592,8 +3595,8 @@ static inline void dem__find_contacts(dem_world *w) {
 /* Near pair p (or -1) is linked, or not any more. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
-    w->near__.at[p].distance =
-        w->particle[w->near__.at[p].i].radius + w->particle[w->near__.at[p].j].radius + (linked ? w->link_near__ : 0.0);
+    dem__timer *q = &w->near__.at[p];
+    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->link_near__ : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
@@ -4152,7 +4155,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             at.gap[k] = b.gap[k];
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
             if (features & DEM_ENERGY) {
-                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* what the force does along the step: K/24 less */
+                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: K/24 less; predict is 1 - 11 K/24 */
                 dem__put_losses(&at, k, &r, h, before[k]);
             }
         }
