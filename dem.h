@@ -485,7 +485,7 @@ typedef struct dem_world {
     int32_t *material, *group, *alive, *touching; /* touching: live contacts */
 
     /* the rest is private */
-    double dt__, kernel_dt__, start_time__, target__, margin__, slack__, reach__, fall__, blur__;
+    double dt__, kernel_dt__, start_time__, target__, pace__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
     int keeps_out__, sums__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
@@ -2854,7 +2854,7 @@ DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
 
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
-    double n = t / w->dt__ * (1.0 - 1e-9);
+    double n = t * w->pace__;
     return n < (double)(DEM_WHEEL - 2) ? 1 + (int)n : DEM_WHEEL - 1;
 }
 
@@ -3062,42 +3062,35 @@ static inline void dem__follow(dem_world *w, int64_t step) {
 
 static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
 
-/* Time before which a sphere near the inside of a cylinder cannot touch it: both move on, and apart from that by at most `stray`. */
-static inline double dem__time_to_shell(const dem_wall *wall, dem_vec d, dem_vec v, double radius, double stray) {
-    const dem_vec axis = wall->axis[2];
-    d = dem__sub(d, dem__scale(dem__dot(d, axis), axis));
-    v = dem__sub(v, dem__scale(dem__dot(v, axis), axis));
-    const double room = wall->radius - radius, a = dem__dot(v, v) - stray * stray, b = dem__dot(d, v) + room * stray;
-    const double c = (dem__length(d) - room) * (dem__length(d) + room), root = b * b - a * c;
-    return c < 0.0 && root > 0.0 ? -c / (b + sqrt(root)) : 0.0;
+/* A straight course at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
+DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
+    const double along = dem__dot(u, wall->axis[2]);
+    return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
-/* The same by what is known of velocities: better than the bound by speeds alone near a wall, but only on this course. A plane and a
-   bar are convex, so that a gap cannot shrink faster than along its normal. */
-static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec x, dem_vec v, int k,
-                                         const dem__touch *touch, int found) {
-    const double stray = 2.0 * w->course__[i].ball, a = w->fall__ + wall->acceleration_bound, near = w->link_near__ + w->blur__;
-    const dem_vec u = dem__sub(v, wall->velocity);
-    double least = HUGE_VAL;
-    if (wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
-    if (wall->kind == DEM_CYLINDER) {
-        const dem_vec g = w->def.gravity;
-        const double along = dem__dot(g, wall->axis[2]), side = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
-        return wall->inside ? dem__time_to_shell(wall, dem__sub(x, wall->position), u, w->particle[i].radius + near,
-                                                 stray + 0.5 * DEM_WHEEL * w->dt__ * side)
-                            : 0.0;
-    }
+/* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but only on this course. A plane, a bar and
+   a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
+                                         int found) {
+    const double stray = 2.0 * w->course__[i].ball, near = w->link_near__ + w->blur__, radius = w->particle[i].radius;
+    const dem_vec u = dem__sub(v, wall->velocity), g = w->def.gravity;
+    double a = w->fall__ + wall->acceleration_bound, least = HUGE_VAL;
+    if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) {
-        const double other =
-            dem__third_bar(wall, w->particle[i].radius) < w->reach__ ? dem__third_bar(wall, w->particle[i].radius) : w->reach__;
+        const double other = dem__third_bar(wall, radius) < w->reach__ ? dem__third_bar(wall, radius) : w->reach__;
         least = dem__time_to_close(other - near, dem__length(u) + stray, a);
+    }
+    if (wall->kind == DEM_CYLINDER) {
+        const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
+        a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
+        if (wall->inside) a += dem__bend(wall, u, from_axis);
     }
     for (int q = 0; q < found; q++) {
         if (wall->kind != DEM_EXIT && dem__touches_element(w, i, k, touch[q].element)) continue;
         const double t = dem__time_to_close(touch[q].gap - near, stray - dem__dot(u, touch[q].normal), a);
         least = t < least ? t : least;
     }
-    return found > 0 ? least : 0.0;
+    return least;
 }
 
 /* Looks at particle i and a wall at a step at which the wall already is. */
@@ -3142,7 +3135,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     }
     const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
     int better = 0;
-    if (steps < DEM_WHEEL / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, x, v, k, touch, found));
+    if (steps < DEM_WHEEL / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
     w->wall_timers__.at[e].sure = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
@@ -3182,14 +3175,18 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     const int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
     if (due < w->next_check__) w->next_check__ = due;
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
-    const int faster = speed > w->wall_speed__[i];
-    if (faster) w->wall_speed__[i] = 1.25 * speed;
+    double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
+    if (speed > w->wall_speed__[i]) {
+        slower = w->wall_speed__[i] / (1.25 * speed);
+        w->wall_speed__[i] = 1.25 * speed;
+    }
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        const dem__timer *timer = &w->wall_timers__.at[e];
+        dem__timer *timer = &w->wall_timers__.at[e];
         if (timer->due < 0) continue;
         const int wait = (int)((timer->due - step) & (DEM_WHEEL - 1)), sure = (int)(int32_t)(timer->sure - (uint32_t)(uint64_t)step);
-        const int now = faster || sure < 1 ? 1 : sure; /* the look finds the time */
+        const int now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1; /* the look finds the time */
+        timer->sure = (uint32_t)(uint64_t)(step + now);
         if (now < wait) dem__set_timer(&w->wall_timers__, e, step + now);
     }
 }
@@ -3632,6 +3629,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
             return 0;
         }
     }
+    w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
     w->margin__ = w->count > 0 ? 2.0 * smallest * w->def.skin : 1.0;
     w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
     w->reach__ = 4.0 * w->margin__;
