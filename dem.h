@@ -2858,16 +2858,6 @@ DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     return n < (double)(DEM_WHEEL - 2) ? 1 + (int)n : DEM_WHEEL - 1;
 }
 
-/* Earliest time at which spheres a distance d apart can touch, if their relative velocity stays within `stray` of v. */
-DEM_INLINE double dem__time_to_touch(dem_vec d, dem_vec v, double sum, double stray) {
-    double a = dem__dot(v, v) - stray * stray, b = dem__dot(d, v) - sum * stray, c = dem__dot(d, d) - sum * sum;
-    double root = b * b - a * c;
-    if (!(c > 0.0)) return 0.0;
-    if (!(root > 0.0)) return HUGE_VAL;
-    double below = sqrt(root) - b;
-    return below > 0.0 ? c / below : HUGE_VAL;
-}
-
 /* Time in which something at speed s, falling besides with g, covers a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
@@ -2885,20 +2875,54 @@ DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
                                   dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
 }
 
+typedef double dem__row[DEM_BLOCK];
+
+/* Pairs whose timers are to be set. */
+typedef struct dem__waits {
+    dem__row x, y, z, ux, uy, uz, sum, stray; /* from the centre of one to the other's; relative velocity, known to within stray */
+    int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
+    int n;
+} dem__waits;
+
+/* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most what the wheel holds. */
+DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
+    for (int k = 0; k < q->n; k++) {
+        const double x = q->x[k], y = q->y[k], z = q->z[k], ux = q->ux[k], uy = q->uy[k], uz = q->uz[k], sum = q->sum[k];
+        const double a = ux * ux + uy * uy + uz * uz - q->stray[k] * q->stray[k], b = x * ux + y * uy + z * uz - sum * q->stray[k];
+        const double c = x * x + y * y + z * z - sum * sum, root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM_WHEEL - 2) ? n : (double)(DEM_WHEEL - 2);
+        const double steps = (root > 0.0) & (below > 0.0) ? 1.0 + turns : 0.0;
+        q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
+    }
+}
+DEM__TWICE(dem__find_steps, (dem__waits * q, double pace), (q, pace), dem__wait_steps(q, pace))
+
+static inline void dem__set_waits(dem_world *w, dem__waits *q, int64_t step) {
+    dem__find_steps(q, w->pace__);
+    for (int k = 0; k < q->n; k++) {
+        if (q->steps[k] > 0) dem__set_timer(&w->near__, q->pair[k], step + q->steps[k]);
+        else dem__stop_timer(&w->near__, q->pair[k]);
+    }
+    q->n = 0;
+}
+
 /* Pair p, at a step at which its centres are d apart, d known to within `blur`. */
-DEM_INLINE void dem__wait_for_pair(dem_world *w, int32_t p, int64_t step, const dem__course *a, const dem__course *b, dem_vec d,
-                                   double blur) {
-    const double t = dem__time_to_touch(d, dem_vec3(a->ux - b->ux, a->uy - b->uy, a->uz - b->uz),
-                                        w->near__.at[p].distance + 2.0 * w->blur__ + blur, a->ball + b->ball);
-    if (t < HUGE_VAL) dem__set_timer(&w->near__, p, step + dem__steps_until(w, t));
-    else dem__stop_timer(&w->near__, p); /* never, on these courses */
+DEM_INLINE void dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b,
+                                   dem_vec d, double blur) {
+    if (q->n == DEM_BLOCK) dem__set_waits(w, q, step);
+    const int k = q->n++;
+    q->pair[k] = p;
+    q->x[k] = d.x, q->y[k] = d.y, q->z[k] = d.z;
+    q->ux[k] = a->ux - b->ux, q->uy[k] = a->uy - b->uy, q->uz[k] = a->uz - b->uz;
+    q->sum[k] = w->near__.at[p].distance + 2.0 * w->blur__ + blur;
+    q->stray[k] = a->ball + b->ball;
 }
 
 /* The same for a pair whose centres nobody has computed. */
-DEM_INLINE void dem__wait_on_course(dem_world *w, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
+DEM_INLINE void dem__wait_on_course(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
     const double t = (double)(step - w->listed__) * w->dt__;
     const dem_vec d = dem_vec3(a->x - b->x + t * (a->ux - b->ux), a->y - b->y + t * (a->uy - b->uy), a->z - b->z + t * (a->uz - b->uz));
-    dem__wait_for_pair(w, p, step, a, b, dem__apart(w, d), a->ball * (t - a->since) + b->ball * (t - b->since));
+    dem__wait_for_pair(w, q, p, step, a, b, dem__apart(w, d), a->ball * (t - a->since) + b->ball * (t - b->since));
 }
 
 /* A new contact, in the next slot; made ready in dem__admit_born. */
@@ -2921,7 +2945,7 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
     return 1;
 }
 
-static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
+static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p, int64_t step) {
     dem__timer *q = &w->near__.at[p];
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
     w->looks++;
@@ -2929,7 +2953,7 @@ static inline void dem__look_at_pair(dem_world *w, int32_t p, int64_t step) {
         q->state = 1;
         return;
     }
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
 }
 
 static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
@@ -3231,10 +3255,13 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__aim(w, i, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     const dem__course a = w->course__[i];
+    dem__waits waits;
+    waits.n = 0;
     for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
         const int32_t p = w->adjacent__[2 * k];
-        if (w->near__.at[p].state == 0) dem__wait_on_course(w, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
+        if (w->near__.at[p].state == 0) dem__wait_on_course(w, &waits, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
     }
+    dem__set_waits(w, &waits, step);
 }
 
 /* Active particles in the order of memory. */
@@ -3615,6 +3642,8 @@ static inline void dem__find_links(dem_world *w) {
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
+    dem__waits waits;
+    waits.n = 0;
     if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL;
@@ -3663,8 +3692,9 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     }
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         const dem__timer *q = &w->near__.at[p];
-        if (q->state == 0) dem__wait_on_course(w, p, w->step, &w->course__[q->i], &w->course__[q->j]);
+        if (q->state == 0) dem__wait_on_course(w, &waits, p, w->step, &w->course__[q->i], &w->course__[q->j]);
     }
+    dem__set_waits(w, &waits, w->step);
     if (w->status != DEM_OK) return 0;
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
@@ -3793,8 +3823,6 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
     e->loss = before - e->elastic + 0.5 * c->mass * (verlet * verlet - v * v);
     return 1;
 }
-
-typedef double dem__row[DEM_BLOCK];
 
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
@@ -4570,7 +4598,7 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
 }
 
 /* One contact ends. */
-static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
+static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
     const int32_t near_pair = w->live_near__[c];
     if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
@@ -4586,7 +4614,7 @@ static inline void dem__end(dem_world *w, int32_t c, int64_t step) {
         dem__timer *q = &w->near__.at[near_pair];
         q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
         if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
-            dem__wait_for_pair(w, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
+            dem__wait_for_pair(w, waits, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
@@ -4616,7 +4644,10 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     if (dead == 0) return;
     const int n = dem__live_arrays(w, list);
     ptrdiff_t last = w->live_count__;
-    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, w->slots__[k], step);
+    dem__waits waits;
+    waits.n = 0;
+    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
+    dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
     for (ptrdiff_t k = 0; k < dead && w->slots__[k] < w->live_count__; k++) {
         while (w->live_ended__[last - 1]) last--;
@@ -4831,10 +4862,12 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
 
 /* Looks at everything whose time has come, at the given step. */
 static inline void dem__look(dem_world *w, int64_t step) {
+    dem__waits waits;
+    waits.n = 0;
     if (w->meshes__) dem__follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__.at[p].state == 0) dem__look_at_pair(w, p, step);
+            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, step);
         }
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
@@ -4853,8 +4886,9 @@ static inline void dem__look(dem_world *w, int64_t step) {
             dem__fetch_flight(w, w->near__.at[due[k]].i);
             dem__fetch_flight(w, w->near__.at[due[k]].j);
         }
-        for (int k = 0; k < n; k++) dem__look_at_pair(w, due[k], step);
+        for (int k = 0; k < n; k++) dem__look_at_pair(w, &waits, due[k], step);
     }
+    dem__set_waits(w, &waits, step);
     for (int32_t e = dem__take_due(&w->wall_timers__, step), next; e >= 0; e = next) {
         next = w->wall_timers__.at[e].next;
         w->wall_timers__.at[e].due = -1;
@@ -4938,10 +4972,11 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     }
     if (w->fresh__) {
         int skip = w->def.skip;
+        dem__waits waits;
         w->def.skip = 0; /* everything, once; the timers stay */
         old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__.at[p].state == 0) dem__look_at_pair(w, p, w->step);
+            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, w->step);
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
