@@ -438,11 +438,10 @@ typedef struct dem__timer {
 } dem__timer;
 
 typedef struct dem__timers {
-    dem__timer *at;
+    dem__timer *at, *wheel; /* before them one for each bucket, in front of those that wait in it: at[-1 - bucket], from `wheel` on */
     ptrdiff_t capacity;
     void *block;
     size_t bytes;
-    int32_t wheel[DEM_WHEEL];
 } dem__timers;
 
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
@@ -1652,15 +1651,17 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     dem__array list[1];
-    list[0].address = &t->at, list[0].size = sizeof(dem__timer);
-    return count <= t->capacity || dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count);
+    list[0].address = &t->wheel, list[0].size = sizeof(dem__timer);
+    if (count + DEM_WHEEL <= t->capacity) return 1;
+    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count + DEM_WHEEL)) return 0;
+    t->at = t->wheel + DEM_WHEEL;
+    return 1;
 }
 
 /* Timers, all at rest. */
 static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     if (!dem__grow_timers(w, t, count)) return 0;
-    for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
-    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].sure = 0;
+    for (ptrdiff_t e = -DEM_WHEEL; e < count; e++) t->at[e].next = t->at[e].prev = (int32_t)e, t->at[e].due = -1, t->at[e].sure = 0;
     return 1;
 }
 
@@ -2824,32 +2825,30 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / pa
 
 DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
     dem__timer *a = &t->at[e];
-    if (a->due < 0) return;
-    if (a->prev >= 0) t->at[a->prev].next = a->next;
-    else t->wheel[a->due] = a->next;
-    if (a->next >= 0) t->at[a->next].prev = a->prev;
+    t->at[a->prev].next = a->next;
+    t->at[a->next].prev = a->prev;
+    a->next = a->prev = e;
     a->due = -1;
 }
 
 DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
-    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1));
+    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head = -1 - bucket;
     dem__timer *a = &t->at[e];
-    if (a->due == bucket) return;
-    dem__stop_timer(t, e);
-    const int32_t head = t->wheel[bucket];
+    t->at[a->prev].next = a->next;
+    t->at[a->next].prev = a->prev;
+    const int32_t next = t->at[head].next;
     a->due = (int16_t)bucket;
-    a->prev = -1;
-    a->next = head;
-    if (head >= 0) t->at[head].prev = e;
-    t->wheel[bucket] = e;
+    a->prev = head;
+    a->next = next;
+    t->at[next].prev = e;
+    t->at[head].next = e;
 }
 
-/* Empties the bucket of a step: the first that waits in it, the others by their `next`. A look puts none back there. */
+/* The first that waits in the bucket of a step, taken out of it; -1 when there is none. */
 DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
-    int32_t *head = &t->wheel[step & (DEM_WHEEL - 1)];
-    const int32_t first = *head;
-    *head = -1;
-    return first;
+    const int32_t first = t->at[-1 - (int32_t)(step & (DEM_WHEEL - 1))].next;
+    if (first >= 0) dem__stop_timer(t, first);
+    return first < 0 ? -1 : first;
 }
 
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
@@ -3277,15 +3276,13 @@ static inline void dem__list_active(dem_world *w) {
 /* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (t->capacity < w->count * w->walls) return; /* not made yet */
+    if (t->capacity < w->count * w->walls + DEM_WHEEL) return; /* not made yet */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) t->at[w->remap__[i] * w->walls + k] = t->at[i * w->walls + k];
     }
-    for (int b = 0; b < DEM_WHEEL; b++) t->wheel[b] = -1;
+    for (int32_t e = -DEM_WHEEL; e < (int32_t)left * w->walls; e++) t->at[e].next = t->at[e].prev = e;
     for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
-        const int16_t due = t->at[e].due;
-        t->at[e].due = -1;
-        if (due >= 0) dem__set_timer(t, e, due);
+        if (t->at[e].due >= 0) dem__set_timer(t, e, t->at[e].due);
     }
 }
 
@@ -4875,25 +4872,16 @@ static inline void dem__look(dem_world *w, int64_t step) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
-    for (int32_t p = dem__take_due(&w->near__, step); p >= 0;) {
+    for (int n = DEM_BLOCK; n == DEM_BLOCK;) {
         int32_t due[DEM_BLOCK];
-        int n = 0;
-        for (; p >= 0 && n < DEM_BLOCK; p = w->near__.at[p].next) {
-            w->near__.at[p].due = -1;
-            due[n++] = p;
-        }
-        for (int k = 0; k < n; k++) {
-            dem__fetch_flight(w, w->near__.at[due[k]].i);
-            dem__fetch_flight(w, w->near__.at[due[k]].j);
+        for (n = 0; n < DEM_BLOCK && (due[n] = dem__take_due(&w->near__, step)) >= 0; n++) {
+            dem__fetch_flight(w, w->near__.at[due[n]].i);
+            dem__fetch_flight(w, w->near__.at[due[n]].j);
         }
         for (int k = 0; k < n; k++) dem__look_at_pair(w, &waits, due[k], step);
     }
     dem__set_waits(w, &waits, step);
-    for (int32_t e = dem__take_due(&w->wall_timers__, step), next; e >= 0; e = next) {
-        next = w->wall_timers__.at[e].next;
-        w->wall_timers__.at[e].due = -1;
-        dem__look_at_wall(w, e, step);
-    }
+    for (int32_t e = dem__take_due(&w->wall_timers__, step); e >= 0; e = dem__take_due(&w->wall_timers__, step)) dem__look_at_wall(w, e, step);
 }
 
 /* Takes back what was found in a step that cannot be finished. */
