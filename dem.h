@@ -424,6 +424,7 @@ typedef struct dem__sum {
 /* Private: what contacts of the same sizes and materials share. */
 typedef struct dem__kind {
     double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
     double constant[DEM_CONSTANTS_MAX];
 } dem__kind;
 
@@ -445,19 +446,16 @@ typedef struct dem__timers {
 } dem__timers;
 
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
-   computed, v and spin are those in the middle of the step. Three cache lines. */
+   computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
-    dem_vec x;         /* [m] */
-    double radius;     /* [m] */
-    dem_vec v;         /* [m/s] */
-    double mass;       /* [kg] */
-    dem_vec a;         /* [m/s2] */
-    double share__;    /* of its mass that a contact may count on: 1 / contacts [-] */
-    dem_vec spin;      /* [rad/s] */
-    double room__;     /* how much further it may stray from its course, at least [m/s] */
-    dem_vec spin_rate; /* [rad/s2] */
-    int64_t origin;    /* step of the state */
-    double unused__[4];
+    dem_vec x;      /* [m] */
+    double radius;  /* [m] */
+    dem_vec v;      /* [m/s] */
+    double mass;    /* [kg] */
+    dem_vec a;      /* [m/s2] */
+    int64_t origin; /* step of the state */
+    dem_vec spin;   /* [rad/s] */
+    double room__;  /* how much further it may stray from its course, at least [m/s] */
 } dem_particle;
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
@@ -480,6 +478,7 @@ typedef struct dem_world {
     int64_t rebuilds;       /* of the neighbour list */
 
     dem_particle *particle;
+    dem_vec *spin_rate;                           /* [rad/s2] */
     uint64_t *id;                                 /* stable, in the order of adding, from 0 */
     int32_t *material, *group, *alive, *touching; /* touching: live contacts */
 
@@ -503,6 +502,7 @@ typedef struct dem_world {
     double *link_x__, *link_y__, *link_z__, *link_wx__, *link_wy__, *link_wz__; /* position and spin when links were evaluated last */
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
+    double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
     int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
         *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
 
@@ -521,7 +521,7 @@ typedef struct dem_world {
     double *live_gap__, *live_force__;
     dem__kind kind__[DEM_KINDS_MAX];
     int kinds__;
-    double *live_mass__, *live_predict__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
+    double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX];
     double *live_out__[9];        /* force on i, torques on i and j: of a run's last step, with threads of all */
@@ -1570,7 +1570,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     double **doubles[] = {&w->lx__,     &w->ly__,     &w->lz__,      &w->qx__,         &w->qy__,      &w->qz__,
                           &w->ex__,     &w->ey__,     &w->ez__,      &w->etx__,        &w->ety__,     &w->etz__,
-                          &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__, &w->shifted__, &w->link_x__,
+                          &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__, &w->shifted__, &w->share__, &w->link_x__,
                           &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__,    &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
@@ -1582,6 +1582,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
+    list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
     list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
@@ -1592,7 +1593,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__,         &w->live_j__,    &w->live_element__, &w->live_near__,
                             &w->live_wall_next__, &w->live_kind__, &w->slots__};
-    double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__};
+    double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
@@ -1837,7 +1838,7 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
 }
 
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__plus(w->particle[i].spin, tau, w->particle[i].spin_rate);
+    return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
@@ -1901,7 +1902,7 @@ static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     p->a = dem__plus(w->def.gravity, 1.0 / p->mass, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
-    p->spin_rate = dem__scale(1.0 / dem__inertia(w, i), dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
+    w->spin_rate[i] = dem__scale(1.0 / dem__inertia(w, i), dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
@@ -1995,7 +1996,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem__settle(w, i);
     double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
     double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
-    dem_vec *const rate[] = {&w->particle[i].a, &w->particle[i].spin_rate};
+    dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a][i];
@@ -3823,23 +3824,29 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
 
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz, sum;              /* centre of i from that of j (wall: from the nearest point), r_i + r_j */
-    dem__row vx, vy, vz, ax, ay, az;       /* relative velocity in the middle of the step, relative acceleration */
-    dem__row wi[3], wj[3], part_i, part_j; /* spins; radii */
-    dem__row share, nx, ny, nz, gap, inverse;
+    dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
+    dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
+    dem__row wi[3], wj[3];           /* spins */
+    dem__row nx, ny, nz, gap, inverse;
 } dem__rows;
 
+/* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
+typedef struct dem__traits {
+    int32_t kind[DEM_BLOCK]; /* of which the rows are; -2: of none yet */
+    dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
+} dem__traits;
+
 /* The geometry of contact k, as the law sees it. */
-DEM_INLINE void dem__view(const dem__rows *b, int k, double half, int turns, dem_contact *q, double *arm_i, double *arm_j) {
+DEM_INLINE void dem__view(const dem__rows *b, const dem__traits *t, int k, double half, int turns, dem_contact *q, double *arm_i,
+                          double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
     q->gap = b->gap[k];
-    q->share = b->share[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!turns) return;
     /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
-    const double stretch = (b->sum[k] + b->gap[k]) / b->sum[k], ai = b->part_i[k] * stretch, aj = b->part_j[k] * stretch;
+    const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
@@ -3877,12 +3884,6 @@ DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *l
     at->elastic = w->live_elastic__ + base;
 }
 
-/* What the law needs of each contact of a block: kept from block to block, as most contacts are of the same kinds. */
-typedef struct dem__traits {
-    int32_t kind[DEM_BLOCK]; /* of which the rows are; -2: of none yet */
-    dem__row mass, predict, constant[DEM_CONSTANTS_MAX];
-} dem__traits;
-
 DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
     const int32_t *kind = w->live_kind__ + base;
     int32_t differ = 0;
@@ -3893,10 +3894,10 @@ DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int 
         t->kind[k] = kind[k];
         if (kind[k] >= 0) {
             const dem__kind *of = &w->kind__[kind[k]];
-            t->mass[k] = of->mass, t->predict[k] = of->predict;
+            t->mass[k] = of->mass, t->predict[k] = of->predict, t->sum[k] = of->sum, t->part[k] = of->part;
             for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
         } else {
-            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c];
+            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c], t->sum[k] = w->live_sum__[c], t->part[k] = w->live_part__[c];
             for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
         }
     }
@@ -3957,11 +3958,9 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t n
     }
     const dem_vec middle = dem__sub(v, dem__scale(half, a));
     b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
-    b->sum[k] = b->part_i[k] = s->radius, b->part_j[k] = 0.0;
     b->vx[k] = s->v.x - middle.x, b->vy[k] = s->v.y - middle.y, b->vz[k] = s->v.z - middle.z;
     b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
     b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
-    b->share[k] = s->share__;
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
     return v;
 }
@@ -3969,14 +3968,17 @@ DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t n
 DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
     const dem_particle *p = &w->particle[i], *q = &w->particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
-    b->part_i[k] = p->radius, b->part_j[k] = q->radius;
-    b->sum[k] = p->radius + q->radius;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
     b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
-    b->share[k] = p->share__ < q->share__ ? p->share__ : q->share__;
     if (!turns) return;
     b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
+}
+
+/* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
+DEM_INLINE double dem__share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const double a = w->share__[i], b = w->share__[j < 0 ? i : j];
+    return a < b ? a : b;
 }
 
 /* Nearest images; positions of active particles lie within the periodic box. */
@@ -3985,7 +3987,7 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 }
 
 /* Nearest images, normals and gaps of a block in which rows wall[0 .. walls-1] are walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, int n, const int *wall, const dem__touch *touch, int walls) {
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, const int *wall, const dem__touch *touch, int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
@@ -3993,7 +3995,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, int n, cons
         const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
         b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
         b->inverse[k] = inverse;
-        b->gap[k] = distance - b->sum[k];
+        b->gap[k] = distance - t->sum[k];
     }
     for (int q = 0; q < walls; q++) {
         const int k = wall[q];
@@ -4149,12 +4151,14 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 wall[walls++] = k;
             }
         }
-        dem__complete_rows(w, &b, n, wall, touch, walls);
+        dem__take_traits(w, base, n, law->constants, &traits);
+        dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
+        dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
+        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
         dem__slots at;
         dem__row before, was, ended;
         dem__locate(w, base, law, features, out, &at);
-        dem__take_traits(w, base, n, law->constants, &traits);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
@@ -4163,10 +4167,11 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__view(&b, k, half, turns, &q, &arm_i, &arm_j);
+            dem__view(&b, &traits, k, half, turns, &q, &arm_i, &arm_j);
             const double predict = traits.predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
             q.mass = traits.mass[k];
+            q.share = share[k];
             q.dt = h;
             q.rate = rate;
             q.constants = p;
@@ -4201,8 +4206,9 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                     dem_contact view;
                     double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
                     for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
-                    dem__view(&b, k, half, turns, &view, &arm_i, &arm_j);
+                    dem__view(&b, &traits, k, half, turns, &view, &arm_i, &arm_j);
                     view.mass = traits.mass[k];
+                    view.share = share[k];
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
@@ -4227,6 +4233,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     const double h = w->kernel_dt__;
     const void *user = w->user;
     dem__rows b;
+    dem__traits traits; /* of which links have sizes only */
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -4238,8 +4245,10 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
                 dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &touch[walls]);
                 wall[walls++] = k;
             }
+            traits.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+            traits.part[k] = w->particle[i].radius / traits.sum[k];
         }
-        dem__complete_rows(w, &b, n, wall, touch, walls);
+        dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
 
         dem__slots at;
         for (int a = 0; a < law->states; a++) at.state[a] = w->link_state__[a] + base;
@@ -4252,8 +4261,9 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__view(&b, k, 0.0, 1, &q, &arm_i, &arm_j);
+            dem__view(&b, &traits, k, 0.0, 1, &q, &arm_i, &arm_j);
             q.mass = 0.0;
+            q.share = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
             q.dt = h;
             q.rate = 1.0 / h;
             q.constants = NULL;
@@ -4495,7 +4505,7 @@ static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const 
     for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
 }
 
-DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->particle[i].share__ = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
+DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->share__[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
 
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->touching[i]++;
@@ -4544,6 +4554,8 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     b.damping_ratio = w->damping_ratio__[b.material_i][b.material_j];
     const double stiffness = law->prepare(&b, kind.constant);
     kind.mass = b.mass;
+    kind.sum = b.radius_i + b.radius_j;
+    kind.part = b.radius_i / kind.sum;
     kind.predict = dem__prediction(stiffness * w->dt__ * w->dt__ / b.mass, b.damping_ratio);
     while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
     w->live_kind__[c] = same < DEM_KINDS_MAX ? same : -1;
@@ -4555,6 +4567,8 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = kind.constant[a];
     w->live_mass__[c] = kind.mass;
     w->live_predict__[c] = kind.predict;
+    w->live_sum__[c] = kind.sum;
+    w->live_part__[c] = kind.part;
 }
 
 /* Makes the contacts born since the last call ready, and puts them into the order. */
@@ -4740,13 +4754,14 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         }
         const dem_vec pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(w->def.gravity, pull);
-        p->spin_rate = dem__scale(sum->per_inertia, torque);
+        const dem_vec turn = dem__scale(sum->per_inertia, torque);
+        w->spin_rate[i] = turn;
         p->v = dem__plus(p->v, half, p->a);
-        p->spin = dem__plus(p->spin, half, p->spin_rate);
+        p->spin = dem__plus(p->spin, half, turn);
         p->origin = step;
         sum->force = dem_vec3(0.0, 0.0, 0.0);
         sum->torque = dem_vec3(0.0, 0.0, 0.0);
-        all += pull.x + pull.y + pull.z + p->spin_rate.x + p->spin_rate.y + p->spin_rate.z;
+        all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
         if (!dem__stays(p, w->dt__, pull)) w->remap__[first + n++] = (int32_t)i;
     }
     *check = 0.0 * all;
@@ -4838,7 +4853,7 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_particle *p = &w->particle[i];
-        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, p->spin_rate));
+        const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
         const double v = sum.x + sum.y + sum.z;
         if (!(fabs(v) <= DBL_MAX)) {
             w->failed_id = w->id[i];
@@ -5044,7 +5059,7 @@ static inline void dem__step_links(dem_world *w) {
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
-        p->spin = dem__plus(p->spin, 0.5 * h, b), p->spin_rate = dem__add(p->spin_rate, b);
+        p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
         if (w->ledger_on__) {
             w->ledger__.link_work += dem__motion_energy(w, i);
             w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
@@ -6322,7 +6337,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem_particle *p = &w->particle[i];
-        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1), dem__vecs(s, &p->spin_rate, 1);
+        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1), dem__vecs(s, &w->spin_rate[i], 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
         for (int a = 0; a < 6; a++) dem__f64(s, &load[a][i]);
         dem__i64(s, &w->particle[i].origin);

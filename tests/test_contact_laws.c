@@ -445,7 +445,7 @@ static void test_twisting_decays(void **state) {
         const double sliding = sqrt(spin * spin - most * theta / inertia), t1 = asin(most / (spin * sqrt(k * inertia))) / sqrt(k / inertia);
         const double t = 0.5 * spin * inertia / most;
         run(&w, t, which);
-        near_relative(w.particle[0].spin.z + w.particle[0].spin_rate.z * (double)(w.step - w.particle[0].origin) * w.def.dt,
+        near_relative(w.particle[0].spin.z + w.spin_rate[0].z * (double)(w.step - w.particle[0].origin) * w.def.dt,
                       sliding - most / inertia * (t - t1), 1e-4, "spin");
         near_absolute(dem_position(&w, 0).x, 0.0, 1e-15, "it stays where it is");
         dem_free(&w);
