@@ -125,6 +125,7 @@ extern "C" {
 #define DEM_KINDS_MAX 32     /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM__AHEAD 16        /* looks for which memory is asked ahead */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 4u        /* version of dem_save */
 
@@ -2845,11 +2846,18 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     t->at[head].next = e;
 }
 
-/* The first that waits in the bucket of a step, taken out of it; -1 when there is none. */
+/* Empties the bucket of a step: the first that waited in it, and after each the next; less than 0 at the end. A look puts none back there. */
 DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
-    const int32_t first = t->at[-1 - (int32_t)(step & (DEM_WHEEL - 1))].next;
-    if (first >= 0) dem__stop_timer(t, first);
-    return first < 0 ? -1 : first;
+    const int32_t head = -1 - (int32_t)(step & (DEM_WHEEL - 1)), first = t->at[head].next;
+    t->at[head].next = t->at[head].prev = head;
+    return first;
+}
+DEM_INLINE int32_t dem__take_next(dem__timers *t, int32_t e) {
+    dem__timer *a = &t->at[e];
+    const int32_t next = a->next;
+    a->next = a->prev = e;
+    a->due = -1;
+    return next;
 }
 
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
@@ -3252,6 +3260,10 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
 
 /* Particle i has left its course: a new one, and new timers. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
+    for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
+        DEM__PREFETCH(&w->near__.at[w->adjacent__[2 * k]]);
+        DEM__PREFETCH(&w->course__[w->adjacent__[2 * k + 1]]);
+    }
     dem__aim(w, i, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     const dem__course a = w->course__[i];
@@ -4868,7 +4880,6 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
     const dem_particle *p = &w->particle[i];
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
-    DEM__PREFETCH(&p->origin);
     DEM__PREFETCH(&w->course__[i]);
 }
 
@@ -4887,16 +4898,23 @@ static inline void dem__look(dem_world *w, int64_t step) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
-    for (int n = DEM_BLOCK; n == DEM_BLOCK;) {
-        int32_t due[DEM_BLOCK];
-        for (n = 0; n < DEM_BLOCK && (due[n] = dem__take_due(&w->near__, step)) >= 0; n++) {
-            dem__fetch_flight(w, w->near__.at[due[n]].i);
-            dem__fetch_flight(w, w->near__.at[due[n]].j);
+    int32_t ahead[DEM__AHEAD]; /* the timers' ring is a chain of misses, and so are the flights: both run ahead of the looks */
+    unsigned in = 0, out = 0;
+    for (int32_t p = dem__take_due(&w->near__, step); p >= 0 || out < in;) {
+        if (p >= 0) {
+            dem__fetch_flight(w, w->near__.at[p].i);
+            dem__fetch_flight(w, w->near__.at[p].j);
+            ahead[in++ % DEM__AHEAD] = p;
+            p = dem__take_next(&w->near__, p);
         }
-        for (int k = 0; k < n; k++) dem__look_at_pair(w, &waits, due[k], step);
+        if (p < 0 || in - out == DEM__AHEAD) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
     }
     dem__set_waits(w, &waits, step);
-    for (int32_t e = dem__take_due(&w->wall_timers__, step); e >= 0; e = dem__take_due(&w->wall_timers__, step)) dem__look_at_wall(w, e, step);
+    for (int32_t e = dem__take_due(&w->wall_timers__, step); e >= 0;) {
+        const int32_t next = dem__take_next(&w->wall_timers__, e);
+        dem__look_at_wall(w, e, step);
+        e = next;
+    }
 }
 
 /* Takes back what was found in a step that cannot be finished. */
