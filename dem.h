@@ -126,6 +126,7 @@ extern "C" {
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
 #define DEM__AHEAD 16        /* looks for which memory is asked ahead */
+#define DEM__TIDY 256         /* steps between two orderings of contacts */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 4u        /* version of dem_save */
 
@@ -3610,19 +3611,21 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     return -1;
 }
 
-/* Which near pair a live contact is. */
-static inline void dem__find_contacts(dem_world *w) {
+static inline void dem__list_wall_contacts(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
     for (int32_t c = 0; c < (int32_t)w->live_count__; c++) {
-        int32_t i = w->live_i__[c], j = w->live_j__[c];
-        w->live_near__[c] = -1;
-        if (j < 0) {
-            w->live_wall_next__[c] = w->wall_head__[i];
-            w->wall_head__[i] = c;
-            continue;
-        }
-        w->live_near__[c] = dem__near_pair(w, i, j);
-        if (w->live_near__[c] >= 0) w->near__.at[w->live_near__[c]].state = 1;
+        if (w->live_j__[c] >= 0) continue;
+        w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
+        w->wall_head__[w->live_i__[c]] = c;
+    }
+}
+
+/* Which near pair a live contact is. */
+static inline void dem__find_contacts(dem_world *w) {
+    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+        const int32_t p = w->live_j__[c] < 0 ? -1 : dem__near_pair(w, w->live_i__[c], w->live_j__[c]);
+        w->live_near__[c] = p;
+        if (p >= 0) w->near__.at[p].state = 1;
     }
 }
 
@@ -3691,6 +3694,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         return 0;
     }
     w->stale__ = 0;
+    dem__list_wall_contacts(w);
     dem__find_contacts(w);
     dem__find_links(w);
     w->next_check__ = INT64_MAX;
@@ -4500,11 +4504,9 @@ static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
     return n;
 }
 
-/* Slots first .. first + n - 1 by partners. */
-static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
+/* What slots first .. first + n - 1 hold into the order of slots__, which lists them. */
+static inline void dem__arrange(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
     double *scratch = w->live_event_data__[0]; /* of use within a step only */
-    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
-    dem__sort(w, w->slots__, n);
     for (int a = 0; a < arrays; a++) {
         const size_t size = list[a].size;
         char *base;
@@ -4515,6 +4517,13 @@ static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const 
         for (ptrdiff_t k = 0; k < n; k++) memcpy(base + (size_t)k * size, (char *)scratch + (size_t)(w->slots__[k] - first) * size, size);
     }
     for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
+}
+
+/* Slots first .. first + n - 1 by partners. */
+static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
+    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
+    dem__sort(w, w->slots__, n);
+    dem__arrange(w, first, n, list, arrays);
 }
 
 DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->share__[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
@@ -5096,8 +5105,29 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
+/* All contacts into the order of their particles i, else as they were: neighbours in space are then read one after the other. */
+static inline void dem__tidy(dem_world *w) {
+    const ptrdiff_t n = w->live_count__;
+    dem__array list[DEM__ARRAYS_MAX];
+    int32_t *place = w->remap__, sum = 0;
+    ptrdiff_t in_order = 1;
+    while (in_order < n && w->live_i__[in_order - 1] <= w->live_i__[in_order]) in_order++;
+    if (in_order >= n) return;
+    for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
+    for (ptrdiff_t c = 0; c < n; c++) place[w->live_i__[c]]++;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const int32_t of = place[i];
+        place[i] = sum;
+        sum += of;
+    }
+    for (ptrdiff_t c = 0; c < n; c++) w->slots__[place[w->live_i__[c]]++] = (int32_t)c;
+    dem__arrange(w, 0, n, list, dem__live_arrays(w, list));
+    dem__list_wall_contacts(w);
+}
+
 static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
     const int turns = (features & DEM_FRICTION) != 0;
+    if (w->step % DEM__TIDY == 0) dem__tidy(w);
     if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__look(w, w->step + 1);
