@@ -419,7 +419,7 @@ typedef struct dem__course {
 
 /* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
 typedef struct dem__sum {
-    dem_vec force, torque;        /* [N], [N m] */
+    double load[6];               /* force [N], torque [N m] */
     double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
 } dem__sum;
 
@@ -4106,27 +4106,26 @@ DEM_INLINE int dem__mark(const double *before, const double *was, const double *
     return any != 0;
 }
 
+DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
+    for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] += load[a];
+}
+
 /* Adds forces and torques of the contacts in n slots to the sums, slot by slot: to all, or to those of `own` particles and, with the first
    particle, the walls. */
 DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *const *out, int turns, int all, uint32_t from,
                                    uint32_t own) {
     for (int k = 0; k < n; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
-        const dem_vec push = dem_vec3(out[0][k], out[1][k], out[2][k]);
-        if (all || (uint32_t)i - from < own) {
-            dem__sum *a = &w->sum__[i];
-            a->force = dem__add(a->force, push);
-            if (turns) a->torque = dem__add(a->torque, dem_vec3(out[3][k], out[4][k], out[5][k]));
-        }
+        const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
+        const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
+        const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
+        if (all || (uint32_t)i - from < own) dem__add_load(&w->sum__[i], on_i, turns);
         if (j >= 0) {
-            if (!all && (uint32_t)j - from >= own) continue;
-            dem__sum *b = &w->sum__[j];
-            b->force = dem__sub(b->force, push);
-            if (turns) b->torque = dem__add(b->torque, dem_vec3(out[6][k], out[7][k], out[8][k]));
+            if (all || (uint32_t)j - from < own) dem__add_load(&w->sum__[j], on_j, turns);
         } else if (all || from == 0) {
             dem_wall *wall = &w->wall[-1 - j];
-            const dem_vec f = dem__scale(-1.0, push), arm = dem__sub(w->particle[i].x, wall->position);
-            const dem_vec t = turns ? dem_vec3(out[3][k], out[4][k], out[5][k]) : dem_vec3(0.0, 0.0, 0.0);
+            const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
+            const dem_vec arm = dem__sub(w->particle[i].x, wall->position);
             wall->force = dem__add(wall->force, f);
             wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
         }
@@ -4768,7 +4767,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         const ptrdiff_t i = w->active__[k];
         dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = sum->force, torque = sum->torque;
+        dem_vec force = dem_vec3(sum->load[0], sum->load[1], sum->load[2]), torque = dem_vec3(sum->load[3], sum->load[4], sum->load[5]);
         if (loads) {
             force = dem__add(force, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
             torque = dem__add(torque, dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
@@ -4780,8 +4779,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->v = dem__plus(p->v, half, p->a);
         p->spin = dem__plus(p->spin, half, turn);
         p->origin = step;
-        sum->force = dem_vec3(0.0, 0.0, 0.0);
-        sum->torque = dem_vec3(0.0, 0.0, 0.0);
+        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
         if (!dem__stays(p, w->dt__, pull)) w->remap__[first + n++] = (int32_t)i;
     }
@@ -5063,9 +5061,7 @@ static inline void dem__step_links(dem_world *w) {
         dem__settle(w, i);
         dem__wrap(w, i);
         if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
-        w->sum__[i].force = dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]);
-        w->sum__[i].torque = dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]);
-        for (int a = 0; a < 6; a++) load[a][i] = external[a][i];
+        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = load[a][i], load[a][i] = external[a][i];
     }
     w->kernel_dt__ = h;
     dem__share_blocks(w, w->link_kernel__, w->link_count__);
@@ -5080,9 +5076,10 @@ static inline void dem__step_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         const dem__sum *sum = &w->sum__[i];
+        const double *old = sum->load;
         dem_particle *p = &w->particle[i];
-        const dem_vec force = dem__sub(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]), sum->force);
-        const dem_vec torque = dem__sub(dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]), sum->torque);
+        const dem_vec force = dem_vec3(w->lx__[i] - old[0], w->ly__[i] - old[1], w->lz__[i] - old[2]);
+        const dem_vec torque = dem_vec3(w->qx__[i] - old[3], w->qy__[i] - old[4], w->qz__[i] - old[5]);
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
@@ -5092,8 +5089,7 @@ static inline void dem__step_links(dem_world *w) {
             w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
             w->link_wx__[i] = w->particle[i].spin.x, w->link_wy__[i] = w->particle[i].spin.y, w->link_wz__[i] = w->particle[i].spin.z;
         }
-        w->sum__[i].force = dem_vec3(0.0, 0.0, 0.0);
-        w->sum__[i].torque = dem_vec3(0.0, 0.0, 0.0);
+        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = 0.0;
         if (w->stale__) continue;
         const double strayed = dem__length(dem__stray(w, i));
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
