@@ -3205,8 +3205,11 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     }
     speed += 2.0 * c->ball;
     const dem_vec moved = dem__apart(w, dem__sub(x, dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-    const int64_t due = step + dem__steps_until(w, dem__time_to_cover(0.49 * w->margin__ - dem__length(moved), speed, w->fall__));
-    if (due < w->next_check__) w->next_check__ = due;
+    const double left = 0.49 * w->margin__ - dem__length(moved), until = (double)(w->next_check__ - step) * w->dt__;
+    if (!(left > until * (speed + 0.5 * w->fall__ * until))) {
+        const int64_t due = step + dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
+        if (due < w->next_check__) w->next_check__ = due;
+    }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
     double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
     if (speed > w->wall_speed__[i]) {
