@@ -3178,10 +3178,12 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
 }
 
+/* At most so far does a pull turn it from its course in a step [m/s]: the sum of parts costs no root. */
+DEM_INLINE double dem__way(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
+
 /* Of a particle that has strayed so far from its course: what its ball leaves it beyond this step. */
 DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
-    const dem_vec pull = dem__sub(w->particle[i].a, w->def.gravity);
-    w->particle[i].room__ = w->course__[i].ball - strayed - w->dt__ * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+    w->particle[i].room__ = w->course__[i].ball - strayed - dem__way(w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
 /* A new course for particle i, with a ball that holds 16 steps of the present force and a little more: in flight very little, as nothing
@@ -4201,7 +4203,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             at.gap[k] = b.gap[k];
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
             if (features & DEM_ENERGY) {
-                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: K/24 less; predict is 1 - 11 K/24 */
+                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
                 dem__put_losses(&at, k, &r, h, before[k]);
             }
         }
@@ -4538,12 +4540,12 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->active__[w->active_count__++] = (int32_t)i;
 }
 
-/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k = K m/h^2
-   and a dashpot of c = C m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
-   2 z (z - 1)^2 + 2 K z^2 + C (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
-DEM_INLINE double dem__prediction(double K, double damping_ratio) {
-    const double C = 2.0 * damping_ratio * sqrt(K);
-    return 1.0 - (11.0 * K - 5.0 * C * C + 9.0 * C * K - 3.0 * C * C * C) / 24.0;
+/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k m/h^2
+   and a dashpot of c m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
+   2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
+DEM_INLINE double dem__prediction(double k, double damping_ratio) {
+    const double c = 2.0 * damping_ratio * sqrt(k);
+    return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
 }
 
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -4751,9 +4753,9 @@ DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
     return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
 }
 
-/* Is the velocity sure to stay within its ball, to the end of the next step? It strays by no more than the pull, in whatever norm. */
+/* Is the velocity sure to stay within its ball, to the end of the next step? */
 DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
-    const double way = dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
+    const double way = dem__way(dt, pull);
     p->room__ -= way;
     return p->room__ > 0.5 * way; /* false for NaN */
 }
