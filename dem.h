@@ -126,7 +126,7 @@ extern "C" {
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
 #define DEM__AHEAD 16        /* looks for which memory is asked ahead */
-#define DEM__TIDY 256         /* steps between two orderings of contacts */
+#define DEM__TIDY 256        /* steps between two orderings of contacts */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 4u        /* version of dem_save */
 
@@ -1570,10 +1570,10 @@ enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->lx__,     &w->ly__,     &w->lz__,      &w->qx__,         &w->qy__,      &w->qz__,
-                          &w->ex__,     &w->ey__,     &w->ez__,      &w->etx__,        &w->ety__,     &w->etz__,
-                          &w->rx__,     &w->ry__,     &w->rz__,      &w->wall_speed__, &w->shifted__, &w->share__, &w->link_x__,
-                          &w->link_y__, &w->link_z__, &w->link_wx__, &w->link_wy__,    &w->link_wz__};
+    double **doubles[] = {&w->lx__,     &w->ly__,     &w->lz__,     &w->qx__,         &w->qy__,      &w->qz__,
+                          &w->ex__,     &w->ey__,     &w->ez__,     &w->etx__,        &w->ety__,     &w->etz__,
+                          &w->rx__,     &w->ry__,     &w->rz__,     &w->wall_speed__, &w->shifted__, &w->share__,
+                          &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__,    &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
                             &w->unsettled__};
@@ -2900,7 +2900,7 @@ DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
         const double a = ux * ux + uy * uy + uz * uz - q->stray[k] * q->stray[k], b = x * ux + y * uy + z * uz - sum * q->stray[k];
         const double c = x * x + y * y + z * z - sum * sum, root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
         const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM_WHEEL - 2) ? n : (double)(DEM_WHEEL - 2);
-        const double steps = (root > 0.0) & (below > 0.0) ? 1.0 + turns : 0.0;
+        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + turns : 0.0;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
@@ -3918,7 +3918,8 @@ DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int 
             t->mass[k] = of->mass, t->predict[k] = of->predict, t->sum[k] = of->sum, t->part[k] = of->part;
             for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
         } else {
-            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c], t->sum[k] = w->live_sum__[c], t->part[k] = w->live_part__[c];
+            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c], t->sum[k] = w->live_sum__[c],
+            t->part[k] = w->live_part__[c];
             for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
         }
     }
@@ -4008,7 +4009,8 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 }
 
 /* Nearest images, normals and gaps of a block in which rows wall[0 .. walls-1] are walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, const int *wall, const dem__touch *touch, int walls) {
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, const int *wall, const dem__touch *touch,
+                                   int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
@@ -5094,7 +5096,7 @@ static inline void dem__step_links(dem_world *w) {
             w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
             w->link_wx__[i] = w->particle[i].spin.x, w->link_wy__[i] = w->particle[i].spin.y, w->link_wz__[i] = w->particle[i].spin.z;
         }
-        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = 0.0;
+        for (int q = 0; q < 6; q++) w->sum__[i].load[q] = 0.0;
         if (w->stale__) continue;
         const double strayed = dem__length(dem__stray(w, i));
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
@@ -6386,7 +6388,8 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem_particle *p = &w->particle[i];
-        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1), dem__vecs(s, &w->spin_rate[i], 1);
+        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
+            dem__vecs(s, &w->spin_rate[i], 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
         for (int a = 0; a < 6; a++) dem__f64(s, &load[a][i]);
         dem__i64(s, &w->particle[i].origin);
