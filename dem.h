@@ -3101,8 +3101,8 @@ DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
-/* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but only on this course. A plane, a bar and
-   a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+/* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
+   only on this course. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
                                          int found) {
     const double stray = 2.0 * w->course__[i].ball, near = w->link_near__ + w->blur__, radius = w->particle[i].radius;
