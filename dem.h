@@ -2847,7 +2847,7 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     t->at[head].next = e;
 }
 
-/* Empties the bucket of a step: the first that waited in it, and after each the next; less than 0 at the end. A look puts none back there. */
+/* Empties the bucket of a step: the first that waited in it, and after each the next; less than 0 at the end. A look puts none back. */
 DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
     const int32_t head = -1 - (int32_t)(step & (DEM_WHEEL - 1)), first = t->at[head].next;
     t->at[head].next = t->at[head].prev = head;
