@@ -910,6 +910,44 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
     return bytes;
 }
 
+/* Spheres that gravity and collisions make faster and slower, within shaken cylinders and against them, some near the axis: the same bits
+   as if each looked at each wall in every step. */
+static void test_round_walls_are_not_missed(void **state) {
+    (void)state;
+    for (int trial = 0; trial < 12; trial++) {
+        uint64_t hash[2];
+        int64_t looks[2];
+        for (int k = 0; k < 2; k++) {
+            dem_world w;
+            scene_random r = {(uint64_t)trial + 300};
+            dem_def def = scene_def(8e-6);
+            def.skip = k ? DEM_SKIP_ALL : 0;
+            def.gravity = scene_vector(&r, 60.0);
+            start(&w, &def);
+            const dem_vec axis = scene_vector(&r, 1.0);
+            const int shell = dem_add_cylinder(&w, 1, zero, axis, 0.04, 1), rod = dem_add_cylinder(&w, 1, zero, axis, 0.004, 0);
+            assert_int_equal(dem_vibrate(&w, shell, scene_vector(&r, 1e-3), scene_vector(&r, 3.0), 60.0), DEM_OK);
+            if (trial % 2) assert_int_equal(dem_vibrate(&w, rod, scene_vector(&r, 1e-3), scene_vector(&r, 3.0), 40.0), DEM_OK);
+            for (int i = 0; i < 60; i++) {
+                const dem_vec across = scene_vector(&r, 1.0), along = scene_vector(&r, 1.0);
+                const double length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
+                const dem_vec n = v3(axis.x / length, axis.y / length, axis.z / length);
+                dem_vec side = v3(n.y * across.z - n.z * across.y, n.z * across.x - n.x * across.z, n.x * across.y - n.y * across.x);
+                const double scale = scene_between(&r, 0.007, 0.037) / sqrt(side.x * side.x + side.y * side.y + side.z * side.z);
+                const dem_vec at =
+                    v3(scale * side.x + 0.1 * along.x * n.x, scale * side.y + 0.1 * along.x * n.y, scale * side.z + 0.1 * along.x * n.z);
+                add(&w, at, 4e-3);
+                move(&w, i, scene_vector(&r, i % 3 ? 0.3 : 3.0), zero);
+            }
+            run(&w, 0.04, DEM_LINEAR | DEM_FRICTION);
+            hash[k] = dem_hash(&w), looks[k] = w.looks;
+            dem_free(&w);
+        }
+        assert_true(hash[0] == hash[1]);
+        assert_true(40 * looks[1] < looks[0]);
+    }
+}
+
 static void test_save_and_load(void **state) {
     (void)state;
     for (int scene = 0; scene < SCENE_COUNT; scene++) {
@@ -1416,6 +1454,7 @@ int main(void) {
         cmocka_unit_test(test_skipping_changes_no_bit),
         cmocka_unit_test(test_ledger_changes_no_bit),
         cmocka_unit_test(test_no_contact_is_missed),
+        cmocka_unit_test(test_round_walls_are_not_missed),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),
         cmocka_unit_test(test_damaged_saves),
