@@ -514,8 +514,8 @@ typedef struct dem_world {
     dem__timers near__, wall_timers__;
     int64_t listed__; /* step at which the list was built */
 
-    /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end. What has happened
-       alone fixes their order, and that the order of every sum */
+    /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end; now and then all
+       are ordered by i. What has happened alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
     int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
         *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
