@@ -30,8 +30,8 @@
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 570 bytes a sphere and
-             32 more for every wall, 48 a near pair, 270 a contact with friction (64 more with a ledger), and half as much again for
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 64 kB, 540 bytes a sphere
+             and 32 more for every wall, 48 a near pair, 290 a contact with friction (64 more with a ledger), and half as much again for
              growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
@@ -2826,19 +2826,22 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / pa
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
    looked at; a look finds a contact, or the next time when one is possible. */
 
-DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
+DEM_INLINE dem__timer *dem__leave_ring(dem__timers *t, int32_t e) {
     dem__timer *a = &t->at[e];
     t->at[a->prev].next = a->next;
     t->at[a->next].prev = a->prev;
+    return a;
+}
+
+DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
+    dem__timer *a = dem__leave_ring(t, e);
     a->next = a->prev = e;
     a->due = -1;
 }
 
 DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head = -1 - bucket;
-    dem__timer *a = &t->at[e];
-    t->at[a->prev].next = a->next;
-    t->at[a->next].prev = a->prev;
+    dem__timer *a = dem__leave_ring(t, e);
     const int32_t next = t->at[head].next;
     a->due = (int16_t)bucket;
     a->prev = head;
@@ -5008,6 +5011,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     if (w->fresh__) {
         int skip = w->def.skip;
         dem__waits waits;
+        waits.n = 0;
         w->def.skip = 0; /* everything, once; the timers stay */
         old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
