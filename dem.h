@@ -126,6 +126,7 @@ extern "C" {
 #define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
 #define DEM__AHEAD 16        /* looks for which memory is asked ahead */
+#define DEM__RINGS 8         /* lists of a bucket, each of a range of many timers: a chain waits for memory, several wait together */
 #define DEM__TIDY 256        /* steps between two orderings of contacts */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 4u        /* version of dem_save */
@@ -441,7 +442,9 @@ typedef struct dem__timer {
 } dem__timer;
 
 typedef struct dem__timers {
-    dem__timer *at, *wheel; /* before them one for each bucket, in front of those that wait in it: at[-1 - bucket], from `wheel` on */
+    dem__timer *at, *wheel; /* before them one for each ring, in front of those that wait in it, from `wheel` on */
+    int rings;              /* of each bucket */
+    uint64_t scale;         /* timer e is in ring e scale / 2^32 of its bucket */
     ptrdiff_t capacity;
     void *block;
     size_t bytes;
@@ -1655,16 +1658,22 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     dem__array list[1];
     list[0].address = &t->wheel, list[0].size = sizeof(dem__timer);
-    if (count + DEM_WHEEL <= t->capacity) return 1;
-    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count + DEM_WHEEL)) return 0;
-    t->at = t->wheel + DEM_WHEEL;
+    const int old = t->rings, rings = count < 4096 * DEM__RINGS ? 1 : DEM__RINGS;
+    const ptrdiff_t kept = t->capacity - (ptrdiff_t)old * DEM_WHEEL;
+    if (rings <= old && count <= kept) return 1;
+    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count + rings * DEM_WHEEL)) return 0;
+    t->rings = rings > old ? rings : old;
+    t->at = t->wheel + t->rings * DEM_WHEEL;
+    if (t->rings > old && old > 0) memmove(t->at, t->wheel + old * DEM_WHEEL, (size_t)kept * sizeof *t->at);
     return 1;
 }
 
 /* Timers, all at rest. */
 static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     if (!dem__grow_timers(w, t, count)) return 0;
-    for (ptrdiff_t e = -DEM_WHEEL; e < count; e++) t->at[e].next = t->at[e].prev = (int32_t)e, t->at[e].due = -1, t->at[e].sure = 0;
+    for (ptrdiff_t e = (ptrdiff_t)-t->rings * DEM_WHEEL; e < count; e++)
+        t->at[e].next = t->at[e].prev = (int32_t)e, t->at[e].due = -1, t->at[e].sure = 0;
+    t->scale = ((uint64_t)t->rings << 32) / (uint64_t)(count > 0 ? count : 1);
     return 1;
 }
 
@@ -2826,6 +2835,8 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / pa
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
    looked at; a look finds a contact, or the next time when one is possible. */
 
+DEM_INLINE int32_t dem__ring_head(int32_t bucket, int ring) { return -1 - (ring * DEM_WHEEL + bucket); }
+
 DEM_INLINE dem__timer *dem__leave_ring(dem__timers *t, int32_t e) {
     dem__timer *a = &t->at[e];
     t->at[a->prev].next = a->next;
@@ -2840,7 +2851,8 @@ DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
 }
 
 DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
-    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head = -1 - bucket;
+    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), ring = (int32_t)((uint64_t)e * t->scale >> 32);
+    const int32_t head = dem__ring_head(bucket, ring);
     dem__timer *a = dem__leave_ring(t, e);
     const int32_t next = t->at[head].next;
     a->due = (int16_t)bucket;
@@ -2850,9 +2862,10 @@ DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
     t->at[head].next = e;
 }
 
-/* Empties the bucket of a step: the first that waited in it, and after each the next; less than 0 at the end. A look puts none back. */
-DEM_INLINE int32_t dem__take_due(dem__timers *t, int64_t step) {
-    const int32_t head = -1 - (int32_t)(step & (DEM_WHEEL - 1)), first = t->at[head].next;
+/* Empties a ring of a step's bucket: the first that waited in it, and after each the next; less than 0 at the end. A look puts none
+   back. */
+DEM_INLINE int32_t dem__take_due(dem__timers *t, int ring, int64_t step) {
+    const int32_t head = dem__ring_head((int32_t)(step & (DEM_WHEEL - 1)), ring), first = t->at[head].next;
     t->at[head].next = t->at[head].prev = head;
     return first;
 }
@@ -3298,11 +3311,11 @@ static inline void dem__list_active(dem_world *w) {
 /* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (t->capacity < w->count * w->walls + DEM_WHEEL) return; /* not made yet */
+    if (t->capacity < w->count * w->walls + t->rings * DEM_WHEEL || !t->at) return; /* not made yet */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) t->at[w->remap__[i] * w->walls + k] = t->at[i * w->walls + k];
     }
-    for (int32_t e = -DEM_WHEEL; e < (int32_t)left * w->walls; e++) t->at[e].next = t->at[e].prev = e;
+    for (int32_t e = -t->rings * DEM_WHEEL; e < (int32_t)left * w->walls; e++) t->at[e].next = t->at[e].prev = e;
     for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
         if (t->at[e].due >= 0) dem__set_timer(t, e, t->at[e].due);
     }
@@ -4142,7 +4155,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *
     }
 }
 
-/* Ahead of a contact: particle i is mostly that of the one before. */
+/* Ahead of a contact. */
 DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
@@ -4169,7 +4182,10 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
 
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            if (c + DEM_BLOCK < end) dem__fetch_partner(w, w->live_j__[c + DEM_BLOCK]);
+            if (c + DEM_BLOCK < end) {
+                dem__fetch_partner(w, w->live_i__[c + DEM_BLOCK]);
+                dem__fetch_partner(w, w->live_j__[c + DEM_BLOCK]);
+            }
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
             else {
                 wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
@@ -4915,22 +4931,31 @@ static inline void dem__look(dem_world *w, int64_t step) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
         }
     }
-    int32_t ahead[DEM__AHEAD]; /* the timers' ring is a chain of misses, and so are the flights: both run ahead of the looks */
+    int32_t ahead[DEM__AHEAD], at[DEM__RINGS]; /* a ring is a chain of misses, and so are the flights: both run ahead of the looks */
     unsigned in = 0, out = 0;
-    for (int32_t p = dem__take_due(&w->near__, step); p >= 0 || out < in;) {
-        if (p >= 0) {
-            dem__fetch_flight(w, w->near__.at[p].i);
-            dem__fetch_flight(w, w->near__.at[p].j);
-            ahead[in++ % DEM__AHEAD] = p;
-            p = dem__take_next(&w->near__, p);
+    int rings = w->near__.rings;
+    for (int r = 0; r < rings; r++) at[r] = dem__take_due(&w->near__, r, step);
+    for (int r = 0; rings > 0; r = r + 1 < rings ? r + 1 : 0) {
+        const int32_t p = at[r];
+        if (p < 0) {
+            at[r] = at[--rings];
+            continue;
         }
-        if (p < 0 || in - out == DEM__AHEAD) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
+        dem__fetch_flight(w, w->near__.at[p].i);
+        dem__fetch_flight(w, w->near__.at[p].j);
+        at[r] = dem__take_next(&w->near__, p);
+        DEM__PREFETCH(&w->near__.at[at[r]]);
+        if (in - out == DEM__AHEAD) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
+        ahead[in++ % DEM__AHEAD] = p;
     }
+    while (out < in) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
     dem__set_waits(w, &waits, step);
-    for (int32_t e = dem__take_due(&w->wall_timers__, step); e >= 0;) {
-        const int32_t next = dem__take_next(&w->wall_timers__, e);
-        dem__look_at_wall(w, e, step);
-        e = next;
+    for (int r = 0; r < w->wall_timers__.rings; r++) {
+        for (int32_t e = dem__take_due(&w->wall_timers__, r, step); e >= 0;) {
+            const int32_t next = dem__take_next(&w->wall_timers__, e);
+            dem__look_at_wall(w, e, step);
+            e = next;
+        }
     }
 }
 
