@@ -128,8 +128,9 @@ extern "C" {
 #define DEM__AHEAD 16        /* looks for which memory is asked ahead */
 #define DEM__RINGS 8         /* lists of a bucket, each of a range of many timers: a chain waits for memory, several wait together */
 #define DEM__TIDY 256        /* steps between two orderings of contacts */
+#define DEM__SECTIONS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 4u        /* version of dem_save */
+#define DEM_FORMAT 5u        /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -431,6 +432,13 @@ typedef struct dem__kind {
     double constant[DEM_CONSTANTS_MAX];
 } dem__kind;
 
+/* Private: the contacts of particles from `from` on, up to where the next section begins, in slots of their own: first .. first + live - 1.
+   Without room (of the last: without end) new ones go into the last section. */
+typedef struct dem__section {
+    ptrdiff_t first, live, room, deferred;
+    int32_t from;
+} dem__section;
+
 /* Private: two particles that may meet, or a particle and a wall (of which only the first four are in use). Half a cache line. */
 typedef struct dem__timer {
     int32_t next, prev;
@@ -508,8 +516,9 @@ typedef struct dem_world {
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
     double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
-        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__, *unsettled__,
+        *lowest__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2; lowest: no contact of it is in a
+                      section before this */
 
     /* near pairs, particles and walls: near__.at[0 .. near_count - 1], wall_timers__.at[i * walls + k] */
     ptrdiff_t near_count__, adjacent_capacity__, cells_capacity__;
@@ -517,9 +526,11 @@ typedef struct dem_world {
     dem__timers near__, wall_timers__;
     int64_t listed__; /* step at which the list was built */
 
-    /* live contacts, in slots: those of a step by partners, after those of earlier steps; gaps are filled from the end; now and then all
-       are ordered by i. What has happened alone fixes their order, and that the order of every sum */
+    /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
+       now and then all are ordered by i. What has happened alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
+    int sections__;
+    dem__section section__[DEM__SECTIONS];
     int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
         *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
     uint8_t *live_event__, *live_ended__;
@@ -1579,7 +1590,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                           &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__,    &w->link_wy__, &w->link_wz__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
-                            &w->unsettled__};
+                            &w->unsettled__,      &w->lowest__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
@@ -1801,7 +1812,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     if (status != DEM_OK) return status;
     world->def = *def;
     world->dt__ = def->dt;
-    world->fresh__ = world->stale__ = 1;
+    world->fresh__ = world->stale__ = world->sections__ = 1;
     world->has_periodic__ = def->periodic[0] | def->periodic[1] | def->periodic[2];
     return DEM_OK;
 }
@@ -2950,18 +2961,32 @@ DEM_INLINE void dem__wait_on_course(dem_world *w, dem__waits *q, int32_t p, int6
     dem__wait_for_pair(w, q, p, step, a, b, dem__apart(w, d), a->ball * (t - a->since) + b->ball * (t - b->since));
 }
 
+/* Every contact: DEM__EACH(w, c) { .. slot c .. }; break leaves a section only. */
+#define DEM__EACH(w, c)                                                                                                                    \
+    for (const dem__section *in_##c = (w)->section__; in_##c < (w)->section__ + (w)->sections__; in_##c++)                                 \
+        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->live; c++)
+
+/* Where the next contact is born. */
+DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
+    const dem__section *last = &w->section__[w->sections__ - 1];
+    return last->first + last->live;
+}
+
+static inline int dem__grow_live(dem_world *w, ptrdiff_t slots) {
+    dem__array list[DEM__ARRAYS_MAX];
+    return slots <= w->live_capacity__ || (slots <= INT32_MAX / 2 && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__,
+                                                                                     &w->live_bytes__, &w->live_capacity__, slots));
+}
+
 /* A new contact, in the next slot; made ready in dem__admit_born. */
 static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
-    if (w->live_count__ + 1 > w->live_capacity__) {
-        dem__array list[DEM__ARRAYS_MAX];
-        int n = dem__live_arrays(w, list);
-        if (w->live_count__ > INT32_MAX / 2 ||
-            !dem__grow_group(w, list, n, &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_count__ + 1)) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return 0;
-        }
+    const ptrdiff_t c = dem__next_slot(w);
+    if (!dem__grow_live(w, c + 1)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
     }
-    ptrdiff_t c = w->live_count__++;
+    w->live_count__++;
+    w->section__[w->sections__ - 1].live++;
     w->live_i__[c] = (int32_t)i;
     w->live_j__[c] = (int32_t)j;
     w->live_element__[c] = element;
@@ -3018,7 +3043,7 @@ DEM_INLINE int dem__awaits(const dem_world *w, ptrdiff_t i, int wall) {
 /* A contact with a place of a mesh. */
 static inline int dem__bear_at_mesh(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     if (!dem__bear(w, i, -1 - wall, element, -1)) return 0;
-    const ptrdiff_t c = w->live_count__ - 1;
+    const ptrdiff_t c = dem__next_slot(w) - 1;
     w->live_place__[0][c] = touch->normal.x, w->live_place__[1][c] = touch->normal.y, w->live_place__[2][c] = touch->normal.z;
     w->live_place__[3][c] = touch->gap;
     return 1;
@@ -3088,24 +3113,21 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
-static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
-    for (ptrdiff_t c = first; c < end; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+static inline void dem__find_followers(dem_world *w, int64_t step, const dem__section *in) {
+    for (ptrdiff_t c = in->first; c < in->first + in->live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
 }
 
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
-    const ptrdiff_t live = w->live_count__;
-    const int parts = dem__parts(w, live);
+    const ptrdiff_t end = dem__next_slot(w);
+    const int parts = dem__parts(w, w->live_count__);
     int q;
-    if (parts == 1) dem__find_followers(w, step, 0, live);
-    else {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#pragma omp parallel for schedule(static) num_threads(parts) if (parts > 1)
 #endif
-        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(live, q, parts), dem__part(live, q + 1, parts));
-    }
-    for (ptrdiff_t c = 0; c < live && w->status == DEM_OK; c++) {
-        if (w->live_event__[c]) dem__follow_slot(w, c, step, 1);
+    for (q = 0; q < w->sections__; q++) dem__find_followers(w, step, &w->section__[q]);
+    DEM__EACH(w, c) {
+        if (c < end && w->live_event__[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }
 }
 
@@ -3327,6 +3349,12 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
+/* The number of particle i, or of the first after it that stays, when those are numbered by remap__. */
+static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
+    while (i < (int32_t)w->count && w->remap__[i] < 0) i++;
+    return i < (int32_t)w->count ? w->remap__[i] : (int32_t)(w->count - w->dropped__);
+}
+
 /* Takes dropped particles out of the arrays, keeping the order of the others. */
 static inline void dem__compact(dem_world *w) {
     if (!w->dropped__) return;
@@ -3346,10 +3374,11 @@ static inline void dem__compact(dem_world *w) {
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
     }
     dem__move_wall_timers(w, to);
-    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+    DEM__EACH(w, c) {
         w->live_i__[c] = remap[w->live_i__[c]];
         if (w->live_j__[c] >= 0) w->live_j__[c] = remap[w->live_j__[c]];
     }
+    for (int q = 0; q < w->sections__; q++) w->section__[q].from = dem__remapped(w, w->section__[q].from);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
         w->link_i__[k] = remap[w->link_i__[k]];
         if (w->link_j__[k] >= 0) w->link_j__[k] = remap[w->link_j__[k]];
@@ -3634,16 +3663,16 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
 
 static inline void dem__list_wall_contacts(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
-    for (int32_t c = 0; c < (int32_t)w->live_count__; c++) {
+    DEM__EACH(w, c) {
         if (w->live_j__[c] >= 0) continue;
         w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
-        w->wall_head__[w->live_i__[c]] = c;
+        w->wall_head__[w->live_i__[c]] = (int32_t)c;
     }
 }
 
 /* Which near pair a live contact is. */
 static inline void dem__find_contacts(dem_world *w) {
-    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+    DEM__EACH(w, c) {
         const int32_t p = w->live_j__[c] < 0 ? -1 : dem__near_pair(w, w->live_i__[c], w->live_j__[c]);
         w->live_near__[c] = p;
         if (p >= 0) w->near__.at[p].state = 1;
@@ -4133,24 +4162,39 @@ DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
     for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds forces and torques of the contacts in n slots to the sums, slot by slot: to all, or to those of `own` particles and, with the first
-   particle, the walls. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t base, int n, double *const *out, int turns, int all, uint32_t from,
-                                   uint32_t own) {
+/* Adds force and torques, out[][k], of the contact of particle i to the sums: to that of i, to that of j. */
+DEM_INLINE void dem__add_forces(dem_world *w, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int turns, int to_i, int to_j) {
+    const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
+    const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
+    const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
+    if (to_i) dem__add_load(&w->sum__[i], on_i, turns);
+    if (!to_j) return;
+    if (j >= 0) {
+        dem__add_load(&w->sum__[j], on_j, turns);
+        return;
+    }
+    dem_wall *wall = &w->wall[-1 - j];
+    const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
+    const dem_vec arm = dem__sub(w->particle[i].x, wall->position);
+    wall->force = dem__add(wall->force, f);
+    wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
+}
+
+/* May the thread whose sections begin with `own` add to the sum of a particle, or of a wall, while the others run? Only if none of them adds
+   to it before: sums are in the order of slots. */
+DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i >= 0 && w->lowest__[i] >= own; }
+
+/* Adds what n contacts do, slot by slot. One thread adds all; several leave to dem__add_deferred what must wait. */
+DEM_INLINE void dem__gather_forces(dem_world *w, dem__section *in, ptrdiff_t base, int n, double *const *out, int turns, int own) {
     for (int k = 0; k < n; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
-        const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-        const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
-        const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
-        if (all || (uint32_t)i - from < own) dem__add_load(&w->sum__[i], on_i, turns);
-        if (j >= 0) {
-            if (all || (uint32_t)j - from < own) dem__add_load(&w->sum__[j], on_j, turns);
-        } else if (all || from == 0) {
-            dem_wall *wall = &w->wall[-1 - j];
-            const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
-            const dem_vec arm = dem__sub(w->particle[i].x, wall->position);
-            wall->force = dem__add(wall->force, f);
-            wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
+        if (w->sums__) dem__add_forces(w, i, j, out, k, turns, 1, 1);
+        else {
+            const int to_i = dem__may_add(w, i, own), to_j = dem__may_add(w, j, own);
+            dem__add_forces(w, i, j, out, k, turns, to_i, to_j);
+            if (to_i && to_j) continue;
+            for (int a = 0; a < 9; a++) w->live_out__[a][base + k] = out[a][k];
+            w->slots__[in->first + in->deferred++] = (int32_t)(base + k);
         }
     }
 }
@@ -4163,18 +4207,17 @@ DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
 }
 
-/* Evaluates the contacts in slots first .. end-1. Each stands alone: what it reads is of its own slot and of particles and walls that
-   do not change meanwhile, what it writes is of its own slot; hence any order, any division among threads, gives the same bits. One
-   thread also sums, each block while it is in the cache. */
-DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
+/* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
+   meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
+   the cache. */
+DEM_INLINE void dem__evaluate_section(dem_world *w, dem__section *in, int own, dem__traits *traits, const dem_law *law, int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
     const void *user = w->user;
+    const ptrdiff_t end = in->first + in->live;
     dem__rows b;
-    dem__traits traits;
     dem__row out[9];
-    for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
-    for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
+    for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
         dem__touch touch[DEM_BLOCK];
@@ -4192,8 +4235,8 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 wall[walls++] = k;
             }
         }
-        dem__take_traits(w, base, n, law->constants, &traits);
-        dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
+        dem__take_traits(w, base, n, law->constants, traits);
+        dem__complete_rows(w, &b, traits, n, wall, touch, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
@@ -4205,13 +4248,13 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
+            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__view(&b, &traits, k, half, turns, &q, &arm_i, &arm_j);
-            const double predict = traits.predict[k]; /* read outside the choice, or the loop does not vectorise */
+            dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
+            const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
-            q.mass = traits.mass[k];
+            q.mass = traits->mass[k];
             q.share = share[k];
             q.dt = h;
             q.rate = rate;
@@ -4246,9 +4289,9 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 if (w->live_event__[c]) {
                     dem_contact view;
                     double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-                    for (int a = 0; a < law->constants; a++) p[a] = traits.constant[a][k];
-                    dem__view(&b, &traits, k, half, turns, &view, &arm_i, &arm_j);
-                    view.mass = traits.mass[k];
+                    for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
+                    dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
+                    view.mass = traits->mass[k];
                     view.share = share[k];
                     view.dt = 0.0;
                     view.rate = rate;
@@ -4261,7 +4304,17 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
                 q += is_wall;
             }
         }
-        if (w->sums__) dem__gather_forces(w, base, n, at.out, turns, 1, 0, 0);
+        dem__gather_forces(w, in, base, n, at.out, turns, own);
+    }
+}
+
+/* The contacts of sections first .. end-1, by one thread. */
+DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
+    dem__traits traits;
+    for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
+    for (ptrdiff_t q = first; q < end; q++) {
+        w->section__[q].deferred = 0;
+        dem__evaluate_section(w, &w->section__[q], (int)first, &traits, law, features);
     }
 }
 
@@ -4423,7 +4476,7 @@ static inline void dem__bury(dem_world *w, int64_t step);
 
 /* Ends the contacts of those who have been taken out. */
 static inline void dem__leave_alone(dem_world *w) {
-    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+    DEM__EACH(w, c) {
         const int32_t j = w->live_j__[c];
         if (!w->alive[w->live_i__[c]] || (j >= 0 && !w->alive[j])) w->live_ended__[c] = 1;
     }
@@ -4518,37 +4571,37 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
 /* The slots that are marked, into slots__. Marks are few: eight at a time. */
 static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
     ptrdiff_t n = 0;
-    for (ptrdiff_t c = 0; c < w->live_count__; c += 8) {
-        const ptrdiff_t end = c + 8 < w->live_count__ ? c + 8 : w->live_count__;
-        uint64_t eight = 0;
-        memcpy(&eight, mark + c, (size_t)(end - c));
-        for (ptrdiff_t k = c; eight && k < end; k++) {
-            if (mark[k]) w->slots__[n++] = (int32_t)k;
+    for (int q = 0; q < w->sections__; q++) {
+        const ptrdiff_t last = w->section__[q].first + w->section__[q].live;
+        for (ptrdiff_t c = w->section__[q].first; c < last; c += 8) {
+            const ptrdiff_t end = c + 8 < last ? c + 8 : last;
+            uint64_t eight = 0;
+            memcpy(&eight, mark + c, (size_t)(end - c));
+            for (ptrdiff_t k = c; eight && k < end; k++) {
+                if (mark[k]) w->slots__[n++] = (int32_t)k;
+            }
         }
     }
     return n;
 }
 
-/* What slots first .. first + n - 1 hold into the order of slots__, which lists them. */
-static inline void dem__arrange(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
-    double *scratch = w->live_event_data__[0]; /* of use within a step only */
+/* What the slots hold that slots__ lists, one after the other into the slots of sections. */
+static inline void dem__arrange(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays) {
+    char *scratch = (char *)w->live_event_data__[0]; /* of use within a step only */
     for (int a = 0; a < arrays; a++) {
         const size_t size = list[a].size;
         char *base;
+        ptrdiff_t n = 0;
         memcpy(&base, list[a].address, sizeof base);
-        if ((void *)base == (void *)w->slots__ || (void *)base == (void *)scratch) continue;
-        base += (size_t)first * size;
-        memcpy(scratch, base, (size_t)n * size);
-        for (ptrdiff_t k = 0; k < n; k++) memcpy(base + (size_t)k * size, (char *)scratch + (size_t)(w->slots__[k] - first) * size, size);
+        if ((void *)base == (void *)w->slots__ || base == scratch) continue;
+        for (int q = 0; q < sections; n += section[q++].live) {
+            for (ptrdiff_t k = n; k < n + section[q].live; k++)
+                memcpy(scratch + (size_t)k * size, base + (size_t)w->slots__[k] * size, size);
+        }
+        n = 0;
+        for (int q = 0; q < sections; n += section[q++].live)
+            memcpy(base + (size_t)section[q].first * size, scratch + (size_t)n * size, (size_t)section[q].live * size);
     }
-    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
-}
-
-/* Slots first .. first + n - 1 by partners. */
-static inline void dem__order(dem_world *w, ptrdiff_t first, ptrdiff_t n, const dem__array *list, int arrays) {
-    for (ptrdiff_t k = 0; k < n; k++) w->slots__[k] = (int32_t)(first + k);
-    dem__sort(w, w->slots__, n);
-    dem__arrange(w, first, n, list, arrays);
 }
 
 DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->share__[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
@@ -4617,9 +4670,43 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     w->live_part__[c] = kind.part;
 }
 
+/* No contact of particle i is in a section before this. */
+DEM_INLINE void dem__lower(dem_world *w, ptrdiff_t i, int section) {
+    if (w->lowest__[i] > section) w->lowest__[i] = section;
+}
+
+/* The contacts born since the last call, which slots__ lists by partners, from the end of the last section into sections of their own:
+   lists their slots instead. */
+static inline void dem__assign(dem_world *w, const dem__array *list, int arrays) {
+    dem__section born[DEM__SECTIONS];
+    const int last = w->sections__ - 1;
+    ptrdiff_t n = 0;
+    w->section__[last].live -= w->born__;
+    for (int q = 0; q <= last; q++) {
+        dem__section *in = &w->section__[q];
+        born[q].first = in->first + in->live;
+        born[q].live = 0;
+    }
+    for (ptrdiff_t k = 0; k < w->born__; k++) {
+        int q = last;
+        while (w->live_i__[w->slots__[k]] < w->section__[q].from) q--;
+        if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last;
+        born[q].live++;
+    }
+    dem__arrange(w, born, w->sections__, list, arrays);
+    for (int q = 0; q <= last; q++) {
+        w->section__[q].live += born[q].live;
+        for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
+            dem__lower(w, w->live_i__[c], q);
+            if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], q);
+            w->slots__[n++] = (int32_t)c;
+        }
+    }
+}
+
 /* Makes the contacts born since the last call ready, and puts them into the order. */
 static inline void dem__admit_born(dem_world *w, double gap) {
-    const ptrdiff_t born = w->born__, old = w->live_count__ - born;
+    const ptrdiff_t born = w->born__, old = dem__next_slot(w) - born;
     dem__array list[8] = {{&w->live_i__, sizeof(int32_t)},
                           {&w->live_j__, sizeof(int32_t)},
                           {&w->live_element__, sizeof(int32_t)},
@@ -4627,9 +4714,11 @@ static inline void dem__admit_born(dem_world *w, double gap) {
     int arrays = 4;
     for (int a = 0; w->meshes__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
     if (!born) return;
-    dem__order(w, old, born, list, arrays);
-    for (ptrdiff_t c = old; c < w->live_count__; c++) {
-        ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+    for (ptrdiff_t k = 0; k < born; k++) w->slots__[k] = (int32_t)(old + k);
+    dem__sort(w, w->slots__, born);
+    dem__assign(w, list, arrays);
+    for (ptrdiff_t k = 0; k < born; k++) {
+        const ptrdiff_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else {
@@ -4694,21 +4783,28 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Takes out contacts that ended: slots at the end fill the gaps. */
+/* Takes out contacts that ended: slots at the end of their section fill the gaps. */
 static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
     if (dead == 0) return;
     const int n = dem__live_arrays(w, list);
-    ptrdiff_t last = w->live_count__;
+    ptrdiff_t next = 0;
     dem__waits waits;
     waits.n = 0;
     for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
     dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
-    for (ptrdiff_t k = 0; k < dead && w->slots__[k] < w->live_count__; k++) {
-        while (w->live_ended__[last - 1]) last--;
-        dem__move_contact(w, (int32_t)--last, w->slots__[k], list, n);
+    for (int q = 0; q < w->sections__; q++) {
+        dem__section *in = &w->section__[q];
+        const ptrdiff_t first = next;
+        ptrdiff_t last = in->first + in->live;
+        while (next < dead && w->slots__[next] < last) next++;
+        in->live -= next - first;
+        for (ptrdiff_t k = first; k < next && w->slots__[k] < in->first + in->live; k++) {
+            while (w->live_ended__[last - 1]) last--;
+            dem__move_contact(w, (int32_t)--last, w->slots__[k], list, n);
+        }
     }
 }
 
@@ -4741,7 +4837,7 @@ static inline void dem__advance(dem_world *w, double h) {
 
 static inline void dem__gather_losses(dem_world *w) {
     dem_energy_ledger *l = &w->ledger__;
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+    DEM__EACH(w, k) {
         l->normal_loss += w->live_loss__[0][k];
         l->sliding_loss += w->live_loss__[1][k];
         l->rolling_loss += w->live_loss__[2][k];
@@ -4962,7 +5058,9 @@ static inline void dem__look(dem_world *w, int64_t step) {
 /* Takes back what was found in a step that cannot be finished. */
 static DEM__APART int dem__undo_look(dem_world *w) {
     for (; w->born__ > 0; w->born__--) {
-        const int32_t p = w->live_near__[--w->live_count__];
+        const int32_t p = w->live_near__[dem__next_slot(w) - 1];
+        w->section__[w->sections__ - 1].live--;
+        w->live_count__--;
         if (p >= 0) w->near__.at[p].state = 0;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -4973,7 +5071,7 @@ static DEM__APART int dem__undo_look(dem_world *w) {
     return 0;
 }
 
-/* Blocks to threads. */
+/* Blocks of links to threads. */
 static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
     const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
     const int parts = dem__parts(w, count);
@@ -4991,36 +5089,95 @@ static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff
     }
 }
 
-DEM__TWICE(dem__gather_part, (dem_world * w, int turns, uint32_t from, uint32_t own), (w, turns, from, own),
-           dem__gather_forces(w, 0, (int)w->live_count__, w->live_out__, turns, 0, from, own))
+/* Adds what the threads that evaluated the contacts could not. */
+static inline void dem__add_deferred(dem_world *w, int parts, int turns) {
+    for (int q = 0, part = 0; q < w->sections__; q++) {
+        while (q >= dem__part(w->sections__, part + 1, parts)) part++;
+        const int own = (int)dem__part(w->sections__, part, parts);
+        const int32_t *slot = w->slots__ + w->section__[q].first;
+        for (ptrdiff_t k = 0; k < w->section__[q].deferred; k++) {
+            const int32_t c = slot[k], i = w->live_i__[c], j = w->live_j__[c];
+            dem__add_forces(w, i, j, w->live_out__, c, turns, !dem__may_add(w, i, own), !dem__may_add(w, j, own));
+        }
+    }
+}
 
-/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. One thread sums as it goes; of several
-   each sums for particles of its own, in the same order. */
+/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const int parts = dem__parts(w, w->live_count__);
+    const int wanted = dem__parts(w, w->live_count__), parts = wanted < w->sections__ ? wanted : w->sections__;
     int q;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
-    w->keeps_out__ = keep || parts > 1;
+    w->keeps_out__ = keep;
     w->sums__ = parts == 1;
-    dem__share_blocks(w, kernel, w->live_count__);
-    if (parts > 1) {
+    if (parts == 1) kernel(w, 0, w->sections__);
+    else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) {
-            const ptrdiff_t from = dem__part(w->count, q, parts), end = dem__part(w->count, q + 1, parts);
-            dem__gather_part(w, turns, (uint32_t)from, (uint32_t)(end - from));
-        }
+        for (q = 0; q < parts; q++) kernel(w, dem__part(w->sections__, q, parts), dem__part(w->sections__, q + 1, parts));
+        dem__add_deferred(w, parts, turns);
     }
     for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
 }
 
+/* All contacts into the order of their particles i, else as they were: neighbours in space are then read one after the other. Many in
+   sections of equal size, with room to grow. */
+static inline int dem__tidy(dem_world *w) {
+    const ptrdiff_t n = w->live_count__;
+    const int sections = n < DEM__SECTIONS * 512 ? 1 : DEM__SECTIONS;
+    dem__section section[DEM__SECTIONS];
+    dem__array list[DEM__ARRAYS_MAX];
+    int32_t *place = w->remap__, sum = 0, before = -1;
+    ptrdiff_t end = 0, cut = 0;
+    int in_order = sections == w->sections__;
+    DEM__EACH(w, c) {
+        in_order &= before <= w->live_i__[c];
+        before = w->live_i__[c];
+    }
+    if (!in_order) {
+        for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
+        DEM__EACH(w, c) { place[w->live_i__[c]]++; }
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            const int32_t of = place[i];
+            place[i] = sum;
+            sum += of;
+        }
+        DEM__EACH(w, c) { w->slots__[place[w->live_i__[c]]++] = (int32_t)c; }
+        memset(section, 0, sizeof section);
+        for (int q = 0; q < sections; q++) {
+            const ptrdiff_t first = cut;
+            section[q].from = q > 0 && first < n ? w->live_i__[w->slots__[first]] : q > 0 ? (int32_t)w->count : 0;
+            if (dem__part(n, q + 1, sections) > cut) cut = dem__part(n, q + 1, sections);
+            while (cut < n && w->live_i__[w->slots__[cut]] == w->live_i__[w->slots__[cut - 1]]) cut++;
+            section[q].first = end;
+            section[q].live = cut - first;
+            section[q].room = sections > 1 ? section[q].live + section[q].live / 4 + DEM_BLOCK : 0;
+            end += section[q].room;
+        }
+        if (!dem__grow_live(w, end + 1)) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return 0;
+        }
+        dem__arrange(w, section, sections, list, dem__live_arrays(w, list));
+        w->sections__ = sections;
+        memcpy(w->section__, section, sizeof section);
+        dem__list_wall_contacts(w);
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) w->lowest__[i] = sections;
+    DEM__EACH(w, c) {
+        const int q = (int)(in_c - w->section__);
+        dem__lower(w, w->live_i__[c], q);
+        if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], q);
+    }
+    return 1;
+}
+
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    ptrdiff_t old = 0;
+    ptrdiff_t born = 0;
     if (w->stale__) {
-        for (ptrdiff_t c = 0; c < w->live_count__; c++) { /* contacts with walls that were taken away */
+        DEM__EACH(w, c) { /* contacts with walls that were taken away */
             if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
         }
         dem__bury(w, w->step);
@@ -5038,7 +5195,6 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         dem__waits waits;
         waits.n = 0;
         w->def.skip = 0; /* everything, once; the timers stay */
-        old = w->live_count__;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
             if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, w->step);
         }
@@ -5049,22 +5205,24 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         }
         w->def.skip = skip;
         if (w->status != DEM_OK) return dem__undo_look(w);
+        born = w->born__;
         dem__admit_born(w, 0.0);
         dem__list_active(w);
-        for (ptrdiff_t c = old; c < w->live_count__; c++) {
-            const int32_t i = w->live_i__[c], j = w->live_j__[c];
+        for (ptrdiff_t k = 0; k < born; k++) {
+            const int32_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
             if (j >= 0) dem__stop_timer(&w->near__, w->live_near__[c]);
             else if (w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
         }
     }
     if (w->fresh__ || w->features__ != features || w->law__ != law) {
         w->kinds__ = 0;
-        for (ptrdiff_t c = 0; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
+        DEM__EACH(w, c) { dem__fold_constants(w, c, law, features); }
     }
     w->features__ = features;
     w->law__ = law;
     if (w->fresh__) {
-        if (law->born && w->live_count__ > old) law->born(w, w->slots__, w->live_count__ - old, w->user);
+        if (law->born && born > 0) law->born(w, w->slots__, born, w->user);
+        if (!dem__tidy(w)) return 0;
         dem__advance(w, 0.0);
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
@@ -5137,39 +5295,19 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
-/* All contacts into the order of their particles i, else as they were: neighbours in space are then read one after the other. */
-static inline void dem__tidy(dem_world *w) {
-    const ptrdiff_t n = w->live_count__;
-    dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->remap__, sum = 0;
-    ptrdiff_t in_order = 1;
-    while (in_order < n && w->live_i__[in_order - 1] <= w->live_i__[in_order]) in_order++;
-    if (in_order >= n) return;
-    for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
-    for (ptrdiff_t c = 0; c < n; c++) place[w->live_i__[c]]++;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const int32_t of = place[i];
-        place[i] = sum;
-        sum += of;
-    }
-    for (ptrdiff_t c = 0; c < n; c++) w->slots__[place[w->live_i__[c]]++] = (int32_t)c;
-    dem__arrange(w, 0, n, list, dem__live_arrays(w, list));
-    dem__list_wall_contacts(w);
-}
-
 static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
     const int turns = (features & DEM_FRICTION) != 0;
-    if (w->step % DEM__TIDY == 0) dem__tidy(w);
+    if (w->step % DEM__TIDY == 0 && !dem__tidy(w)) return 0;
     if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__look(w, w->step + 1);
     if (w->status != DEM_OK) return dem__undo_look(w);
     if (w->born__) {
-        ptrdiff_t old = w->live_count__ - w->born__;
+        const ptrdiff_t born = w->born__;
         dem__admit_born(w, 1.0);
         dem__advance(w, w->dt__);
-        for (ptrdiff_t c = old; c < w->live_count__; c++) dem__fold_constants(w, c, law, features);
-        if (law->born) law->born(w, w->slots__, w->live_count__ - old, w->user);
+        for (ptrdiff_t k = 0; k < born; k++) dem__fold_constants(w, w->slots__[k], law, features);
+        if (law->born) law->born(w, w->slots__, born, w->user);
     } else dem__advance(w, w->dt__);
     dem__evaluate(w, kernel, w->dt__, turns, keep);
     if (features & DEM_ENERGY) dem__gather_losses(w);
@@ -5182,8 +5320,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     w->time = w->start_time__ + (double)(w->step - w->start_step__) * w->dt__;
     if (!finite) return dem__fail(w, DEM_NOT_FINITE);
     if (w->leaving__) {
-        for (ptrdiff_t c = 0; c < w->live_count__; c++) {
-            ptrdiff_t j = w->live_j__[c];
+        DEM__EACH(w, c) {
+            const ptrdiff_t j = w->live_j__[c];
             if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1;
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -5227,7 +5365,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
         const ptrdiff_t old_capacity = w->live_capacity__;
         w->states__ = law->states, w->constants__ = constants, w->ledger_on__ = ledger;
         if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__,
-                             w->live_count__ + 1)) {
+                             dem__next_slot(w) + 1)) {
             w->states__ = old_states, w->constants__ = old_constants, w->ledger_on__ = old_ledger;
             w->live_capacity__ = old_capacity;
             return DEM_OUT_OF_MEMORY;
@@ -5317,13 +5455,22 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
         l.potential += dem__potential(world, i);
         if (world->ledger_on__) l.link_work += dem__link_work(world, i);
     }
-    for (ptrdiff_t c = 0; world->ledger_on__ && c < world->live_count__; c++) l.elastic += world->live_elastic__[c];
+    if (world->ledger_on__) {
+        DEM__EACH(world, c) { l.elastic += world->live_elastic__[c]; }
+    }
     if (!world->ledger_started__) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
     l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
               l.added - l.wall_work - l.external_work - l.link_work;
     return l;
+}
+
+/* The slot of contact k < live_count. */
+DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
+    const dem__section *in = w->section__;
+    while (k >= in->live) k -= in++->live;
+    return in->first + k;
 }
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
@@ -5333,6 +5480,7 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
     if (!world || k < 0 || k >= world->live_count__) return info;
+    k = dem__slot_of(world, k);
     info.i = world->live_i__[k];
     info.j = world->live_j__[k];
     info.gap = world->live_gap__[k];
@@ -5343,7 +5491,7 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
+    if (!world || !state || slot < 0 || slot >= world->live_capacity__) return;
     for (int a = 0; a < world->states__; a++) world->live_state__[a][slot] = state[a];
 }
 
@@ -6057,7 +6205,7 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? k : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
+        dem__touch_place(w, k < w->live_count__ ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     return dem__dot(c.force, c.force) > 0.0;
@@ -6305,7 +6453,8 @@ DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, cons
 
 DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     double unlike = 0.0, all = 0.0, ends = 0.0;
-    for (ptrdiff_t k = 0; world && k < world->live_count__; k++) {
+    if (!world) return (double)NAN;
+    DEM__EACH(world, k) {
         const int32_t i = world->live_i__[k], j = world->live_j__[k];
         if (j < 0 || !(world->live_gap__[k] < 0.0)) continue;
         const int a = world->group[i] == group, b = world->group[j] == group;
@@ -6439,7 +6588,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
         if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
         for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
     }
-    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+    DEM__EACH(w, c) {
         int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
         if (remap && j >= 0) j = remap[j];
         dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
@@ -6474,6 +6623,26 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     return s.hash;
 }
 
+static inline void dem__stream_sections(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
+    const int64_t all = live + DEM_BLOCK;
+    ptrdiff_t first = 0;
+    dem__ints(s, &w->sections__, 1);
+    if (w->sections__ < 1 || w->sections__ > DEM__SECTIONS) s->failed = 1;
+    for (int q = 0; q < w->sections__ && !s->failed; q++) {
+        dem__section *in = &w->section__[q];
+        int64_t of = in->live, room = in->room;
+        int32_t from = in->from;
+        if (!s->loading && from > 0) from = dem__remapped(w, from);
+        dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
+        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < w->sections__ - 1 && of > room)) s->failed = 1;
+        if (!s->loading || s->failed) continue;
+        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q > 0 ? from : 0;
+        first += in->room;
+        live -= of;
+    }
+    if (s->loading && live != 0) s->failed = 1;
+}
+
 static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
     uint64_t magic = 0x0a1a64656d52u, version = DEM_FORMAT;
     dem__u64(s, &magic), dem__u64(s, &version);
@@ -6497,6 +6666,7 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
     if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->link_near__) || !dem__not_negative(w->link_interval__)) s->failed = 1;
     if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
+    dem__stream_sections(s, w, live, *present);
     w->live_count__ = (ptrdiff_t)live;
     w->passed_count = (ptrdiff_t)passed;
     w->link_count__ = (ptrdiff_t)links;
@@ -6575,21 +6745,22 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
+    ptrdiff_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
             w->material[i] >= w->def.materials || w->particle[i].origin > w->step || w->particle[i].origin < 0)
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }
-    for (ptrdiff_t c = 0; c < w->live_count__; c++) {
+    DEM__EACH(w, c) {
         const int32_t i = w->live_i__[c], j = w->live_j__[c];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
         if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
-        w->slots__[c] = (int32_t)c;
+        w->slots__[n++] = (int32_t)c;
     }
-    dem__sort(w, w->slots__, w->live_count__); /* none is there twice */
-    for (ptrdiff_t c = 1; c < w->live_count__; c++) {
+    dem__sort(w, w->slots__, n); /* none is there twice */
+    for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, w->slots__[c - 1], w->slots__[c])) return 0;
     }
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
@@ -6642,7 +6813,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
                              (ptrdiff_t)present + 1);
     enough =
-        enough && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, live + 1);
+        enough && dem__grow_live(w, dem__next_slot(w) + 1);
     enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
                                                       &w->link_capacity__, links));
     if (enough && passed > 0) {
@@ -6676,7 +6847,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     w->stale__ = 1;
     dem__find_links(w);
-    for (ptrdiff_t c = 0; c < live; c++) {
+    DEM__EACH(w, c) {
         dem__activate(w, w->live_i__[c]);
         if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
         else {
