@@ -2846,6 +2846,7 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / pa
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
    looked at; a look finds a contact, or the next time when one is possible. */
 
+DEM_INLINE int dem__ring_of(const dem__timers *t, int32_t e) { return (int)((uint64_t)e * t->scale >> 32); }
 DEM_INLINE int32_t dem__ring_head(int32_t bucket, int ring) { return -1 - (ring * DEM_WHEEL + bucket); }
 
 DEM_INLINE dem__timer *dem__leave_ring(dem__timers *t, int32_t e) {
@@ -2862,8 +2863,7 @@ DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
 }
 
 DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
-    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), ring = (int32_t)((uint64_t)e * t->scale >> 32);
-    const int32_t head = dem__ring_head(bucket, ring);
+    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head = dem__ring_head(bucket, dem__ring_of(t, e));
     dem__timer *a = dem__leave_ring(t, e);
     const int32_t next = t->at[head].next;
     a->due = (int16_t)bucket;
@@ -2913,12 +2913,16 @@ DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 typedef double dem__row[DEM_BLOCK];
 
-/* Pairs whose timers are to be set. */
+/* Pairs whose timers are to be set; and what looks have found. */
 typedef struct dem__waits {
     dem__row x, y, z, ux, uy, uz, sum, stray; /* from the centre of one to the other's; relative velocity, known to within stray */
     int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
     int n;
+    int32_t found; /* first of a list, through `next`, of pairs that touch; or -1 */
+    int64_t looks;
 } dem__waits;
+
+DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = -1, q->looks = 0; }
 
 /* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most what the wheel holds. */
 DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
@@ -2995,15 +2999,29 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
     return 1;
 }
 
+/* Looks at a pair that waits in no ring. */
 static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p, int64_t step) {
     dem__timer *q = &w->near__.at[p];
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
-    w->looks++;
-    if (dem__dot(d, d) < q->distance * q->distance && dem__bear(w, q->i, q->j, 0, p)) {
-        q->state = 1;
-        return;
+    waits->looks++;
+    if (dem__dot(d, d) < q->distance * q->distance) {
+        q->next = waits->found;
+        waits->found = p;
+    } else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
+}
+
+/* Sets the timers that wait, and makes contacts of what was found. */
+static inline void dem__end_looks(dem_world *w, dem__waits *waits, int64_t step) {
+    dem__set_waits(w, waits, step);
+    w->looks += waits->looks;
+    for (int32_t p = waits->found; p >= 0;) {
+        dem__timer *q = &w->near__.at[p];
+        const int32_t next = q->next;
+        q->next = p;
+        if (dem__bear(w, q->i, q->j, 0, p)) q->state = 1;
+        p = next;
     }
-    if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
+    waits->found = -1, waits->looks = 0;
 }
 
 static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
@@ -3226,7 +3244,7 @@ DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
 
 /* A new course for particle i, with a ball that holds 16 steps of the present force and a little more: in flight very little, as nothing
    turns it from its course before a contact does, and small balls let neighbours alone for long. */
-static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
+static inline void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step) {
     const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau), g = w->def.gravity;
     const dem_vec a = dem__sub(w->particle[i].a, g);
@@ -3238,12 +3256,18 @@ static inline void dem__aim(dem_world *w, ptrdiff_t i, int64_t step) {
     c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + 16.0 * w->dt__ * dem__length(a);
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     dem__leave_room(w, i, 0.0);
-    double speed = dem__length(v);
+}
+
+/* What else a new course of particle i has an effect on: the list, and the timers of walls. */
+static inline void dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step) {
+    const double tau = (double)(step - w->particle[i].origin) * w->dt__;
+    const dem_vec x = dem__at(w, i, tau);
+    double speed = dem__length(dem__velocity_at(w, i, tau));
     if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && w->status == DEM_OK) {
         w->status = DEM_TOO_FAST;
         w->failed_id = w->id[i];
     }
-    speed += 2.0 * c->ball;
+    speed += 2.0 * w->course__[i].ball;
     const dem_vec moved = dem__apart(w, dem__sub(x, dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
     const double left = 0.49 * w->margin__ - dem__length(moved), until = (double)(w->next_check__ - step) * w->dt__;
     if (!(left > until * (speed + 0.5 * w->fall__ * until))) {
@@ -3302,22 +3326,45 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     return 1;
 }
 
-/* Particle i has left its course: a new one, and new timers. */
-static inline void dem__restart(dem_world *w, ptrdiff_t i, int64_t step) {
+/* Ahead of new timers. */
+DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
         DEM__PREFETCH(&w->near__.at[w->adjacent__[2 * k]]);
         DEM__PREFETCH(&w->course__[w->adjacent__[2 * k + 1]]);
     }
-    dem__aim(w, i, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    const dem__course a = w->course__[i];
+}
+
+/* New timers for the pairs of particles with new courses, of which slots of rings first .. end-1. */
+static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, int first, int end, int64_t step) {
     dem__waits waits;
-    waits.n = 0;
-    for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
-        const int32_t p = w->adjacent__[2 * k];
-        if (w->near__.at[p].state == 0) dem__wait_on_course(w, &waits, p, step, &a, &w->course__[w->adjacent__[2 * k + 1]]);
+    dem__no_waits(&waits);
+    for (ptrdiff_t m = 0; m < n; m++) {
+        const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
+        if (m + 1 < n) dem__fetch_neighbours(w, restarted[m + 1]);
+        for (int32_t k = begin; k < stop; k++) {
+            const int32_t p = w->adjacent__[2 * k], ring = dem__ring_of(&w->near__, p);
+            if (ring < first || ring >= end || w->near__.at[p].state != 0) continue;
+            dem__wait_on_course(w, &waits, p, step, &w->course__[i], &w->course__[w->adjacent__[2 * k + 1]]);
+        }
     }
     dem__set_waits(w, &waits, step);
+}
+
+/* Listed particles have new courses: everything that follows from them. */
+static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
+    const int wanted = dem__parts(w, 4 * n), rings = w->near__.rings, parts = wanted < rings ? wanted : rings;
+    int q;
+    for (ptrdiff_t m = 0; m < n; m++) dem__heed_course(w, restarted[m], step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
+    if (parts <= 1) {
+        dem__wait_anew(w, restarted, n, 0, rings, step);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+    for (q = 0; q < parts; q++)
+        dem__wait_anew(w, restarted, n, (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
 }
 
 /* Active particles in the order of memory. */
@@ -3706,7 +3753,7 @@ static inline void dem__find_links(dem_world *w) {
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
     dem__waits waits;
-    waits.n = 0;
+    dem__no_waits(&waits);
     if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL;
@@ -3752,7 +3799,9 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i]) dem__aim(w, i, w->step);
+        if (!w->alive[i]) continue;
+        dem__set_course(w, i, w->step);
+        dem__heed_course(w, i, w->step);
     }
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         const dem__timer *q = &w->near__.at[p];
@@ -4186,16 +4235,14 @@ DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i >
 
 /* Adds what n contacts do, slot by slot. One thread adds all; several leave to dem__add_deferred what must wait. */
 DEM_INLINE void dem__gather_forces(dem_world *w, dem__section *in, ptrdiff_t base, int n, double *const *out, int turns, int own) {
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n && w->sums__; k++) dem__add_forces(w, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n && !w->sums__; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
-        if (w->sums__) dem__add_forces(w, i, j, out, k, turns, 1, 1);
-        else {
-            const int to_i = dem__may_add(w, i, own), to_j = dem__may_add(w, j, own);
-            dem__add_forces(w, i, j, out, k, turns, to_i, to_j);
-            if (to_i && to_j) continue;
-            for (int a = 0; a < 9; a++) w->live_out__[a][base + k] = out[a][k];
-            w->slots__[in->first + in->deferred++] = (int32_t)(base + k);
-        }
+        const int to_i = dem__may_add(w, i, own), to_j = dem__may_add(w, j, own);
+        dem__add_forces(w, i, j, out, k, turns, to_i, to_j);
+        if (to_i && to_j) continue;
+        for (int a = 0; a < 9; a++) w->live_out__[a][base + k] = out[a][k];
+        w->slots__[in->first + in->deferred++] = (int32_t)(base + k);
     }
 }
 
@@ -4791,7 +4838,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     const int n = dem__live_arrays(w, list);
     ptrdiff_t next = 0;
     dem__waits waits;
-    waits.n = 0;
+    dem__no_waits(&waits);
     for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
     dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
@@ -4966,28 +5013,52 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     }
 }
 
-/* Particles whose velocity left its ball, or whose flight begins, get new timers. */
-static inline void dem__watch(dem_world *w) {
-    ptrdiff_t flown = 0, kept = 0;
-    for (ptrdiff_t k = 0; k < w->unsettled_count__; k++) {
+/* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
+   `first` on. Returns how many. */
+static inline ptrdiff_t dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->unsettled__[k];
-        const int stays = w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i));
         if (w->alive[i] && !w->stale__) {
-            if (w->touching[i] == 0 || !dem__holds_course(w, i)) dem__restart(w, i, w->step);
-            else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
+            if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
+                dem__set_course(w, i, w->step);
+                w->remap__[first + n++] = (int32_t)i;
+            } else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
         }
-        w->is_active__[i] = w->alive[i] && stays;
-        flown += !w->is_active__[i];
+        w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
     }
+    return n;
+}
+
+/* Courses and timers of the unsettled; those whose flight begins leave the list of active particles. */
+static inline void dem__watch(dem_world *w) {
+    const ptrdiff_t n = w->unsettled_count__, active = w->active_count__;
+    const int parts = dem__parts(w, 4 * n);
+    ptrdiff_t restarted[DEM__PARTS_MAX], all = 0, kept = 0;
+    int q;
+    if (parts == 1) restarted[0] = dem__watch_part(w, 0, n);
+    else {
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+        for (q = 0; q < parts; q++) restarted[q] = dem__watch_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts));
+    }
+    for (q = 0; q < parts; q++) {
+        const int32_t *from = w->remap__ + dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < restarted[q]; k++) w->remap__[all++] = from[k];
+    }
+    dem__restart(w, w->remap__, all, w->step);
+    int flown = 0;
+    for (ptrdiff_t k = 0; k < n; k++) flown |= !w->is_active__[w->unsettled__[k]];
     w->unsettled_count__ = 0;
-    if (flown == 0) return;
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+    if (!flown) return;
+    for (ptrdiff_t k = 0; k < active; k++) {
         const int32_t i = w->active__[k];
         w->active__[kept] = i;
         kept += w->is_active__[i] != 0;
     }
     w->active_count__ = kept;
-    if (2 * kept > w->count) dem__list_active(w);
+    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -5012,25 +5083,13 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->course__[i]);
 }
 
-/* Looks at everything whose time has come, at the given step. */
-static inline void dem__look(dem_world *w, int64_t step) {
-    dem__waits waits;
-    waits.n = 0;
-    if (w->meshes__) dem__follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) {
-        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, step);
-        }
-    }
-    if (!(w->def.skip & DEM_SKIP_SPACE)) {
-        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
-        }
-    }
-    int32_t ahead[DEM__AHEAD], at[DEM__RINGS]; /* a ring is a chain of misses, and so are the flights: both run ahead of the looks */
+/* Looks at the pairs whose time has come in rings first .. end-1. A ring is a chain of misses, and so are the flights: both run ahead of the
+   looks. */
+static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first, int end, int64_t step) {
+    int32_t ahead[DEM__AHEAD], at[DEM__RINGS];
     unsigned in = 0, out = 0;
-    int rings = w->near__.rings;
-    for (int r = 0; r < rings; r++) at[r] = dem__take_due(&w->near__, r, step);
+    int rings = end - first;
+    for (int r = 0; r < rings; r++) at[r] = dem__take_due(&w->near__, first + r, step);
     for (int r = 0; rings > 0; r = r + 1 < rings ? r + 1 : 0) {
         const int32_t p = at[r];
         if (p < 0) {
@@ -5041,11 +5100,52 @@ static inline void dem__look(dem_world *w, int64_t step) {
         dem__fetch_flight(w, w->near__.at[p].j);
         at[r] = dem__take_next(&w->near__, p);
         DEM__PREFETCH(&w->near__.at[at[r]]);
-        if (in - out == DEM__AHEAD) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
+        if (in - out == DEM__AHEAD) dem__look_at_pair(w, waits, ahead[out++ % DEM__AHEAD], step);
         ahead[in++ % DEM__AHEAD] = p;
     }
-    while (out < in) dem__look_at_pair(w, &waits, ahead[out++ % DEM__AHEAD], step);
-    dem__set_waits(w, &waits, step);
+    while (out < in) dem__look_at_pair(w, waits, ahead[out++ % DEM__AHEAD], step);
+    dem__set_waits(w, waits, step);
+}
+
+/* Threads take rings of their own. */
+static inline void dem__look_at_due(dem_world *w, int64_t step) {
+    const int wanted = dem__parts(w, w->near_count__ / 64), parts = wanted < w->near__.rings ? wanted : w->near__.rings;
+    int q;
+    if (parts <= 1) {
+        dem__waits waits;
+        dem__no_waits(&waits);
+        dem__look_at_rings(w, &waits, 0, w->near__.rings, step);
+        dem__end_looks(w, &waits, step);
+        return;
+    }
+    dem__waits waits[DEM__RINGS];
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+    for (q = 0; q < parts; q++) {
+        dem__no_waits(&waits[q]);
+        dem__look_at_rings(w, &waits[q], (int)dem__part(w->near__.rings, q, parts), (int)dem__part(w->near__.rings, q + 1, parts), step);
+    }
+    for (q = 0; q < parts; q++) dem__end_looks(w, &waits[q], step);
+}
+
+/* Looks at everything whose time has come, at the given step. */
+static inline void dem__look(dem_world *w, int64_t step) {
+    if (w->meshes__) dem__follow(w, step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) {
+        dem__waits waits;
+        dem__no_waits(&waits);
+        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
+            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, step);
+        }
+        dem__end_looks(w, &waits, step);
+    }
+    if (!(w->def.skip & DEM_SKIP_SPACE)) {
+        for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
+            if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
+        }
+    }
+    dem__look_at_due(w, step);
     for (int r = 0; r < w->wall_timers__.rings; r++) {
         for (int32_t e = dem__take_due(&w->wall_timers__, r, step); e >= 0;) {
             const int32_t next = dem__take_next(&w->wall_timers__, e);
@@ -5192,11 +5292,14 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     }
     if (w->fresh__) {
         int skip = w->def.skip;
-        dem__waits waits;
-        waits.n = 0;
         w->def.skip = 0; /* everything, once; the timers stay */
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, w->step);
+            dem__timer *q = &w->near__.at[p];
+            const dem_vec d = dem__pair_apart(w, q->i, q->j, w->step);
+            w->looks++;
+            if (q->state != 0 || !(dem__dot(d, d) < q->distance * q->distance) || !dem__bear(w, q->i, q->j, 0, p)) continue;
+            dem__stop_timer(&w->near__, p);
+            q->state = 1;
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
@@ -5210,8 +5313,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         dem__list_active(w);
         for (ptrdiff_t k = 0; k < born; k++) {
             const int32_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
-            if (j >= 0) dem__stop_timer(&w->near__, w->live_near__[c]);
-            else if (w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
+            if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
         }
     }
     if (w->fresh__ || w->features__ != features || w->law__ != law) {
@@ -5287,7 +5389,11 @@ static inline void dem__step_links(dem_world *w) {
         if (w->stale__) continue;
         const double strayed = dem__length(dem__stray(w, i));
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
-        else dem__restart(w, i, w->step);
+        else {
+            const int32_t one = (int32_t)i;
+            dem__set_course(w, i, w->step);
+            dem__restart(w, &one, 1, w->step);
+        }
     }
     for (int32_t k = 0; k < (int32_t)w->link_count__;) {
         if (w->link_ended__[k]) dem__cut_link(w, k);
