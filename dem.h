@@ -772,7 +772,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* The link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* The contact in slot k = 0 .. dem_contact_count-1; in a law's hooks without its force. */
+/* Contact k = 0 .. dem_contact_count-1 (a slot, to hooks of laws); in those without its force. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state); /* for hooks of laws */
 
@@ -1669,13 +1669,13 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     dem__array list[1];
     list[0].address = &t->wheel, list[0].size = sizeof(dem__timer);
-    const int old = t->rings, rings = count < 4096 * DEM__RINGS ? 1 : DEM__RINGS;
-    const ptrdiff_t kept = t->capacity - (ptrdiff_t)old * DEM_WHEEL;
-    if (rings <= old && count <= kept) return 1;
-    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, count + rings * DEM_WHEEL)) return 0;
-    t->rings = rings > old ? rings : old;
-    t->at = t->wheel + t->rings * DEM_WHEEL;
-    if (t->rings > old && old > 0) memmove(t->at, t->wheel + old * DEM_WHEEL, (size_t)kept * sizeof *t->at);
+    const int old = t->rings, few = count < 1024 * DEM__RINGS, rings = few && old <= 1 ? 1 : DEM__RINGS;
+    const ptrdiff_t kept = t->capacity - (ptrdiff_t)old * DEM_WHEEL, wanted = (count > kept ? count : kept) + rings * DEM_WHEEL;
+    if (rings == old && count <= kept) return 1;
+    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, wanted)) return 0;
+    t->rings = rings;
+    t->at = t->wheel + rings * DEM_WHEEL;
+    if (rings > old && old > 0) memmove(t->at, t->wheel + old * DEM_WHEEL, (size_t)kept * sizeof *t->at);
     return 1;
 }
 
@@ -2969,6 +2969,19 @@ DEM_INLINE void dem__wait_on_course(dem_world *w, dem__waits *q, int32_t p, int6
 #define DEM__EACH(w, c)                                                                                                                    \
     for (const dem__section *in_##c = (w)->section__; in_##c < (w)->section__ + (w)->sections__; in_##c++)                                 \
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->live; c++)
+
+/* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
+DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
+    const dem__section *in = w->section__;
+    while (k >= in->live) k -= in++->live;
+    return in->first + k;
+}
+DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
+    const dem__section *in = w->section__;
+    ptrdiff_t before = 0;
+    while (c >= in->first + in->live) before += in++->live;
+    return (int32_t)(before + c - in->first);
+}
 
 /* Where the next contact is born. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
@@ -4784,6 +4797,13 @@ static inline void dem__admit_born(dem_world *w, double gap) {
     w->born__ = 0;
 }
 
+/* Tells the law of the contacts in the slots that slots__ lists. */
+static inline void dem__tell_born(dem_world *w, const dem_law *law, ptrdiff_t born) {
+    if (!law->born || born == 0) return;
+    for (ptrdiff_t k = 0; k < born; k++) w->slots__[k] = dem__number_of(w, w->slots__[k]);
+    law->born(w, w->slots__, born, w->user);
+}
+
 static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t slot, int32_t replacement) {
     int32_t *link = &w->wall_head__[i];
     while (*link >= 0 && *link != slot) link = &w->live_wall_next__[*link];
@@ -4794,7 +4814,7 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
 static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
     const int32_t near_pair = w->live_near__[c];
-    if (w->law__ && w->law__->ended) w->law__->ended(w, c, w->user);
+    if (w->law__ && w->law__->ended) w->law__->ended(w, dem__number_of(w, c), w->user);
     w->touching[i]--;
     dem__divide(w, i);
     dem__unsettle(w, i);
@@ -5323,7 +5343,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     w->features__ = features;
     w->law__ = law;
     if (w->fresh__) {
-        if (law->born && born > 0) law->born(w, w->slots__, born, w->user);
+        dem__tell_born(w, law, born);
         if (!dem__tidy(w)) return 0;
         dem__advance(w, 0.0);
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
@@ -5413,7 +5433,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         dem__admit_born(w, 1.0);
         dem__advance(w, w->dt__);
         for (ptrdiff_t k = 0; k < born; k++) dem__fold_constants(w, w->slots__[k], law, features);
-        if (law->born) law->born(w, w->slots__, born, w->user);
+        dem__tell_born(w, law, born);
     } else dem__advance(w, w->dt__);
     dem__evaluate(w, kernel, w->dt__, turns, keep);
     if (features & DEM_ENERGY) dem__gather_losses(w);
@@ -5572,13 +5592,6 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-/* The slot of contact k < live_count. */
-DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
-    const dem__section *in = w->section__;
-    while (k >= in->live) k -= in++->live;
-    return in->first + k;
-}
-
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
@@ -5597,8 +5610,8 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->live_capacity__) return;
-    for (int a = 0; a < world->states__; a++) world->live_state__[a][slot] = state[a];
+    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
+    for (int a = 0; a < world->states__; a++) world->live_state__[a][dem__slot_of(world, slot)] = state[a];
 }
 
 DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->link_count__ : 0; }

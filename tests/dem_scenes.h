@@ -26,17 +26,18 @@ static inline dem_vec scene_vector(scene_random *r, double size) {
     return v;
 }
 
-enum { SCENE_GAS, SCENE_BED, SCENE_SCREEN, SCENE_SIZES, SCENE_PERIODIC, SCENE_DRUM, SCENE_COUNT };
+enum { SCENE_GAS, SCENE_BED, SCENE_SCREEN, SCENE_SIZES, SCENE_PERIODIC, SCENE_DRUM, SCENE_DEEP, SCENE_COUNT };
 
 static inline const char *scene_name(int scene) {
-    static const char *const name[] = {"gas", "bed", "screen", "sizes", "periodic", "drum"};
+    static const char *const name[] = {"gas", "bed", "screen", "sizes", "periodic", "drum", "deep"};
     return name[scene];
 }
 
 static inline int scene_features(int scene) {
     switch (scene) {
     case SCENE_GAS: return DEM_LINEAR;
-    case SCENE_BED: return DEM_LINEAR | DEM_FRICTION;
+    case SCENE_BED:
+    case SCENE_DEEP: return DEM_LINEAR | DEM_FRICTION;
     case SCENE_SCREEN: return DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
     case SCENE_SIZES: return DEM_HERTZ | DEM_FRICTION;
     case SCENE_PERIODIC: return DEM_HERTZ;
@@ -45,7 +46,7 @@ static inline int scene_features(int scene) {
 }
 
 static inline double scene_duration(int scene) {
-    static const double duration[] = {0.05, 0.012, 0.08, 0.008, 0.03, 0.03};
+    static const double duration[] = {0.05, 0.012, 0.08, 0.008, 0.03, 0.03, 0.003};
     return duration[scene];
 }
 
@@ -103,6 +104,10 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
         def.low = dem_vec3(-0.0232, -0.0233, 0);
         def.high = dem_vec3(0.0232, 0.0233, 1);
     }
+    if (scene == SCENE_DEEP) {
+        def.periodic[0] = def.periodic[1] = 1;
+        def.high = dem_vec3(0.0784, 0.0784, 1);
+    }
     if (scene == SCENE_PERIODIC) {
         def.periodic[0] = def.periodic[1] = def.periodic[2] = 1;
         def.low = dem_vec3(-0.03, -0.02, -0.025);
@@ -137,6 +142,12 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
         return status != DEM_OK ? status : scene_fill(w, &r, 12, 12, 4, dem_vec3(-0.0072, -0.0072, 0), 1.2e-3, &tiny, 1, 0.2);
     }
     case SCENE_PERIODIC: return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.03, -0.02, -0.025), 0.012, mixed, 3, 1.5);
+    case SCENE_DEEP: { /* enough for sections of contacts and for rings: 5376 spheres that overlap and fly apart, on a floor that beats them */
+        const int floor_plane = dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+        if (floor_plane < 0) return (dem_status)-floor_plane;
+        dem_vibrate(w, floor_plane, dem_vec3(0, 0, 1e-3), dem_vec3(0, 0, 0), 200.0);
+        return scene_fill(w, &r, 16, 16, 21, dem_vec3(0, 0, 0), 4.9e-3, &one, 1, 0.3);
+    }
     default: {
         int drum = dem_add_cylinder(w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), 0.04, 1), k;
         dem_rotate(w, drum, dem_vec3(0, 0, 0.001), dem_vec3(0, 1, 0.01), 12.0);
