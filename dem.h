@@ -1679,12 +1679,17 @@ static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count
     return 1;
 }
 
+/* So many timers, and the rings, empty. */
+static inline void dem__clear_rings(dem__timers *t, ptrdiff_t count) {
+    t->scale = ((uint64_t)t->rings << 32) / (uint64_t)(count > 0 ? count : 1);
+    for (ptrdiff_t e = (ptrdiff_t)-t->rings * DEM_WHEEL; e < count; e++) t->at[e].next = t->at[e].prev = (int32_t)e;
+}
+
 /* Timers, all at rest. */
 static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
     if (!dem__grow_timers(w, t, count)) return 0;
-    for (ptrdiff_t e = (ptrdiff_t)-t->rings * DEM_WHEEL; e < count; e++)
-        t->at[e].next = t->at[e].prev = (int32_t)e, t->at[e].due = -1, t->at[e].sure = 0;
-    t->scale = ((uint64_t)t->rings << 32) / (uint64_t)(count > 0 ? count : 1);
+    dem__clear_rings(t, count);
+    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].sure = 0;
     return 1;
 }
 
@@ -2843,6 +2848,12 @@ DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
 }
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
+/* The same for the sections of contacts. */
+DEM_INLINE int dem__section_parts(const dem_world *w) {
+    const int parts = dem__parts(w, w->live_count__);
+    return parts < w->sections__ ? parts : w->sections__;
+}
+
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
    looked at; a look finds a contact, or the next time when one is possible. */
 
@@ -3144,19 +3155,24 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
-static inline void dem__find_followers(dem_world *w, int64_t step, const dem__section *in) {
-    for (ptrdiff_t c = in->first; c < in->first + in->live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
+    for (const dem__section *in = w->section__ + first; in < w->section__ + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+    }
 }
 
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
-    const ptrdiff_t end = dem__next_slot(w);
-    const int parts = dem__parts(w, w->live_count__);
+    const ptrdiff_t end = dem__next_slot(w), sections = w->sections__;
+    const int parts = dem__section_parts(w);
     int q;
+    if (parts == 1) dem__find_followers(w, step, 0, sections);
+    else {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static) num_threads(parts) if (parts > 1)
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < w->sections__; q++) dem__find_followers(w, step, &w->section__[q]);
+        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(sections, q, parts), dem__part(sections, q + 1, parts));
+    }
     DEM__EACH(w, c) {
         if (c < end && w->live_event__[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }
@@ -3376,8 +3392,7 @@ static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++)
-        dem__wait_anew(w, restarted, n, (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
+    for (q = 0; q < parts; q++) dem__wait_anew(w, restarted, n, (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
 }
 
 /* Active particles in the order of memory. */
@@ -3393,11 +3408,11 @@ static inline void dem__list_active(dem_world *w) {
 /* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (t->capacity < w->count * w->walls + t->rings * DEM_WHEEL || !t->at) return; /* not made yet */
+    if (!t->at || t->capacity < w->count * w->walls + t->rings * DEM_WHEEL) return; /* not made yet */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) t->at[w->remap__[i] * w->walls + k] = t->at[i * w->walls + k];
     }
-    for (int32_t e = -t->rings * DEM_WHEEL; e < (int32_t)left * w->walls; e++) t->at[e].next = t->at[e].prev = e;
+    dem__clear_rings(t, left * w->walls);
     for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
         if (t->at[e].due >= 0) dem__set_timer(t, e, t->at[e].due);
     }
@@ -4242,7 +4257,7 @@ DEM_INLINE void dem__add_forces(dem_world *w, int32_t i, int32_t j, double *cons
     wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* May the thread whose sections begin with `own` add to the sum of a particle, or of a wall, while the others run? Only if none of them adds
+/* May the thread whose sections begin with `own` add to the sum of a particle, or of a wall, while others run? Only if none of them adds
    to it before: sums are in the order of slots. */
 DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i >= 0 && w->lowest__[i] >= own; }
 
@@ -5103,7 +5118,7 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->course__[i]);
 }
 
-/* Looks at the pairs whose time has come in rings first .. end-1. A ring is a chain of misses, and so are the flights: both run ahead of the
+/* Looks at the pairs whose time has come in rings first .. end-1. A ring is a chain of misses, and so are flights: both run ahead of the
    looks. */
 static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first, int end, int64_t step) {
     int32_t ahead[DEM__AHEAD], at[DEM__RINGS];
@@ -5224,7 +5239,7 @@ static inline void dem__add_deferred(dem_world *w, int parts, int turns) {
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const int wanted = dem__parts(w, w->live_count__), parts = wanted < w->sections__ ? wanted : w->sections__;
+    const int parts = dem__section_parts(w);
     int q;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
@@ -6324,7 +6339,8 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element, &touch);
+        dem__touch_place(w, k < w->live_count__ ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
+                         &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
     return dem__dot(c.force, c.force) > 0.0;
@@ -6931,8 +6947,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     }
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
                              (ptrdiff_t)present + 1);
-    enough =
-        enough && dem__grow_live(w, dem__next_slot(w) + 1);
+    enough = enough && dem__grow_live(w, dem__next_slot(w) + 1);
     enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
                                                       &w->link_capacity__, links));
     if (enough && passed > 0) {
