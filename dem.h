@@ -30,9 +30,9 @@
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 64 kB, 540 bytes a sphere
-             and 32 more for every wall, 48 a near pair, 290 a contact with friction (64 more with a ledger), and half as much again for
-             growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 64 kB, from 8192 near
+             pairs on 288, 540 bytes a sphere and 32 more for every wall, 48 a near pair, 290 a contact with friction (64 more with a
+             ledger), and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Not here  non-spherical particles, fluids, heat, files, printing. */
@@ -3034,9 +3034,8 @@ static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p,
     } else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
 }
 
-/* Sets the timers that wait, and makes contacts of what was found. */
-static inline void dem__end_looks(dem_world *w, dem__waits *waits, int64_t step) {
-    dem__set_waits(w, waits, step);
+/* Makes contacts of what looks have found. */
+static inline void dem__bear_found(dem_world *w, const dem__waits *waits) {
     w->looks += waits->looks;
     for (int32_t p = waits->found; p >= 0;) {
         dem__timer *q = &w->near__.at[p];
@@ -3045,7 +3044,6 @@ static inline void dem__end_looks(dem_world *w, dem__waits *waits, int64_t step)
         if (dem__bear(w, q->i, q->j, 0, p)) q->state = 1;
         p = next;
     }
-    waits->found = -1, waits->looks = 0;
 }
 
 static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
@@ -3363,7 +3361,7 @@ DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* New timers for the pairs of particles with new courses, of which slots of rings first .. end-1. */
+/* New timers for those pairs of particles with new courses that wait in rings first .. end-1. */
 static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, int first, int end, int64_t step) {
     dem__waits waits;
     dem__no_waits(&waits);
@@ -4663,19 +4661,20 @@ static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
 /* What the slots hold that slots__ lists, one after the other into the slots of sections. */
 static inline void dem__arrange(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays) {
     char *scratch = (char *)w->live_event_data__[0]; /* of use within a step only */
+    ptrdiff_t n = 0;
+    for (int q = 0; q < sections; q++) n += section[q].live;
     for (int a = 0; a < arrays; a++) {
         const size_t size = list[a].size;
         char *base;
-        ptrdiff_t n = 0;
         memcpy(&base, list[a].address, sizeof base);
         if ((void *)base == (void *)w->slots__ || base == scratch) continue;
-        for (int q = 0; q < sections; n += section[q++].live) {
-            for (ptrdiff_t k = n; k < n + section[q].live; k++)
-                memcpy(scratch + (size_t)k * size, base + (size_t)w->slots__[k] * size, size);
+        for (ptrdiff_t k = 0; k < n; k++) memcpy(scratch + (size_t)k * size, base + (size_t)w->slots__[k] * size, size);
+        const char *from = scratch;
+        for (int q = 0; q < sections; q++) {
+            const size_t bytes = (size_t)section[q].live * size;
+            memcpy(base + (size_t)section[q].first * size, from, bytes);
+            from += bytes;
         }
-        n = 0;
-        for (int q = 0; q < sections; n += section[q++].live)
-            memcpy(base + (size_t)section[q].first * size, scratch + (size_t)n * size, (size_t)section[q].live * size);
     }
 }
 
@@ -4745,9 +4744,11 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     w->live_part__[c] = kind.part;
 }
 
-/* No contact of particle i is in a section before this. */
-DEM_INLINE void dem__lower(dem_world *w, ptrdiff_t i, int section) {
+/* The contact in slot c is in this section. */
+DEM_INLINE void dem__lower(dem_world *w, ptrdiff_t c, int section) {
+    const int32_t i = w->live_i__[c], j = w->live_j__[c];
     if (w->lowest__[i] > section) w->lowest__[i] = section;
+    if (j >= 0 && w->lowest__[j] > section) w->lowest__[j] = section;
 }
 
 /* The contacts born since the last call, which slots__ lists by partners, from the end of the last section into sections of their own:
@@ -4772,8 +4773,7 @@ static inline void dem__assign(dem_world *w, const dem__array *list, int arrays)
     for (int q = 0; q <= last; q++) {
         w->section__[q].live += born[q].live;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
-            dem__lower(w, w->live_i__[c], q);
-            if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], q);
+            dem__lower(w, c, q);
             w->slots__[n++] = (int32_t)c;
         }
     }
@@ -5124,6 +5124,7 @@ static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first
     int32_t ahead[DEM__AHEAD], at[DEM__RINGS];
     unsigned in = 0, out = 0;
     int rings = end - first;
+    dem__no_waits(waits);
     for (int r = 0; r < rings; r++) at[r] = dem__take_due(&w->near__, first + r, step);
     for (int r = 0; rings > 0; r = r + 1 < rings ? r + 1 : 0) {
         const int32_t p = at[r];
@@ -5144,24 +5145,18 @@ static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first
 
 /* Threads take rings of their own. */
 static inline void dem__look_at_due(dem_world *w, int64_t step) {
-    const int wanted = dem__parts(w, w->near_count__ / 64), parts = wanted < w->near__.rings ? wanted : w->near__.rings;
-    int q;
-    if (parts <= 1) {
-        dem__waits waits;
-        dem__no_waits(&waits);
-        dem__look_at_rings(w, &waits, 0, w->near__.rings, step);
-        dem__end_looks(w, &waits, step);
-        return;
-    }
+    const int wanted = dem__parts(w, w->near_count__ / 64), rings = w->near__.rings, parts = wanted < rings ? wanted : rings;
     dem__waits waits[DEM__RINGS];
+    int q;
+    if (parts == 1) dem__look_at_rings(w, &waits[0], 0, rings, step);
+    else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) {
-        dem__no_waits(&waits[q]);
-        dem__look_at_rings(w, &waits[q], (int)dem__part(w->near__.rings, q, parts), (int)dem__part(w->near__.rings, q + 1, parts), step);
+        for (q = 0; q < parts; q++)
+            dem__look_at_rings(w, &waits[q], (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
     }
-    for (q = 0; q < parts; q++) dem__end_looks(w, &waits[q], step);
+    for (q = 0; q < parts; q++) dem__bear_found(w, &waits[q]);
 }
 
 /* Looks at everything whose time has come, at the given step. */
@@ -5173,7 +5168,7 @@ static inline void dem__look(dem_world *w, int64_t step) {
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
             if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, step);
         }
-        dem__end_looks(w, &waits, step);
+        dem__bear_found(w, &waits);
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
@@ -5300,11 +5295,7 @@ static inline int dem__tidy(dem_world *w) {
         dem__list_wall_contacts(w);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) w->lowest__[i] = sections;
-    DEM__EACH(w, c) {
-        const int q = (int)(in_c - w->section__);
-        dem__lower(w, w->live_i__[c], q);
-        if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], q);
-    }
+    DEM__EACH(w, c) { dem__lower(w, c, (int)(in_c - w->section__)); }
     return 1;
 }
 

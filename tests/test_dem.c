@@ -814,58 +814,6 @@ static void test_skipping_changes_no_bit(void **state) {
     }
 }
 
-static unsigned char *saved(const dem_world *w, size_t *size) {
-    *size = dem_save(w, NULL, 0);
-    unsigned char *bytes = malloc(*size);
-    assert_non_null(bytes);
-    memset(bytes, 0xEE, *size);
-    assert_int_equal(dem_save(w, bytes, *size - 1), *size); /* too small: nothing is written */
-    for (size_t k = 0; k < *size; k++) assert_int_equal(bytes[k], 0xEE);
-    assert_int_equal(dem_save(w, bytes, *size), *size);
-    return bytes;
-}
-
-/* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
-static void test_sections_of_contacts(void **state) {
-    (void)state;
-    uint64_t hash[4];
-    for (int k = 0; k < 4; k++) {
-        static const int skip[] = {DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_PAIRS, DEM_SKIP_SPACE}, threads[] = {1, 3, 1, 2};
-        const double part = 0.3 * scene_duration(SCENE_DEEP);
-        dem_world w;
-        assert_int_equal(scene_make(&w, SCENE_DEEP, skip[k], threads[k], NULL), DEM_OK);
-        if (k == 2) w.def.skin = 0.2; /* lists at other times */
-        run(&w, part, scene_features(SCENE_DEEP));
-        assert_true(w.sections__ == DEM__SECTIONS && w.near__.rings == DEM__RINGS); /* or the scene is too small for this test */
-        for (ptrdiff_t i = 0; i < w.count; i += i < 2000 ? 3 : 50) {
-            if (w.alive[i]) assert_int_equal(dem_remove(&w, i), DEM_OK);
-        }
-        run(&w, part, scene_features(SCENE_DEEP));
-        size_t size;
-        unsigned char *bytes = saved(&w, &size);
-        dem_world copy;
-        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
-        free(bytes);
-        run(&w, part, scene_features(SCENE_DEEP));
-        run(&copy, part, scene_features(SCENE_DEEP));
-        hash[k] = dem_hash(&w);
-        assert_true(dem_hash(&copy) == hash[k] && hash[k] == hash[0]);
-        const ptrdiff_t contacts = dem_contact_count(&w);
-        int32_t *touching = calloc((size_t)w.count, sizeof *touching);
-        assert_true(touching && contacts > 300);
-        for (ptrdiff_t c = 0; c < contacts; c++) {
-            const dem_contact_info info = dem_get_contact(&w, c);
-            assert_true(info.i >= 0 && info.i < w.count && info.j < w.count && fabs(info.gap) < 1e-3);
-            touching[info.i]++;
-            if (info.j >= 0) touching[info.j]++;
-        }
-        for (ptrdiff_t i = 0; i < w.count; i++) assert_int_equal(touching[i], w.touching[i]);
-        free(touching);
-        dem_free(&copy);
-        dem_free(&w);
-    }
-}
-
 /* The ledger looks and does not touch: the same motion, bit for bit. */
 static void test_ledger_changes_no_bit(void **state) {
     (void)state;
@@ -950,6 +898,58 @@ static void test_no_contact_is_missed(void **state) {
 }
 
 /* ---- saving ---- */
+
+static unsigned char *saved(const dem_world *w, size_t *size) {
+    *size = dem_save(w, NULL, 0);
+    unsigned char *bytes = malloc(*size);
+    assert_non_null(bytes);
+    memset(bytes, 0xEE, *size);
+    assert_int_equal(dem_save(w, bytes, *size - 1), *size); /* too small: nothing is written */
+    for (size_t k = 0; k < *size; k++) assert_int_equal(bytes[k], 0xEE);
+    assert_int_equal(dem_save(w, bytes, *size), *size);
+    return bytes;
+}
+
+/* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
+static void test_sections_of_contacts(void **state) {
+    (void)state;
+    uint64_t hash[4];
+    for (int k = 0; k < 4; k++) {
+        static const int skip[] = {DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_PAIRS, DEM_SKIP_SPACE}, threads[] = {1, 3, 1, 2};
+        const double part = 0.3 * scene_duration(SCENE_DEEP);
+        dem_world w;
+        assert_int_equal(scene_make(&w, SCENE_DEEP, skip[k], threads[k], NULL), DEM_OK);
+        if (k == 2) w.def.skin = 0.2; /* lists at other times */
+        run(&w, part, scene_features(SCENE_DEEP));
+        assert_true(w.sections__ == DEM__SECTIONS && w.near__.rings == DEM__RINGS); /* or the scene is too small for this test */
+        for (ptrdiff_t i = 0; i < w.count; i += i < 2000 ? 3 : 50) {
+            if (w.alive[i]) assert_int_equal(dem_remove(&w, i), DEM_OK);
+        }
+        run(&w, part, scene_features(SCENE_DEEP));
+        size_t size;
+        unsigned char *bytes = saved(&w, &size);
+        dem_world copy;
+        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        run(&w, part, scene_features(SCENE_DEEP));
+        run(&copy, part, scene_features(SCENE_DEEP));
+        hash[k] = dem_hash(&w);
+        assert_true(dem_hash(&copy) == hash[k] && hash[k] == hash[0]);
+        const ptrdiff_t contacts = dem_contact_count(&w);
+        int32_t *touching = calloc((size_t)w.count, sizeof *touching);
+        assert_true(touching && contacts > 300);
+        for (ptrdiff_t c = 0; c < contacts; c++) {
+            const dem_contact_info info = dem_get_contact(&w, c);
+            assert_true(info.i >= 0 && info.i < w.count && info.j < w.count && fabs(info.gap) < 1e-3);
+            touching[info.i]++;
+            if (info.j >= 0) touching[info.j]++;
+        }
+        for (ptrdiff_t i = 0; i < w.count; i++) assert_int_equal(touching[i], w.touching[i]);
+        free(touching);
+        dem_free(&copy);
+        dem_free(&w);
+    }
+}
 
 /* Spheres that gravity and collisions make faster and slower, within shaken cylinders and against them, some near the axis: the same bits
    as if each looked at each wall in every step. */
