@@ -129,6 +129,7 @@ extern "C" {
 #define DEM__RINGS 8         /* lists of a bucket, each of a range of many timers: a chain waits for memory, several wait together */
 #define DEM__TIDY 256        /* steps between two orderings of contacts */
 #define DEM__SECTIONS 16     /* of the contacts, if they are many: more threads than that do not share them */
+#define DEM__EVENT_DATA 6    /* of a contact that begins or ends: n, impulse, shift, sliding time */
 #define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 5u        /* version of dem_save */
 
@@ -540,8 +541,8 @@ typedef struct dem_world {
     double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9];        /* force on i, torques on i and j: of a run's last step, with threads of all */
-    double *live_event_data__[6]; /* n, impulse, shift, sliding time */
+    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step, with threads of all */
+    double *live_event_data__[DEM__EVENT_DATA];
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
     /* links, in the order of their making; each stands in the lists of its bodies */
@@ -1580,7 +1581,7 @@ typedef struct dem__array {
     void *address; /* of the pointer */
     size_t size;   /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 80 };
+enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
@@ -1605,25 +1606,26 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
+/* The last DEM__STEP_ARRAYS of them hold nothing from step to step. */
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    int32_t **integers[] = {&w->live_i__,         &w->live_j__,    &w->live_element__, &w->live_near__,
-                            &w->live_wall_next__, &w->live_kind__, &w->slots__};
+    int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
     double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
     for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 6; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
     for (int k = 0; w->meshes__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
     if (w->ledger_on__) {
         list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
         for (int k = 0; k < 4; k++, n++) list[n].address = &w->live_loss__[k], list[n].size = sizeof(double);
     }
-    list[n].address = &w->live_event__, list[n++].size = 1;
     list[n].address = &w->live_ended__, list[n++].size = 1;
+    for (int k = 0; k < DEM__EVENT_DATA; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
+    list[n].address = &w->live_event__, list[n++].size = 1;
+    list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
     return n;
 }
 
@@ -4641,41 +4643,68 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* The slots that are marked, into slots__. Marks are few: eight at a time. */
+/* The slots that are marked, into slots__. Marks are few. */
 static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
     ptrdiff_t n = 0;
     for (int q = 0; q < w->sections__; q++) {
         const ptrdiff_t last = w->section__[q].first + w->section__[q].live;
-        for (ptrdiff_t c = w->section__[q].first; c < last; c += 8) {
-            const ptrdiff_t end = c + 8 < last ? c + 8 : last;
-            uint64_t eight = 0;
-            memcpy(&eight, mark + c, (size_t)(end - c));
-            for (ptrdiff_t k = c; eight && k < end; k++) {
-                if (mark[k]) w->slots__[n++] = (int32_t)k;
+        ptrdiff_t c = w->section__[q].first;
+        while (c < last) {
+            uint64_t many[4];
+            for (; last - c >= (ptrdiff_t)sizeof many; c += (ptrdiff_t)sizeof many) {
+                memcpy(many, mark + c, sizeof many);
+                if (many[0] | many[1] | many[2] | many[3]) break;
+            }
+            const ptrdiff_t end = last - c < (ptrdiff_t)sizeof many ? last : c + (ptrdiff_t)sizeof many;
+            for (; c < end; c++) {
+                if (mark[c]) w->slots__[n++] = (int32_t)c;
             }
         }
     }
     return n;
 }
 
-/* What the slots hold that slots__ lists, one after the other into the slots of sections. */
-static inline void dem__arrange(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays) {
-    char *scratch = (char *)w->live_event_data__[0]; /* of use within a step only */
+/* The n elements of an array that `from` lists, one after the other; most are doubles or of 32 bits. */
+static inline void dem__pick(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
+    if (size == 8) {
+        for (ptrdiff_t k = 0; k < n; k++) memcpy(to + 8 * k, base + 8 * (size_t)from[k], 8);
+    } else if (size == 4) {
+        for (ptrdiff_t k = 0; k < n; k++) memcpy(to + 4 * k, base + 4 * (size_t)from[k], 4);
+    } else {
+        for (ptrdiff_t k = 0; k < n; k++) to[k] = base[from[k]];
+    }
+}
+
+/* What the slots hold that slots__ lists, one after the other into the slots of sections: every parts-th array, from `first` on. */
+static inline void dem__arrange_part(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays, int first,
+                                     int parts) {
+    char *scratch = (char *)w->live_event_data__[first];
     ptrdiff_t n = 0;
     for (int q = 0; q < sections; q++) n += section[q].live;
-    for (int a = 0; a < arrays; a++) {
+    for (int a = first; a < arrays; a += parts) {
         const size_t size = list[a].size;
+        const char *from = scratch;
         char *base;
         memcpy(&base, list[a].address, sizeof base);
-        if ((void *)base == (void *)w->slots__ || base == scratch) continue;
-        for (ptrdiff_t k = 0; k < n; k++) memcpy(scratch + (size_t)k * size, base + (size_t)w->slots__[k] * size, size);
-        const char *from = scratch;
+        dem__pick(scratch, base, size, w->slots__, n);
         for (int q = 0; q < sections; q++) {
             const size_t bytes = (size_t)section[q].live * size;
             memcpy(base + (size_t)section[q].first * size, from, bytes);
             from += bytes;
         }
     }
+}
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__section *section, int sections, const dem__array *list, int arrays) {
+    const int wanted = dem__parts(w, n), parts = wanted < DEM__EVENT_DATA ? wanted : DEM__EVENT_DATA;
+    int q;
+    if (parts == 1) {
+        dem__arrange_part(w, section, sections, list, arrays, 0, 1);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+    for (q = 0; q < parts; q++) dem__arrange_part(w, section, sections, list, arrays, q, parts);
 }
 
 DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->share__[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
@@ -4769,7 +4798,7 @@ static inline void dem__assign(dem_world *w, const dem__array *list, int arrays)
         if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last;
         born[q].live++;
     }
-    dem__arrange(w, born, w->sections__, list, arrays);
+    dem__arrange(w, w->born__, born, w->sections__, list, arrays);
     for (int q = 0; q <= last; q++) {
         w->section__[q].live += born[q].live;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
@@ -4860,7 +4889,6 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     for (int a = 0; a < n; a++) {
         char *base;
         memcpy(&base, list[a].address, sizeof base);
-        if ((void *)base == (void *)w->slots__) continue; /* no property of a slot */
         memcpy(base + (size_t)to * list[a].size, base + (size_t)from * list[a].size, list[a].size);
     }
 }
@@ -4870,7 +4898,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
     if (dead == 0) return;
-    const int n = dem__live_arrays(w, list);
+    const int n = dem__live_arrays(w, list) - DEM__STEP_ARRAYS;
     ptrdiff_t next = 0;
     dem__waits waits;
     dem__no_waits(&waits);
@@ -5289,7 +5317,7 @@ static inline int dem__tidy(dem_world *w) {
             w->status = DEM_OUT_OF_MEMORY;
             return 0;
         }
-        dem__arrange(w, section, sections, list, dem__live_arrays(w, list));
+        dem__arrange(w, n, section, sections, list, dem__live_arrays(w, list) - DEM__STEP_ARRAYS);
         w->sections__ = sections;
         memcpy(w->section__, section, sizeof section);
         dem__list_wall_contacts(w);
