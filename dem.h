@@ -3369,7 +3369,8 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
     dem__no_waits(&waits);
     for (ptrdiff_t m = 0; m < n; m++) {
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
-        if (m + 1 < n) dem__fetch_neighbours(w, restarted[m + 1]);
+        if (m + 8 < n) DEM__PREFETCH(&w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]]);
+        if (m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
         for (int32_t k = begin; k < stop; k++) {
             const int32_t p = w->adjacent__[2 * k], ring = dem__ring_of(&w->near__, p);
             if (ring < first || ring >= end || w->near__.at[p].state != 0) continue;
@@ -4918,11 +4919,18 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     }
 }
 
+/* Ahead of their motion, where active particles are few and so far apart in memory. */
+DEM_INLINE void dem__fetch_active(const dem_world *w, ptrdiff_t k, ptrdiff_t end) {
+    if (k + DEM__AHEAD >= end || (uint32_t)(w->active__[k + DEM__AHEAD] - w->active__[k]) < 4 * DEM__AHEAD) return;
+    dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
+}
+
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
+        dem__fetch_active(w, k, end);
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
@@ -4997,6 +5005,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     ptrdiff_t n = 0;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
+        dem__fetch_active(w, k, end);
         dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
         dem_vec force = dem_vec3(sum->load[0], sum->load[1], sum->load[2]), torque = dem_vec3(sum->load[3], sum->load[4], sum->load[5]);
