@@ -2901,6 +2901,10 @@ DEM_INLINE int32_t dem__take_next(dem__timers *t, int32_t e) {
     return next;
 }
 
+/* From a step on: until the timer's bucket, and for how long nothing can happen, which may be longer. */
+DEM_INLINE int dem__steps_due(const dem__timer *t, int64_t step) { return (int)((t->due - step) & (DEM_WHEEL - 1)); }
+DEM_INLINE int dem__steps_sure(const dem__timer *t, int64_t step) { return (int)(int32_t)(t->sure - (uint32_t)(uint64_t)step); }
+
 /* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->pace__;
@@ -3287,36 +3291,57 @@ static inline void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__leave_room(w, i, 0.0);
 }
 
-/* What else a new course of particle i has an effect on: the list, and the timers of walls. */
-static inline void dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step) {
+/* What some threads learn from new courses: when the list is to be asked again, and who is too fast (-1: nobody). */
+typedef struct dem__news {
+    int64_t check;
+    ptrdiff_t fast;
+} dem__news;
+DEM_INLINE dem__news dem__no_news(const dem_world *w) {
+    const dem__news news = {w->next_check__, -1};
+    return news;
+}
+static inline void dem__take_news(dem_world *w, const dem__news *news) {
+    if (news->check < w->next_check__) w->next_check__ = news->check;
+    if (news->fast < 0 || w->status != DEM_OK) return;
+    w->status = DEM_TOO_FAST;
+    w->failed_id = w->id[news->fast];
+}
+
+/* What else a new course of particle i has an effect on. Is a wall to be looked at sooner? Then dem__hurry_to_walls sees to it. */
+static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem__news *news) {
     const double tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec x = dem__at(w, i, tau);
     double speed = dem__length(dem__velocity_at(w, i, tau));
-    if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && w->status == DEM_OK) {
-        w->status = DEM_TOO_FAST;
-        w->failed_id = w->id[i];
-    }
+    int sooner = 0;
+    if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * w->course__[i].ball;
     const dem_vec moved = dem__apart(w, dem__sub(x, dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-    const double left = 0.49 * w->margin__ - dem__length(moved), until = (double)(w->next_check__ - step) * w->dt__;
+    const double left = 0.49 * w->margin__ - dem__length(moved), until = (double)(news->check - step) * w->dt__;
     if (!(left > until * (speed + 0.5 * w->fall__ * until))) {
         const int64_t due = step + dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
-        if (due < w->next_check__) w->next_check__ = due;
+        if (due < news->check) news->check = due;
     }
-    if (!(w->def.skip & DEM_SKIP_SPACE)) return;
+    if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
     double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
     if (speed > w->wall_speed__[i]) {
         slower = w->wall_speed__[i] / (1.25 * speed);
         w->wall_speed__[i] = 1.25 * speed;
     }
     for (int k = 0; k < w->walls; k++) {
-        const int32_t e = (int32_t)i * w->walls + k;
-        dem__timer *timer = &w->wall_timers__.at[e];
+        dem__timer *timer = &w->wall_timers__.at[i * w->walls + k];
         if (timer->due < 0) continue;
-        const int wait = (int)((timer->due - step) & (DEM_WHEEL - 1)), sure = (int)(int32_t)(timer->sure - (uint32_t)(uint64_t)step);
-        const int now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1; /* the look finds the time */
-        timer->sure = (uint32_t)(uint64_t)(step + now);
-        if (now < wait) dem__set_timer(&w->wall_timers__, e, step + now);
+        const int sure = dem__steps_sure(timer, step), now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1;
+        timer->sure = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
+        sooner |= now < dem__steps_due(timer, step);
+    }
+    return sooner;
+}
+static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) {
+    for (int k = 0; k < w->walls; k++) {
+        const int32_t e = (int32_t)i * w->walls + k;
+        const dem__timer *timer = &w->wall_timers__.at[e];
+        const int sure = dem__steps_sure(timer, step);
+        if (timer->due >= 0 && sure < dem__steps_due(timer, step)) dem__set_timer(&w->wall_timers__, e, step + sure);
     }
 }
 
@@ -3380,13 +3405,12 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
     dem__set_waits(w, &waits, step);
 }
 
-/* Listed particles have new courses: everything that follows from them. */
+/* New timers for the pairs of the listed particles, which have new courses. */
 static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
     const int wanted = dem__parts(w, 4 * n), rings = w->near__.rings, parts = wanted < rings ? wanted : rings;
     int q;
-    for (ptrdiff_t m = 0; m < n; m++) dem__heed_course(w, restarted[m], step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    if (parts <= 1) {
+    if (parts == 1) {
         dem__wait_anew(w, restarted, n, 0, rings, step);
         return;
     }
@@ -3827,11 +3851,13 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->listed__ = w->step;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
+    dem__news news = dem__no_news(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem__set_course(w, i, w->step);
-        dem__heed_course(w, i, w->step);
+        if (dem__heed_course(w, i, w->step, &news)) dem__hurry_to_walls(w, i, w->step);
     }
+    dem__take_news(w, &news);
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         const dem__timer *q = &w->near__.at[p];
         if (q->state == 0) dem__wait_on_course(w, &waits, p, w->step, &w->course__[q->i], &w->course__[q->j]);
@@ -5085,43 +5111,55 @@ static inline void dem__settle_events(dem_world *w, int turns) {
     }
 }
 
+/* What became of a thread's share of the unsettled: how many have new courses, how many of those are to look at a wall sooner, and does
+   any begin a flight. */
+typedef struct dem__watched {
+    ptrdiff_t restarted, hurried;
+    int flown;
+    dem__news news;
+} dem__watched;
+
 /* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
-   `first` on. Returns how many. */
-static inline ptrdiff_t dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    ptrdiff_t n = 0;
+   `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
+static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__watched *q) {
+    q->restarted = q->hurried = q->flown = 0;
+    q->news = dem__no_news(w);
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->unsettled__[k];
+        const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
             if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
                 dem__set_course(w, i, w->step);
-                w->remap__[first + n++] = (int32_t)i;
+                w->remap__[first + q->restarted++] = i;
+                if (dem__heed_course(w, i, w->step, &q->news)) w->unsettled__[first + q->hurried++] = i;
             } else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
         }
         w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
+        q->flown |= !w->is_active__[i];
     }
-    return n;
 }
 
 /* Courses and timers of the unsettled; those whose flight begins leave the list of active particles. */
 static inline void dem__watch(dem_world *w) {
     const ptrdiff_t n = w->unsettled_count__, active = w->active_count__;
     const int parts = dem__parts(w, 4 * n);
-    ptrdiff_t restarted[DEM__PARTS_MAX], all = 0, kept = 0;
-    int q;
-    if (parts == 1) restarted[0] = dem__watch_part(w, 0, n);
+    dem__watched watched[DEM__PARTS_MAX];
+    ptrdiff_t restarted = 0, kept = 0;
+    int q, flown = 0;
+    if (parts == 1) dem__watch_part(w, 0, n, &watched[0]);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) restarted[q] = dem__watch_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts));
+        for (q = 0; q < parts; q++) dem__watch_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts), &watched[q]);
     }
     for (q = 0; q < parts; q++) {
-        const int32_t *from = w->remap__ + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < restarted[q]; k++) w->remap__[all++] = from[k];
+        const ptrdiff_t first = dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__hurry_to_walls(w, w->unsettled__[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].restarted; k++) w->remap__[restarted++] = w->remap__[first + k];
+        dem__take_news(w, &watched[q].news);
+        flown |= watched[q].flown;
     }
-    dem__restart(w, w->remap__, all, w->step);
-    int flown = 0;
-    for (ptrdiff_t k = 0; k < n; k++) flown |= !w->is_active__[w->unsettled__[k]];
+    dem__restart(w, w->remap__, restarted, w->step);
     w->unsettled_count__ = 0;
     if (!flown) return;
     for (ptrdiff_t k = 0; k < active; k++) {
@@ -5454,7 +5492,10 @@ static inline void dem__step_links(dem_world *w) {
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
         else {
             const int32_t one = (int32_t)i;
+            dem__news news = dem__no_news(w);
             dem__set_course(w, i, w->step);
+            if (dem__heed_course(w, i, w->step, &news)) dem__hurry_to_walls(w, i, w->step);
+            dem__take_news(w, &news);
             dem__restart(w, &one, 1, w->step);
         }
     }
