@@ -4945,18 +4945,18 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     }
 }
 
-/* Ahead of their motion, where active particles are few and so far apart in memory. */
-DEM_INLINE void dem__fetch_active(const dem_world *w, ptrdiff_t k, ptrdiff_t end) {
-    if (k + DEM__AHEAD >= end || (uint32_t)(w->active__[k + DEM__AHEAD] - w->active__[k]) < 4 * DEM__AHEAD) return;
-    dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
+/* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
+DEM_INLINE ptrdiff_t dem__fetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    return 4 * w->active_count__ < w->count ? end - DEM__AHEAD : first;
 }
 
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
+    const ptrdiff_t apart = dem__fetch_until(w, first, end);
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
-        dem__fetch_active(w, k, end);
+        if (k < apart) dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
@@ -5027,11 +5027,12 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
     const int loads = w->loads_on__ || w->links_on__;
+    const ptrdiff_t apart = dem__fetch_until(w, first, end);
     double all = 0.0;
     ptrdiff_t n = 0;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
-        dem__fetch_active(w, k, end);
+        if (k < apart) dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
         dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
         dem_vec force = dem_vec3(sum->load[0], sum->load[1], sum->load[2]), torque = dem_vec3(sum->load[3], sum->load[4], sum->load[5]);
