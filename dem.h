@@ -2850,10 +2850,10 @@ DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
 }
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
-/* The same for the sections of contacts. */
-DEM_INLINE int dem__section_parts(const dem_world *w) {
-    const int parts = dem__parts(w, w->live_count__);
-    return parts < w->sections__ ? parts : w->sections__;
+/* The same if there are only `most` things to share. */
+DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
+    const int parts = dem__parts(w, n);
+    return parts < most ? parts : most;
 }
 
 /* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
@@ -3168,7 +3168,7 @@ static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t fir
 /* Contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow(dem_world *w, int64_t step) {
     const ptrdiff_t end = dem__next_slot(w), sections = w->sections__;
-    const int parts = dem__section_parts(w);
+    const int parts = dem__parts_of(w, w->live_count__, w->sections__);
     int q;
     if (parts == 1) dem__find_followers(w, step, 0, sections);
     else {
@@ -3345,6 +3345,14 @@ static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) 
     }
 }
 
+/* A new course for particle i, and what else it has an effect on; its pairs are left to dem__restart. By one thread. */
+static inline void dem__begin_course(dem_world *w, ptrdiff_t i, int64_t step) {
+    dem__news news = dem__no_news(w);
+    dem__set_course(w, i, step);
+    if (dem__heed_course(w, i, step, &news)) dem__hurry_to_walls(w, i, step);
+    dem__take_news(w, &news);
+}
+
 /* All look at wall k at a step. */
 static inline void dem__hurry(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
@@ -3394,6 +3402,7 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
     dem__no_waits(&waits);
     for (ptrdiff_t m = 0; m < n; m++) {
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
+        /* ahead: the list of neighbours, then what it lists */
         if (m + 8 < n) DEM__PREFETCH(&w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]]);
         if (m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
         for (int32_t k = begin; k < stop; k++) {
@@ -3407,7 +3416,7 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
 
 /* New timers for the pairs of the listed particles, which have new courses. */
 static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
-    const int wanted = dem__parts(w, 4 * n), rings = w->near__.rings, parts = wanted < rings ? wanted : rings;
+    const int rings = w->near__.rings, parts = dem__parts_of(w, 4 * n, rings);
     int q;
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     if (parts == 1) {
@@ -3851,13 +3860,9 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->listed__ = w->step;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
-    dem__news news = dem__no_news(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
-        dem__set_course(w, i, w->step);
-        if (dem__heed_course(w, i, w->step, &news)) dem__hurry_to_walls(w, i, w->step);
+        if (w->alive[i]) dem__begin_course(w, i, w->step);
     }
-    dem__take_news(w, &news);
     for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
         const dem__timer *q = &w->near__.at[p];
         if (q->state == 0) dem__wait_on_course(w, &waits, p, w->step, &w->course__[q->i], &w->course__[q->j]);
@@ -4722,7 +4727,7 @@ static inline void dem__arrange_part(dem_world *w, const dem__section *section, 
     }
 }
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__section *section, int sections, const dem__array *list, int arrays) {
-    const int wanted = dem__parts(w, n), parts = wanted < DEM__EVENT_DATA ? wanted : DEM__EVENT_DATA;
+    const int parts = dem__parts_of(w, n, DEM__EVENT_DATA); /* an array to work in each */
     int q;
     if (parts == 1) {
         dem__arrange_part(w, section, sections, list, arrays, 0, 1);
@@ -5221,7 +5226,7 @@ static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first
 
 /* Threads take rings of their own. */
 static inline void dem__look_at_due(dem_world *w, int64_t step) {
-    const int wanted = dem__parts(w, w->near_count__ / 64), rings = w->near__.rings, parts = wanted < rings ? wanted : rings;
+    const int rings = w->near__.rings, parts = dem__parts_of(w, w->near_count__ / 64, rings);
     dem__waits waits[DEM__RINGS];
     int q;
     if (parts == 1) dem__look_at_rings(w, &waits[0], 0, rings, step);
@@ -5310,7 +5315,7 @@ static inline void dem__add_deferred(dem_world *w, int parts, int turns) {
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const int parts = dem__section_parts(w);
+    const int parts = dem__parts_of(w, w->live_count__, w->sections__);
     int q;
     for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
@@ -5493,10 +5498,7 @@ static inline void dem__step_links(dem_world *w) {
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
         else {
             const int32_t one = (int32_t)i;
-            dem__news news = dem__no_news(w);
-            dem__set_course(w, i, w->step);
-            if (dem__heed_course(w, i, w->step, &news)) dem__hurry_to_walls(w, i, w->step);
-            dem__take_news(w, &news);
+            dem__begin_course(w, i, w->step);
             dem__restart(w, &one, 1, w->step);
         }
     }
