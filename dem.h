@@ -204,9 +204,9 @@ typedef struct dem_def {
     int threads;             /* >= 1; default 1 */
     int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
-    double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35 */
+    double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.7; a narrow period lowers it */
     dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3];         /* 1: that axis is periodic between low and high; default 0 */
+    int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0 */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
     dem_material material[DEM_MATERIALS_MAX];
@@ -522,7 +522,7 @@ typedef struct dem_world {
                       section before this */
 
     /* near pairs, particles and walls: near__.at[0 .. near_count - 1], wall_timers__.at[i * walls + k] */
-    ptrdiff_t near_count__, adjacent_capacity__, cells_capacity__;
+    ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
     int32_t *adjacent__, *cells__; /* adjacent: (pair, other particle) of each particle */
     dem__timers near__, wall_timers__;
     int64_t listed__; /* step at which the list was built */
@@ -1733,7 +1733,7 @@ DEM_API dem_def dem_default_def(void) {
     def.threads = 1;
     def.skip = DEM_SKIP_ALL;
     def.dt = 1e-6;
-    def.skin = 0.35;
+    def.skin = 0.7;
     def.gravity = dem_vec3(0.0, 0.0, -9.81);
     def.high = dem_vec3(1.0, 1.0, 1.0);
     def.allocator.fn = dem__default_allocator;
@@ -3811,6 +3811,16 @@ static inline void dem__find_links(dem_world *w) {
     for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
 }
 
+/* The shortest period [m] */
+static inline double dem__narrowest(const dem_world *w) {
+    double narrowest = HUGE_VAL;
+    for (int a = 0; a < 3; a++) {
+        const double period = (&w->def.high.x)[a] - (&w->def.low.x)[a];
+        if (w->def.periodic[a] && period < narrowest) narrowest = period;
+    }
+    return narrowest;
+}
+
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
@@ -3818,12 +3828,13 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     dem__no_waits(&waits);
     if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
-    double smallest = HUGE_VAL;
+    double smallest = HUGE_VAL, largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
         w->rx__[i] = x.x, w->ry__[i] = x.y, w->rz__[i] = x.z;
         smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
+        largest = w->particle[i].radius > largest ? w->particle[i].radius : largest;
         if (!(fabs(w->rx__[i]) < 1e100 && fabs(w->ry__[i]) < 1e100 && fabs(w->rz__[i]) < 1e100)) {
             w->status = DEM_NOT_FINITE;
             w->failed_id = w->id[i];
@@ -3831,7 +3842,8 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         }
     }
     w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
-    w->margin__ = w->count > 0 ? 2.0 * smallest * w->def.skin : 1.0;
+    const double wanted = 2.0 * smallest * w->def.skin, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to a pair's second image */
+    w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
     w->reach__ = 4.0 * w->margin__;
     w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
@@ -4972,7 +4984,7 @@ DEM__TWICE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff
            dem__advance_all(w, h, first, end))
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
-    const int parts = dem__parts(w, n);
+    const int parts = dem__parts(w, n / 4);
     int q;
     if (parts == 1) {
         dem__advance_part(w, h, 0, n);
@@ -5063,7 +5075,7 @@ DEM__TWICE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t 
            (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
-    const int parts = dem__parts(w, n);
+    const int parts = dem__parts(w, n / 4);
     double check[DEM__PARTS_MAX], all = 0.0;
     ptrdiff_t strays[DEM__PARTS_MAX];
     int q;
@@ -5224,9 +5236,9 @@ static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first
     dem__set_waits(w, waits, step);
 }
 
-/* Threads take rings of their own. */
+/* Threads take rings of their own, if about as many pairs are due as in the step before. */
 static inline void dem__look_at_due(dem_world *w, int64_t step) {
-    const int rings = w->near__.rings, parts = dem__parts_of(w, w->near_count__ / 64, rings);
+    const int rings = w->near__.rings, parts = dem__parts_of(w, w->due__, rings);
     dem__waits waits[DEM__RINGS];
     int q;
     if (parts == 1) dem__look_at_rings(w, &waits[0], 0, rings, step);
@@ -5237,7 +5249,11 @@ static inline void dem__look_at_due(dem_world *w, int64_t step) {
         for (q = 0; q < parts; q++)
             dem__look_at_rings(w, &waits[q], (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
     }
-    for (q = 0; q < parts; q++) dem__bear_found(w, &waits[q]);
+    w->due__ = 0;
+    for (q = 0; q < parts; q++) {
+        w->due__ += (ptrdiff_t)waits[q].looks;
+        dem__bear_found(w, &waits[q]);
+    }
 }
 
 /* Looks at everything whose time has come, at the given step. */
@@ -5561,12 +5577,9 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
     }
-    for (int a = 0; a < 3; a++) {
-        double longest = 0.0;
-        for (ptrdiff_t i = 0; i < w->count && w->def.periodic[a]; i++)
-            longest = w->particle[i].radius > longest ? w->particle[i].radius : longest;
-        if (w->def.periodic[a] && !((&w->def.high.x)[a] - (&w->def.low.x)[a] > (4.0 + 4.0 * w->def.skin) * longest))
-            return DEM_BAD_DEFINITION;
+    const double narrowest = dem__narrowest(w);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
     if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;
     if (w->link_count__ > 0 && !w->link_law__) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */

@@ -689,12 +689,36 @@ static void test_periodic(void **state) {
     run(&w, 1.0, DEM_LINEAR);
     near_absolute(dem_position(&w, 0).x, 0.05 + 3.0 * w.time - 0.1 * floor((0.05 + 3.0 * w.time) / 0.1), 1e-9, "thirty boxes on");
     dem_free(&w);
-    def.high.x = 0.012; /* too narrow for its spheres */
-    def.skin = 2.0;
+    def.high.x = 2.19 * diameter; /* too narrow for its spheres */
     start(&w, &def);
     add(&w, v3(0.005, 0, 0), diameter);
     assert_int_equal(dem_run(&w, 0.1, DEM_LINEAR), DEM_BAD_DEFINITION);
     dem_free(&w);
+}
+
+/* The margin of the list gives way to a narrow box: what happens in it is the same with a margin that fits. */
+static void test_narrow_box(void **state) {
+    (void)state;
+    const double width = 2.25 * diameter, skin[] = {0.05, 0.7, 5.0};
+    uint64_t hash[3];
+    for (int k = 0; k < 3; k++) {
+        dem_world w;
+        dem_def def = one_material(0.7, 0.3, 0.0);
+        def.skin = skin[k];
+        def.gravity = zero;
+        for (int a = 0; a < 3; a++) def.periodic[a] = 1;
+        def.low = zero, def.high = v3(width, width, 1.02 * width);
+        start(&w, &def);
+        for (int i = 0; i < 8; i++) {
+            add(&w, v3(0.5 * width * (i & 1), 0.5 * width * (i >> 1 & 1), 0.5 * width * (i >> 2)), i == 5 ? 0.5 * diameter : diameter);
+            move(&w, i, v3(i == 3 ? 2.0 : 0.1 * i, i == 6 ? -3.0 : 0.0, i == 1 ? 1.0 : -0.1 * i), zero);
+        }
+        run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
+        assert_true(w.contact_steps > 1000);
+        hash[k] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
 }
 
 static void test_exits(void **state) {
@@ -1488,6 +1512,7 @@ int main(void) {
         cmocka_unit_test(test_screen_geometry),
         cmocka_unit_test(test_apertures),
         cmocka_unit_test(test_periodic),
+        cmocka_unit_test(test_narrow_box),
         cmocka_unit_test(test_exits),
         cmocka_unit_test(test_exit_in_contact),
         cmocka_unit_test(test_enable_wall),

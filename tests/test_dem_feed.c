@@ -118,7 +118,8 @@ static void test_strays_do_not_spoil_the_cells(void **state) {
         assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);
     }
     assert_int_equal(dem_run(&w, 0.0, DEM_LINEAR), DEM_OK);
-    double expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * 1.35e-3 * 1.35e-3 * 1.35e-3 / (0.05 * 0.05 * 0.05);
+    const double reach = (1.0 + w.def.skin) * 1e-3,
+                 expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * reach * reach * reach / (0.05 * 0.05 * 0.05);
     near_relative((double)w.near_count__, expected, 0.1, "near pairs of random points");
     dem_free(&w);
 }
