@@ -1581,7 +1581,7 @@ typedef struct dem__array {
     void *address; /* of the pointer */
     size_t size;   /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2 };
+enum { DEM__ARRAYS_MAX = 80 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
@@ -1606,16 +1606,15 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* The last DEM__STEP_ARRAYS of them hold nothing from step to step. */
+/* Of contacts, in the order of how long they hold something: from step to step, ... */
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
-    double **doubles[] = {&w->live_gap__, &w->live_force__, &w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
+    double **own[] = {&w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) list[n].address = doubles[k], list[n].size = sizeof(double);
+    list[n].address = &w->live_gap__, list[n++].size = sizeof(double);
+    list[n].address = &w->live_force__, list[n++].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
     for (int k = 0; w->meshes__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
     if (w->ledger_on__) {
         list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
@@ -1623,10 +1622,22 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
         for (int k = 0; k < 4; k++, n++) list[n].address = &w->live_loss__[k], list[n].size = sizeof(double);
     }
     list[n].address = &w->live_ended__, list[n++].size = 1;
+    /* ... with constants of their own, ... */
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
+    for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
+    /* ... after the last step of a run, ... */
+    for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
+    /* ... within a step */
     for (int k = 0; k < DEM__EVENT_DATA; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
     list[n].address = &w->live_event__, list[n++].size = 1;
     list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
     return n;
+}
+
+/* Of those the first so many hold something when a contact is moved to another slot. */
+static inline int dem__held_arrays(dem_world *w, dem__array *list) {
+    const int in_run = dem__live_arrays(w, list) - DEM__EVENT_DATA - 2 - 9;
+    return w->keeps_out__ ? in_run + 9 : w->kinds__ == DEM_KINDS_MAX ? in_run : in_run - 4 - w->constants__;
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
@@ -4942,7 +4953,7 @@ static inline void dem__bury(dem_world *w, int64_t step) {
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
     if (dead == 0) return;
-    const int n = dem__live_arrays(w, list) - DEM__STEP_ARRAYS;
+    const int n = dem__held_arrays(w, list);
     ptrdiff_t next = 0;
     dem__waits waits;
     dem__no_waits(&waits);
@@ -5386,7 +5397,7 @@ static inline int dem__tidy(dem_world *w) {
             w->status = DEM_OUT_OF_MEMORY;
             return 0;
         }
-        dem__arrange(w, n, section, sections, list, dem__live_arrays(w, list) - DEM__STEP_ARRAYS);
+        dem__arrange(w, n, section, sections, list, dem__held_arrays(w, list));
         w->sections__ = sections;
         memcpy(w->section__, section, sizeof section);
         dem__list_wall_contacts(w);
@@ -7045,6 +7056,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         return DEM_OUT_OF_MEMORY;
     }
     w->count = (ptrdiff_t)present;
+    w->keeps_out__ = 1;
     w->live_count__ = live;
     w->passed_count = passed;
     w->link_count__ = links;
