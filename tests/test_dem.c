@@ -721,6 +721,31 @@ static void test_narrow_box(void **state) {
     assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
 }
 
+/* Where spheres are fast, the margin of the list is wider, up to three times, so that lists last 100 steps. */
+static void test_lists_last(void **state) {
+    (void)state;
+    const double speed[] = {1e-5, 2e-3, 0.02}; /* diameters a step */
+    for (int k = 0; k < 3; k++) {
+        dem_world w;
+        scene_random r = {5};
+        dem_def def = one_material(0.9, 0.3, 0.0);
+        def.gravity = zero;
+        for (int a = 0; a < 3; a++) def.periodic[a] = 1;
+        def.low = zero, def.high = v3(0.1, 0.1, 0.1);
+        start(&w, &def);
+        for (int i = 0; i < 216; i++) {
+            add(&w, v3(0.1 * (i % 6 + 0.5) / 6.0, 0.1 * (i / 6 % 6 + 0.5) / 6.0, 0.1 * (i / 36 + 0.5) / 6.0), diameter);
+            move(&w, i, scene_vector(&r, speed[k] * diameter / def.dt), zero);
+        }
+        run(&w, 1000 * def.dt, DEM_LINEAR);
+        const double margin = w.margin__ / (def.skin * diameter), life = 1000.0 / (double)w.rebuilds;
+        if (k == 0) assert_true(margin == 1.0 && w.rebuilds == 1);
+        if (k == 1) assert_true(margin > 1.0 && margin < 3.0 && life > 70.0 && life < 130.0);
+        if (k == 2) near_absolute(margin, 3.0, 1e-12, "margin");
+        dem_free(&w);
+    }
+}
+
 static void test_exits(void **state) {
     (void)state;
     dem_world w;
@@ -1513,6 +1538,7 @@ int main(void) {
         cmocka_unit_test(test_apertures),
         cmocka_unit_test(test_periodic),
         cmocka_unit_test(test_narrow_box),
+        cmocka_unit_test(test_lists_last),
         cmocka_unit_test(test_exits),
         cmocka_unit_test(test_exit_in_contact),
         cmocka_unit_test(test_enable_wall),
