@@ -1583,7 +1583,7 @@ typedef struct dem__array {
     void *address; /* of the pointer */
     size_t size;   /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 80 };
+enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
@@ -1612,7 +1612,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
-    double **own[] = {&w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
+    double **own[DEM__OWN_ARRAYS] = {&w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
     list[n].address = &w->live_gap__, list[n++].size = sizeof(double);
     list[n].address = &w->live_force__, list[n++].size = sizeof(double);
@@ -1625,10 +1625,10 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     }
     list[n].address = &w->live_ended__, list[n++].size = 1;
     /* ... with constants of their own, ... */
-    for (size_t k = 0; k < sizeof own / sizeof *own; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
     for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
     /* ... after the last step of a run, ... */
-    for (int k = 0; k < 9; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
     /* ... within a step */
     for (int k = 0; k < DEM__EVENT_DATA; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
     list[n].address = &w->live_event__, list[n++].size = 1;
@@ -1638,8 +1638,8 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
 
 /* Of those the first so many hold something when a contact is moved to another slot. */
 static inline int dem__held_arrays(dem_world *w, dem__array *list) {
-    const int in_run = dem__live_arrays(w, list) - DEM__EVENT_DATA - 2 - 9;
-    return w->keeps_out__ ? in_run + 9 : w->kinds__ == DEM_KINDS_MAX ? in_run : in_run - 4 - w->constants__;
+    const int with_out = dem__live_arrays(w, list) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
+    return w->keeps_out__ ? with_out : w->kinds__ == DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
@@ -3634,11 +3634,19 @@ DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, cons
 DEM__TWICE(dem__choose, (const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count),
            (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
+/* Length of the box along an axis, HUGE_VAL where it is not periodic. */
+DEM_INLINE double dem__period(const dem_world *w, int axis) {
+    return w->def.periodic[axis] ? (&w->def.high.x)[axis] - (&w->def.low.x)[axis] : HUGE_VAL;
+}
+static inline double dem__narrowest(const dem_world *w) {
+    double narrowest = HUGE_VAL;
+    for (int a = 0; a < 3; a++) narrowest = dem__period(w, a) < narrowest ? dem__period(w, a) : narrowest;
+    return narrowest;
+}
+
 /* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. */
 static inline int dem__meet(dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end) {
-    const dem_def *d = &w->def;
-    const double length[3] = {d->periodic[0] ? d->high.x - d->low.x : HUGE_VAL, d->periodic[1] ? d->high.y - d->low.y : HUGE_VAL,
-                              d->periodic[2] ? d->high.z - d->low.z : HUGE_VAL};
+    const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
     int32_t near[DEM__CROWD];
     for (int32_t p = first; p < end; p++) {
         int n;
@@ -3822,16 +3830,6 @@ DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
 static inline void dem__find_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->link_head__[i] = -1;
     for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
-}
-
-/* The shortest period [m] */
-static inline double dem__narrowest(const dem_world *w) {
-    double narrowest = HUGE_VAL;
-    for (int a = 0; a < 3; a++) {
-        const double period = (&w->def.high.x)[a] - (&w->def.low.x)[a];
-        if (w->def.periodic[a] && period < narrowest) narrowest = period;
-    }
-    return narrowest;
 }
 
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
@@ -4999,7 +4997,7 @@ DEM__TWICE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff
            dem__advance_all(w, h, first, end))
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
-    const int parts = dem__parts(w, n / 4);
+    const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     int q;
     if (parts == 1) {
         dem__advance_part(w, h, 0, n);
@@ -5090,7 +5088,7 @@ DEM__TWICE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t 
            (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
-    const int parts = dem__parts(w, n / 4);
+    const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     double check[DEM__PARTS_MAX], all = 0.0;
     ptrdiff_t strays[DEM__PARTS_MAX];
     int q;
@@ -5593,7 +5591,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
         if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
     }
     const double narrowest = dem__narrowest(w);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
     if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;

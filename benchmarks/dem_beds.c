@@ -305,23 +305,23 @@ int main(int argc, char **argv) {
             double cpu[2][REPEATS_MAX], wall[2][REPEATS_MAX], gain[REPEATS_MAX];
             uint64_t hash = 0;
             run r[2];
-            const int builds = size ? variants : 1;
+            const int kinds = size ? variants : 1; /* one thread, and several */
             int failed = !wanted[size][scene];
-            for (int k = 0; k < repeats * builds && !failed && !common_interrupted(); k++) { /* in turns: noise is the same for both */
-                const int variant = k % builds, turn = k / builds;
-                run *of = &r[variant];
-                memset(of, 0, sizeof *of);
-                of->spheres = sizes[size], of->scene = scene, of->threads = thread_counts[variant], of->steps = steps;
-                failed = bed_run(of, &b, skin, &bar) != 0;
+            for (int k = 0; k < repeats * kinds && !failed && !common_interrupted(); k++) { /* in turns: noise is the same for both */
+                const int variant = k % kinds, turn = k / kinds;
+                run *q = &r[variant];
+                memset(q, 0, sizeof *q);
+                q->spheres = sizes[size], q->scene = scene, q->threads = thread_counts[variant], q->steps = steps;
+                failed = bed_run(q, &b, skin, &bar) != 0;
                 if (failed || common_interrupted()) continue;
-                cpu[variant][turn] = of->cpu_s, wall[variant][turn] = of->wall_s, gain[turn] = wall[0][turn] / of->wall_s;
+                cpu[variant][turn] = q->cpu_s, wall[variant][turn] = q->wall_s, gain[turn] = wall[0][turn] / q->wall_s;
                 csv_line(file, "%s%s,%d,%s,%d,%d,%.9g,%.9g,%d,%.17g,%.17g,%.9g", label, variant ? " threads" : "", sizes[size],
-                         is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, of->cpu_s, of->wall_s, of->threads,
-                         of->height, of->energy, (double)steps * b.n / of->cpu_s);
-                changed += k && of->hash != hash;
-                hash = of->hash;
+                         is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, q->cpu_s, q->wall_s, q->threads, q->height,
+                         q->energy, (double)steps * b.n / q->cpu_s);
+                changed += k && q->hash != hash;
+                hash = q->hash;
             }
-            for (int variant = 0; variant < builds && !failed && !common_interrupted(); variant++) {
+            for (int variant = 0; variant < kinds && !failed && !common_interrupted(); variant++) {
                 const run *q = &r[variant];
                 const reference *of = &references[size][scene];
                 const double all = (double)steps * b.n, cpu_s = median(cpu[variant], repeats), wall_s = median(wall[variant], repeats),

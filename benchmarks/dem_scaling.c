@@ -193,9 +193,9 @@ int main(int argc, char **argv) {
         if (measure(&points[k], &bases[points[k].bed > 0], (int)fmax(CHUNK, steps / CHUNK * CHUNK), repeats, &self, &bar) != 0) break;
     }
     for (int k = 0; k < 2; k++) free(bases[k].bytes);
+    if (common_interrupted()) progress_end(&bar);
     if (common_exit_status() != 0) return common_exit_status();
     progress_end(&bar);
-    if (common_interrupted()) return common_exit_status();
 
     json *report = json_open(self.json);
     csv *file = csv_open(self.out, "dem_scaling.csv",
