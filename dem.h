@@ -438,9 +438,22 @@ typedef struct dem__kind {
 /* Private: the contacts of particles from `from` on, up to where the next section begins, in slots of their own: first .. first + live - 1.
    Without room (of the last: without end) new ones go into the last section. */
 typedef struct dem__section {
-    ptrdiff_t first, live, room, deferred;
+    ptrdiff_t first, live, room;
+    ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
     int32_t from;
 } dem__section;
+
+/* Private: what a contact does, for the sums of its particles to which another thread adds first. */
+typedef struct dem__deferral {
+    double out[9];
+    int32_t i, j;
+    int to_i, to_j;
+} dem__deferral;
+
+/* Private: what a section's contacts do to a wall. */
+typedef struct dem__push {
+    dem_vec force, torque;
+} dem__push;
 
 /* Private: two particles that may meet, or a particle and a wall (of which only the first four are in use). Half a cache line. */
 typedef struct dem__timer {
@@ -502,8 +515,8 @@ typedef struct dem_world {
     double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, blur__;
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, sums__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
-        features__, ledger_on__, ledger_started__;
+    int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__,
+        ledger_on__, ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
@@ -534,8 +547,10 @@ typedef struct dem_world {
     ptrdiff_t live_count__, live_capacity__, born__;
     int sections__;
     dem__section section__[DEM__SECTIONS];
+    dem__push push__[DEM__SECTIONS][DEM_WALLS_MAX];
+    dem__deferral *deferral__; /* with threads */
     int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
-        *slots__; /* kind: or -1, has its own; slots: a list, for the moment */
+        *slots__; /* kind: or -1, has its own; slots: a list, for the moment, or one in each section */
     uint8_t *live_event__, *live_ended__;
     double *live_gap__, *live_force__;
     dem__kind kind__[DEM_KINDS_MAX];
@@ -543,7 +558,7 @@ typedef struct dem_world {
     double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
     double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step, with threads of all */
+    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step; within a step of those that begin or end */
     double *live_event_data__[DEM__EVENT_DATA];
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
@@ -1609,6 +1624,8 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 }
 
 /* Of contacts, in the order of how long they hold something: from step to step, ... */
+static inline int dem__has_deferrals(const dem_world *w) { return w->deferral__ || w->def.threads > 1; }
+
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
@@ -1633,12 +1650,13 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     for (int k = 0; k < DEM__EVENT_DATA; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
     list[n].address = &w->live_event__, list[n++].size = 1;
     list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
+    if (dem__has_deferrals(w)) list[n].address = &w->deferral__, list[n++].size = sizeof(dem__deferral);
     return n;
 }
 
 /* Of those the first so many hold something when a contact is moved to another slot. */
 static inline int dem__held_arrays(dem_world *w, dem__array *list) {
-    const int with_out = dem__live_arrays(w, list) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
+    const int with_out = dem__live_arrays(w, list) - dem__has_deferrals(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
     return w->keeps_out__ ? with_out : w->kinds__ == DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
 }
 
@@ -4279,15 +4297,16 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks such contacts, and those whose law has ended. Are there any? */
-DEM_INLINE int dem__mark(const double *before, const double *was, const double *ended, const double *force, int n, uint8_t *event,
-                         uint8_t *over) {
+/* Marks and lists such contacts of a section, and those whose law has ended, in the block from slot base on. Are there any? */
+DEM_INLINE int dem__mark(dem_world *w, dem__section *in, ptrdiff_t base, int n, const double *before, const double *was,
+                         const double *ended, const double *force) {
     int64_t any = 0;
     for (int k = 0; k < n; k++) any |= dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0);
-    for (int k = 0; k < n; k++) event[k] = over[k] = 0;
     for (int k = 0; k < n && any; k++) {
-        event[k] = (uint8_t)dem__began_or_ended(before[k], force[k], was[k]);
-        over[k] = ended[k] != 0.0;
+        const ptrdiff_t c = base + k;
+        w->live_event__[c] = (uint8_t)dem__began_or_ended(before[k], force[k], was[k]);
+        w->live_ended__[c] = ended[k] != 0.0;
+        if (w->live_event__[c] | w->live_ended__[c]) w->slots__[in->first + in->marked++] = (int32_t)c;
     }
     return any != 0;
 }
@@ -4296,8 +4315,9 @@ DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
     for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds force and torques, out[][k], of the contact of particle i to the sums: to that of i, to that of j. */
-DEM_INLINE void dem__add_forces(dem_world *w, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int turns, int to_i, int to_j) {
+/* Adds what a contact in section q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
+DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int turns, int to_i,
+                                int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
     const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
     const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
@@ -4307,27 +4327,29 @@ DEM_INLINE void dem__add_forces(dem_world *w, int32_t i, int32_t j, double *cons
         dem__add_load(&w->sum__[j], on_j, turns);
         return;
     }
-    dem_wall *wall = &w->wall[-1 - j];
+    dem__push *push = &w->push__[q][-1 - j];
     const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
-    const dem_vec arm = dem__sub(w->particle[i].x, wall->position);
-    wall->force = dem__add(wall->force, f);
-    wall->torque = dem__add(wall->torque, dem__sub(dem__cross(arm, f), t));
+    const dem_vec arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
+    push->force = dem__add(push->force, f);
+    push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
 /* May the thread whose sections begin with `own` add to the sum of a particle, or of a wall, while others run? Only if none of them adds
    to it before: sums are in the order of slots. */
-DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i >= 0 && w->lowest__[i] >= own; }
+DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i < 0 || w->lowest__[i] >= own; }
 
-/* Adds what n contacts do, slot by slot. One thread adds all; several leave to dem__add_deferred what must wait. */
-DEM_INLINE void dem__gather_forces(dem_world *w, dem__section *in, ptrdiff_t base, int n, double *const *out, int turns, int own) {
-    for (int k = 0; k < n && w->sums__; k++) dem__add_forces(w, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
-    for (int k = 0; k < n && !w->sums__; k++) {
+/* Adds what n contacts of section q do, slot by slot; leaves to dem__add_deferred what must wait for other threads. */
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns, int own) {
+    dem__section *in = &w->section__[q];
+    for (int k = 0; k < n && own == 0; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n && own > 0; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
         const int to_i = dem__may_add(w, i, own), to_j = dem__may_add(w, j, own);
-        dem__add_forces(w, i, j, out, k, turns, to_i, to_j);
+        dem__add_forces(w, q, i, j, out, k, turns, to_i, to_j);
         if (to_i && to_j) continue;
-        for (int a = 0; a < 9; a++) w->live_out__[a][base + k] = out[a][k];
-        w->slots__[in->first + in->deferred++] = (int32_t)(base + k);
+        dem__deferral *later = &w->deferral__[in->first + in->deferred++];
+        for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
+        later->i = i, later->j = j, later->to_i = !to_i, later->to_j = !to_j;
     }
 }
 
@@ -4342,10 +4364,11 @@ DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
 /* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
    meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
    the cache. */
-DEM_INLINE void dem__evaluate_section(dem_world *w, dem__section *in, int own, dem__traits *traits, const dem_law *law, int features) {
+DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, dem__traits *traits, const dem_law *law, int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
     const void *user = w->user;
+    dem__section *in = &w->section__[section];
     const ptrdiff_t end = in->first + in->live;
     dem__rows b;
     dem__row out[9];
@@ -4403,7 +4426,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, dem__section *in, int own, d
                 dem__put_losses(&at, k, &r, h, before[k]);
             }
         }
-        const int events = dem__mark(before, was, ended, at.force, n, w->live_event__ + base, w->live_ended__ + base);
+        const int events = dem__mark(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
             for (int q = 0; q < walls; q++) {
@@ -4436,7 +4459,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, dem__section *in, int own, d
                 q += is_wall;
             }
         }
-        dem__gather_forces(w, in, base, n, at.out, turns, own);
+        dem__gather_forces(w, section, base, n, at.out, turns, own);
     }
 }
 
@@ -4445,8 +4468,9 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     dem__traits traits;
     for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
-        w->section__[q].deferred = 0;
-        dem__evaluate_section(w, &w->section__[q], (int)first, &traits, law, features);
+        w->section__[q].marked = w->section__[q].deferred = 0;
+        for (int k = 0; k < w->walls; k++) memset(&w->push__[q][k], 0, sizeof w->push__[q][k]);
+        dem__evaluate_section(w, q, (int)first, &traits, law, features);
     }
 }
 
@@ -4604,7 +4628,7 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->wall_timers__, (int32_t)i * w->walls + k);
 }
 
-static inline void dem__bury(dem_world *w, int64_t step);
+static inline void dem__bury(dem_world *w, int64_t step, int all);
 
 /* Ends the contacts of those who have been taken out. */
 static inline void dem__leave_alone(dem_world *w) {
@@ -4613,7 +4637,7 @@ static inline void dem__leave_alone(dem_world *w) {
         if (!w->alive[w->live_i__[c]] || (j >= 0 && !w->alive[j])) w->live_ended__[c] = 1;
     }
     w->stale__ = w->fresh__ = 1;
-    dem__bury(w, w->step);
+    dem__bury(w, w->step, 1);
     for (ptrdiff_t k = 0; k < w->active_count__; k++) { /* whoever touched nothing else is in flight */
         if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
     }
@@ -4700,22 +4724,13 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* The slots that are marked, into slots__. Marks are few. */
-static inline ptrdiff_t dem__list_marked(dem_world *w, const uint8_t *mark) {
+/* The slots of contacts that have ended, into slots__: of those that the last step marked, or of all. */
+static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     ptrdiff_t n = 0;
-    for (int q = 0; q < w->sections__; q++) {
-        const ptrdiff_t last = w->section__[q].first + w->section__[q].live;
-        ptrdiff_t c = w->section__[q].first;
-        while (c < last) {
-            uint64_t many[4];
-            for (; last - c >= (ptrdiff_t)sizeof many; c += (ptrdiff_t)sizeof many) {
-                memcpy(many, mark + c, sizeof many);
-                if (many[0] | many[1] | many[2] | many[3]) break;
-            }
-            const ptrdiff_t end = last - c < (ptrdiff_t)sizeof many ? last : c + (ptrdiff_t)sizeof many;
-            for (; c < end; c++) {
-                if (mark[c]) w->slots__[n++] = (int32_t)c;
-            }
+    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
+        for (ptrdiff_t k = 0; k < (all ? in->live : in->marked); k++) {
+            const ptrdiff_t c = all ? in->first + k : w->slots__[in->first + k];
+            if (w->live_ended__[c]) w->slots__[n++] = (int32_t)c;
         }
     }
     return n;
@@ -4950,10 +4965,10 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Takes out contacts that ended: slots at the end of their section fill the gaps. */
-static inline void dem__bury(dem_world *w, int64_t step) {
+/* Takes out contacts that ended, of those that the last step marked or of all: slots at the end of their section fill the gaps. */
+static inline void dem__bury(dem_world *w, int64_t step, int all) {
     dem__array list[DEM__ARRAYS_MAX];
-    const ptrdiff_t dead = dem__list_marked(w, w->live_ended__);
+    const ptrdiff_t dead = dem__list_ended(w, all);
     if (dead == 0) return;
     const int n = dem__held_arrays(w, list);
     ptrdiff_t next = 0;
@@ -5107,38 +5122,43 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* Impulses and shifts of contacts that began or ended within the step. */
-static inline void dem__settle_events(dem_world *w, int turns) {
+/* Impulse and shift of the contact in slot c, which began or ended within the step. */
+static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     double *const *data = w->live_event_data__, *const *out = w->live_out__;
-    const ptrdiff_t events = dem__list_marked(w, w->live_event__);
-    for (ptrdiff_t k = 0; k < events; k++) {
-        const int32_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
-        const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
-        const double extra = data[5][c], along = dem__dot(f, n);
-        const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
-        for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
-            const int32_t a = side ? j : i;
-            dem__unsettle(w, a);
-            dem_particle *p = &w->particle[a];
-            const double m = (side ? -1.0 : 1.0) / p->mass, turn = 1.0 / dem__inertia(w, a);
-            p->v = dem__plus(p->v, m, impulse);
-            p->x = dem__plus(p->x, m * data[4][c], n);
-            w->shifted__[a] += fabs(m * data[4][c]);
-            if (!turns) continue;
-            const dem_vec torque = dem_vec3(out[3 + 3 * side][c], out[4 + 3 * side][c], out[5 + 3 * side][c]);
-            p->spin = dem__plus(p->spin, turn * extra, torque);
+    const int32_t i = w->live_i__[c], j = w->live_j__[c];
+    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
+    const double extra = data[5][c], along = dem__dot(f, n);
+    const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
+    for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
+        const int32_t a = side ? j : i;
+        dem__unsettle(w, a);
+        dem_particle *p = &w->particle[a];
+        const double m = (side ? -1.0 : 1.0) / p->mass, turn = 1.0 / dem__inertia(w, a);
+        p->v = dem__plus(p->v, m, impulse);
+        p->x = dem__plus(p->x, m * data[4][c], n);
+        w->shifted__[a] += fabs(m * data[4][c]);
+        if (!turns) continue;
+        const dem_vec torque = dem_vec3(out[3 + 3 * side][c], out[4 + 3 * side][c], out[5 + 3 * side][c]);
+        p->spin = dem__plus(p->spin, turn * extra, torque);
+    }
+    if (j < 0) {
+        const dem_vec place = w->particle[i].x, t = dem_vec3(out[3][c], out[4][c], out[5][c]);
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
+        return;
+    }
+    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
+    dem_particle *a = &w->particle[i], *b = &w->particle[j];
+    const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
+    const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+    a->v = dem__plus(a->v, 1.0 / a->mass, slower);
+    b->v = dem__plus(b->v, -1.0 / b->mass, slower);
+}
+static inline void dem__settle_events(dem_world *w, int turns) {
+    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = w->slots__[in->first + k];
+            if (w->live_event__[c]) dem__settle_event(w, c, turns);
         }
-        if (j < 0) {
-            const dem_vec place = w->particle[i].x, t = dem_vec3(out[3][c], out[4][c], out[5][c]);
-            dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
-            continue;
-        }
-        /* a pair that is moved apart turns more slowly, as its angular momentum stays */
-        dem_particle *a = &w->particle[i], *b = &w->particle[j];
-        const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
-        const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-        a->v = dem__plus(a->v, 1.0 / a->mass, slower);
-        b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     }
 }
 
@@ -5330,35 +5350,40 @@ static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff
 }
 
 /* Adds what the threads that evaluated the contacts could not. */
-static inline void dem__add_deferred(dem_world *w, int parts, int turns) {
-    for (int q = 0, part = 0; q < w->sections__; q++) {
-        while (q >= dem__part(w->sections__, part + 1, parts)) part++;
-        const int own = (int)dem__part(w->sections__, part, parts);
-        const int32_t *slot = w->slots__ + w->section__[q].first;
-        for (ptrdiff_t k = 0; k < w->section__[q].deferred; k++) {
-            const int32_t c = slot[k], i = w->live_i__[c], j = w->live_j__[c];
-            dem__add_forces(w, i, j, w->live_out__, c, turns, !dem__may_add(w, i, own), !dem__may_add(w, j, own));
+static inline void dem__add_deferred(dem_world *w, int turns) {
+    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
+        dem__deferral *later = w->deferral__ + in->first;
+        for (ptrdiff_t k = 0; k < in->deferred; k++, later++) {
+            double *out[9];
+            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
+            dem__add_forces(w, 0, later->i, later->j, out, 0, turns, later->to_i, later->to_j);
         }
     }
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const int parts = dem__parts_of(w, w->live_count__, w->sections__);
+    const int parts = w->deferral__ ? dem__parts_of(w, w->live_count__, w->sections__) : 1;
     int q;
-    for (int k = 0; k < w->walls; k++) w->wall[k].force = dem_vec3(0.0, 0.0, 0.0), w->wall[k].torque = dem_vec3(0.0, 0.0, 0.0);
     w->kernel_dt__ = h;
     w->keeps_out__ = keep;
-    w->sums__ = parts == 1;
     if (parts == 1) kernel(w, 0, w->sections__);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
         for (q = 0; q < parts; q++) kernel(w, dem__part(w->sections__, q, parts), dem__part(w->sections__, q + 1, parts));
-        dem__add_deferred(w, parts, turns);
+        dem__add_deferred(w, turns);
     }
-    for (int k = 0; k < w->walls; k++) w->wall[k].impulse = dem__plus(w->wall[k].impulse, h, w->wall[k].force);
+    for (int k = 0; k < w->walls; k++) {
+        dem_wall *wall = &w->wall[k];
+        wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
+        for (q = 0; q < w->sections__; q++) {
+            wall->force = dem__add(wall->force, w->push__[q][k].force);
+            wall->torque = dem__add(wall->torque, w->push__[q][k].torque);
+        }
+        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+    }
 }
 
 /* All contacts into the order of their particles i, else as they were: neighbours in space are then read one after the other. Many in
@@ -5416,7 +5441,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         DEM__EACH(w, c) { /* contacts with walls that were taken away */
             if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
         }
-        dem__bury(w, w->step);
+        dem__bury(w, w->step, 1);
         if (!dem__rebuild(w)) return 0;
     }
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
@@ -5465,7 +5490,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
-        dem__bury(w, w->step);
+        dem__bury(w, w->step, 0);
         dem__watch(w);
         if (w->status != DEM_OK) return 0;
     }
@@ -5561,7 +5586,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     w->step++;
     w->time = w->start_time__ + (double)(w->step - w->start_step__) * w->dt__;
     if (!finite) return dem__fail(w, DEM_NOT_FINITE);
-    if (w->leaving__) {
+    const int leaving = w->leaving__;
+    if (leaving) {
         DEM__EACH(w, c) {
             const ptrdiff_t j = w->live_j__[c];
             if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1;
@@ -5571,7 +5597,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         }
         w->leaving__ = 0;
     }
-    dem__bury(w, w->step);
+    dem__bury(w, w->step, leaving);
     dem__watch(w);
     if (w->link_stride__ > 0 && w->step % w->link_stride__ == 0) dem__step_links(w);
     return w->status == DEM_OK;
@@ -5598,7 +5624,8 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     if (w->link_count__ > 0 && !w->link_law__) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
     const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
               constants = law->constants > w->constants__ ? law->constants : w->constants__;
-    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__) { /* other arrays: a new block */
+    const int threads = w->def.threads > 1 && !w->deferral__;
+    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__ || threads) { /* other arrays: a new block */
         dem__array list[DEM__ARRAYS_MAX];
         const int old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
         const ptrdiff_t old_capacity = w->live_capacity__;
