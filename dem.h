@@ -202,7 +202,7 @@ typedef struct dem_allocator {
 typedef struct dem_def {
     uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
     int materials;           /* number of materials, by dem_add_material() */
-    int threads;             /* >= 1; default 1 */
+    int threads;             /* >= 1; default 1; that of a world may be changed between runs */
     int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
     double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35. Up to three times as much is
@@ -4102,11 +4102,10 @@ DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *l
     at->elastic = w->live_elastic__ + base;
 }
 
-DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+/* Of those slots of a block whose kind is not that of before. */
+static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
     const int32_t *kind = w->live_kind__ + base;
-    int32_t differ = 0;
-    for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
-    for (int k = 0; k < n && differ; k++) {
+    for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
         t->kind[k] = kind[k];
@@ -4120,6 +4119,12 @@ DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int 
             for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
         }
     }
+}
+DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+    const int32_t *kind = w->live_kind__ + base;
+    int32_t differ = 0;
+    for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
+    if (differ) dem__renew_traits(w, base, n, constants, t);
 }
 
 /* Force on i, torques on i and j. */
@@ -4162,8 +4167,8 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
 
 /* Particle i at an element of a wall, for the contact in a slot or a link (-1): where, and how fast the wall is there.
    Fills row k; returns the wall's velocity at the point. */
-DEM_INLINE dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b, int k,
-                                    double half, dem__touch *touch) {
+static DEM__APART dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
+                                           int k, double half, dem__touch *touch) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     const dem_vec x = s->x;
@@ -4286,6 +4291,9 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
     }
 }
 
+typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i, double arm_j, double gap,
+                          double force, dem_vec wall_speed);
+
 #if defined(__clang__)
 #pragma clang diagnostic push
 #pragma clang diagnostic ignored "-Wpass-failed" /* at -O1 the loop stays scalar, and that is fine */
@@ -4364,7 +4372,8 @@ DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
 /* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
    meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
    the cache. */
-DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, dem__traits *traits, const dem_law *law, int features) {
+DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, dem__traits *traits, const dem_law *law, dem__mend_fn *mend,
+                                      int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
     const void *user = w->user;
@@ -4447,13 +4456,13 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, 
                     for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
                     dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
                     view.mass = traits->mass[k];
-                    view.share = share[k];
+                    view.share = dem__share(w, w->live_i__[c], w->live_j__[c]);
                     view.dt = 0.0;
                     view.rate = rate;
                     view.constants = p;
                     view.user = user;
-                    dem__mend(w, c, &at, k, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0), law,
-                              features);
+                    const dem__slots here = at; /* whose address others may know, unlike that of what the loop above works with */
+                    mend(w, c, &here, k, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0));
                     for (int a = 0; a < 9; a++) w->live_out__[a][c] = at.out[a][k]; /* kept, for the end of the step */
                 }
                 q += is_wall;
@@ -4464,13 +4473,13 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, 
 }
 
 /* The contacts of sections first .. end-1, by one thread. */
-DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, int features) {
+DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__mend_fn *mend, int features) {
     dem__traits traits;
     for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         w->section__[q].marked = w->section__[q].deferred = 0;
         for (int k = 0; k < w->walls; k++) memset(&w->push__[q][k], 0, sizeof w->push__[q][k]);
-        dem__evaluate_section(w, q, (int)first, &traits, law, features);
+        dem__evaluate_section(w, q, (int)first, &traits, law, mend, features);
     }
 }
 
@@ -4531,7 +4540,12 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 }
 
 #define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
-#define DEM_KERNEL(name, law, features) DEM__KERNEL(name, dem_kernel(world, first, end, &(law), features))
+#define DEM_KERNEL(name, law, features)                                                                                                    \
+    static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i,           \
+                                       double arm_j, double gap, double force, dem_vec wall_speed) {                                       \
+        dem__mend(world, c, at, k, q, arm_i, arm_j, gap, force, wall_speed, &(law), features);                                             \
+    }                                                                                                                                      \
+    DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
 
 /* -------------------------------------------------------------------------------------------------- >>step */

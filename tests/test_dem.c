@@ -963,6 +963,7 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
 static void test_sections_of_contacts(void **state) {
     (void)state;
     uint64_t hash[4];
+    dem_vec pushed[4][3];
     for (int k = 0; k < 4; k++) {
         static const int skip[] = {DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_PAIRS, DEM_SKIP_SPACE}, threads[] = {1, 3, 1, 2};
         const double part = 0.3 * scene_duration(SCENE_DEEP);
@@ -971,10 +972,15 @@ static void test_sections_of_contacts(void **state) {
         if (k == 2) w.def.skin = 0.2; /* lists at other times */
         run(&w, part, scene_features(SCENE_DEEP));
         assert_true(w.sections__ == DEM__SECTIONS && w.near__.rings == DEM__RINGS); /* or the scene is too small for this test */
+        pushed[k][0] = w.wall[0].force, pushed[k][1] = w.wall[0].torque, pushed[k][2] = w.wall[0].impulse;
+        assert_memory_equal(pushed[k], pushed[0], sizeof pushed[0]);
+        assert_true(pushed[0][0].z < 0.0);
         for (ptrdiff_t i = 0; i < w.count; i += i < 2000 ? 3 : 50) {
             if (w.alive[i]) assert_int_equal(dem_remove(&w, i), DEM_OK);
         }
+        if (k == 2) w.def.threads = 2;
         run(&w, part, scene_features(SCENE_DEEP));
+        assert_true(w.sections__ == DEM__SECTIONS);
         size_t size;
         unsigned char *bytes = saved(&w, &size);
         dem_world copy;
