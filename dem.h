@@ -1657,7 +1657,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
 /* Of those the first so many hold something when a contact is moved to another slot. */
 static inline int dem__held_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__live_arrays(w, list) - dem__has_deferrals(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
-    return w->keeps_out__ ? with_out : w->kinds__ == DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
+    return w->keeps_out__ ? with_out : w->kinds__ > DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
@@ -4102,9 +4102,24 @@ DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *l
     at->elastic = w->live_elastic__ + base;
 }
 
+/* Of a block in which each contact has its own. */
+static inline void dem__copy_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+    const size_t bytes = (size_t)n * sizeof(double);
+    memcpy(t->mass, w->live_mass__ + base, bytes), memcpy(t->predict, w->live_predict__ + base, bytes);
+    memcpy(t->sum, w->live_sum__ + base, bytes), memcpy(t->part, w->live_part__ + base, bytes);
+    for (int a = 0; a < constants; a++) memcpy(t->constant[a], w->live_constant__[a] + base, bytes);
+    for (int k = 0; k < n; k++) t->kind[k] = -1;
+}
+
 /* Of those slots of a block whose kind is not that of before. */
 static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
     const int32_t *kind = w->live_kind__ + base;
+    int32_t own = -1;
+    for (int k = 0; k < n; k++) own &= kind[k];
+    if (own < 0) {
+        dem__copy_traits(w, base, n, constants, t);
+        return;
+    }
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
@@ -4845,13 +4860,15 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
     kind.predict = dem__prediction(stiffness * w->dt__ * w->dt__ / b.mass, b.damping_ratio);
-    while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
-    w->live_kind__[c] = same < DEM_KINDS_MAX ? same : -1;
-    if (same < DEM_KINDS_MAX) {
+    while (same < w->kinds__ && w->kinds__ <= DEM_KINDS_MAX && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
+    if (same < DEM_KINDS_MAX && w->kinds__ <= DEM_KINDS_MAX) {
+        w->live_kind__[c] = same;
         w->kind__[same] = kind;
         w->kinds__ += same == w->kinds__;
         return;
     }
+    w->kinds__ = DEM_KINDS_MAX + 1; /* from now on each has its own: to look for a kind would cost more than it saves */
+    w->live_kind__[c] = -1;
     for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = kind.constant[a];
     w->live_mass__[c] = kind.mass;
     w->live_predict__[c] = kind.predict;
