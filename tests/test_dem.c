@@ -1006,6 +1006,46 @@ static void test_sections_of_contacts(void **state) {
     }
 }
 
+/* Pair k of spheres no two of which are alike, on a floor, thrown at each other. */
+static void add_unlike_pair(dem_world *w, int k) {
+    for (int side = 0; side < 2; side++) {
+        const double size = 4e-3 + 3e-5 * (2 * k + side), at[3] = {0.02 * k, side ? 5e-3 : 0.0, 0.5 * size};
+        assert_int_equal(dem_add_spheres(w, 1, at, &size, 0, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(0.1, side ? -0.5 : 0.5, -0.1), dem_vec3(1, 2, 3)), DEM_OK);
+    }
+}
+
+/* More kinds of contacts than the table holds, in one world: each pair does what it does alone, to the bit. */
+static void test_more_kinds_than_the_table_holds(void **state) {
+    (void)state;
+    enum { PAIRS = 2 * DEM_KINDS_MAX };
+    const int features = DEM_HERTZ | DEM_FRICTION | DEM_ROLLING;
+    const dem_def def = scene_def(2e-6);
+    dem_world all;
+    assert_int_equal(dem_init(&all, &def, NULL), DEM_OK);
+    assert_true(dem_add_plane(&all, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+    for (int k = 0; k < PAIRS; k++) add_unlike_pair(&all, k);
+    run(&all, 0.01, features);
+    assert_true(all.kinds__ > DEM_KINDS_MAX);
+    for (int k = 0; k < PAIRS; k++) {
+        dem_world alone;
+        assert_int_equal(dem_init(&alone, &def, NULL), DEM_OK);
+        assert_true(dem_add_plane(&alone, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+        add_unlike_pair(&alone, k);
+        run(&alone, 0.01, features);
+        assert_true(alone.kinds__ > 0 && alone.kinds__ <= 3);
+        for (int side = 0; side < 2; side++) {
+            const dem_vec x[2] = {dem_position(&alone, side), dem_position(&all, 2 * k + side)};
+            const dem_vec v[2] = {dem_velocity(&alone, side), dem_velocity(&all, 2 * k + side)};
+            assert_memory_equal(&x[0], &x[1], sizeof x[0]);
+            assert_memory_equal(&v[0], &v[1], sizeof v[0]);
+            assert_true((side ? -1.0 : 1.0) * v[0].y < 0.0); /* they have met */
+        }
+        dem_free(&alone);
+    }
+    dem_free(&all);
+}
+
 /* Spheres that gravity and collisions make faster and slower, within shaken cylinders and against them, some near the axis: the same bits
    as if each looked at each wall in every step. */
 static void test_round_walls_are_not_missed(void **state) {
@@ -1554,6 +1594,7 @@ int main(void) {
         cmocka_unit_test(test_no_contact_is_missed),
         cmocka_unit_test(test_round_walls_are_not_missed),
         cmocka_unit_test(test_sections_of_contacts),
+        cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),
         cmocka_unit_test(test_damaged_saves),
