@@ -1623,9 +1623,9 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Of contacts, in the order of how long they hold something: from step to step, ... */
 static inline int dem__has_deferrals(const dem_world *w) { return w->deferral__ || w->def.threads > 1; }
 
+/* Of contacts, in the order of how long they hold something: from step to step, ... */
 static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     int n = 0;
     int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
@@ -4493,7 +4493,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         w->section__[q].marked = w->section__[q].deferred = 0;
-        for (int k = 0; k < w->walls; k++) memset(&w->push__[q][k], 0, sizeof w->push__[q][k]);
+        memset(w->push__[q], 0, (size_t)w->walls * sizeof *w->push__[q]);
         dem__evaluate_section(w, q, (int)first, &traits, law, mend, features);
     }
 }
@@ -4831,7 +4831,7 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     dem__kind kind;
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
     const double inertia = dem__inertia(w, i);
-    int same = 0;
+    int same = w->kinds__ > DEM_KINDS_MAX ? w->kinds__ : 0; /* more than fit: nobody looks */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -4860,8 +4860,8 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
     kind.predict = dem__prediction(stiffness * w->dt__ * w->dt__ / b.mass, b.damping_ratio);
-    while (same < w->kinds__ && w->kinds__ <= DEM_KINDS_MAX && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
-    if (same < DEM_KINDS_MAX && w->kinds__ <= DEM_KINDS_MAX) {
+    while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
+    if (same < DEM_KINDS_MAX) {
         w->live_kind__[c] = same;
         w->kind__[same] = kind;
         w->kinds__ += same == w->kinds__;
@@ -5655,8 +5655,9 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     if (w->link_count__ > 0 && !w->link_law__) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
     const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
               constants = law->constants > w->constants__ ? law->constants : w->constants__;
-    const int threads = w->def.threads > 1 && !w->deferral__;
-    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__ || threads) { /* other arrays: a new block */
+    const int deferrals = dem__has_deferrals(w) && !w->deferral__;
+    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__ ||
+        deferrals) { /* other arrays: a new block */
         dem__array list[DEM__ARRAYS_MAX];
         const int old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
         const ptrdiff_t old_capacity = w->live_capacity__;
