@@ -118,21 +118,23 @@ extern "C" {
 /* ------------------------------------------------------------------------------------------------ >>types */
 
 /* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8  /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32     /* walls are looked at by every particle near them; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16 /* constants of a law, folded per contact at its birth */
-#define DEM_STATE_MAX 16     /* doubles that a law may keep per contact */
-#define DEM_KINDS_MAX 32     /* sets of constants that contacts share: all of a few sizes and materials */
-#define DEM_BLOCK 64         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM_WHEEL 1024       /* steps that a look can be put off: beyond, a list is rebuilt anyway */
-#define DEM__AHEAD 16        /* looks for which memory is asked ahead */
-#define DEM__RINGS 8         /* lists of a bucket, each of a range of many timers: a chain waits for memory, several wait together */
-#define DEM__TIDY 256        /* steps between two orderings of contacts */
-#define DEM__LIST_STEPS 100  /* a list should last so long, as finding the near pairs takes about as long as thirty steps of a gas */
-#define DEM__SECTIONS 16     /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__EVENT_DATA 6    /* of a contact that begins or ends: n, impulse, shift, sliding time */
-#define DEM__PARTS_MAX 256   /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 5u        /* version of dem_save */
+#define DEM_MATERIALS_MAX 8                  /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32                     /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16                 /* constants of a law, folded per contact at its birth */
+#define DEM_STATE_MAX 16                     /* doubles that a law may keep per contact */
+#define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
+#define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM__FAR 1024                        /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
+#define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
+#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* bunches so asked */
+#define DEM__TIDY 256                        /* steps between two orderings of contacts */
+#define DEM__LIST_MOST (1 << 30)             /* steps that a list can last: timers count from where it began */
+#define DEM__LIST_STEPS 100 /* a list should last so long, as finding the near pairs takes about as long as thirty steps of a gas */
+#define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
+#define DEM__EVENT_DATA 6   /* of a contact that begins or ends: n, impulse, shift, sliding time */
+#define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
+#define DEM_FORMAT 5u       /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -455,24 +457,23 @@ typedef struct dem__push {
     dem_vec force, torque;
 } dem__push;
 
-/* Private: two particles that may meet, or a particle and a wall (of which only the first four are in use). Half a cache line. */
-typedef struct dem__timer {
-    int32_t next, prev;
-    uint32_t sure;   /* of a wall: step, modulo 2^32, before which it need not be looked at, whatever the particle's course */
-    int16_t due;     /* the bucket it waits in, or -1 */
-    int16_t state;   /* 0 apart, 1 in contact, 2 a partner has left */
+/* Private: two particles that may meet. */
+typedef struct dem__near {
     int32_t i, j;    /* i < j */
     double distance; /* of centres, below which they are in contact [m] */
-} dem__timer;
+} dem__near;
 
+/* Private: when near pairs, or particles and walls, are to be looked at. */
 typedef struct dem__timers {
-    dem__timer *at, *wheel; /* before them one for each ring, in front of those that wait in it, from `wheel` on */
-    int rings;              /* of each bucket */
-    uint64_t scale;         /* timer e is in ring e scale / 2^32 of its bucket */
-    ptrdiff_t capacity;
+    int64_t from;                /* the step that others are counted from */
+    int32_t *due;                /* step, or DEM__NEVER, or DEM__STOPPED */
+    int32_t *earliest;           /* of each bunch: none of its timers is due before */
+    int32_t *list;               /* those found due */
+    ptrdiff_t sheaves, capacity; /* of timers */
     void *block;
     size_t bytes;
 } dem__timers;
+enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* on the present course; as long as it touches, or has left */
 
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
@@ -536,11 +537,13 @@ typedef struct dem_world {
         *lowest__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2; lowest: no contact of it is in a
                       section before this */
 
-    /* near pairs, particles and walls: near__.at[0 .. near_count - 1], wall_timers__.at[i * walls + k] */
+    /* near pairs p, 0 .. near_count - 1; particles and walls i * walls + k */
     ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
     int32_t *adjacent__, *cells__;                                        /* adjacent: (pair, other particle) of each particle */
-    dem__timers near__, wall_timers__;
-    int64_t listed__; /* step at which the list was built */
+    dem__timers pair_timers__, wall_timers__;
+    dem__near *near__;
+    uint32_t *wall_sure__; /* step, modulo 2^32, before which a wall need not be looked at, whatever the particle's course */
+    int64_t listed__;      /* step at which the list was built */
 
     /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
        now and then all are ordered by i. What has happened alone fixes their order, and that the order of every sum */
@@ -1699,31 +1702,36 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
-    dem__array list[1];
-    list[0].address = &t->wheel, list[0].size = sizeof(dem__timer);
-    const int old = t->rings, few = count < 1024 * DEM__RINGS, rings = few && old <= 1 ? 1 : DEM__RINGS;
-    const ptrdiff_t kept = t->capacity - (ptrdiff_t)old * DEM_WHEEL, wanted = (count > kept ? count : kept) + rings * DEM_WHEEL;
-    if (rings == old && count <= kept) return 1;
-    if (!dem__grow_group(w, list, 1, &t->block, &t->bytes, &t->capacity, wanted)) return 0;
-    t->rings = rings;
-    t->at = t->wheel + rings * DEM_WHEEL;
-    if (rings > old && old > 0) memmove(t->at, t->wheel + old * DEM_WHEEL, (size_t)kept * sizeof *t->at);
-    return 1;
+/* Room for so many timers, and for what else is kept of each, so many bytes. */
+static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
+    const dem__array list[] = {{&t->due, DEM__SHEAF * sizeof *t->due},
+                               {&t->list, DEM__SHEAF * sizeof *t->list},
+                               {&t->earliest, DEM__BUNCH * sizeof *t->earliest},
+                               {other, DEM__SHEAF * bytes}};
+    const ptrdiff_t sheaves = count / DEM__SHEAF + 1;
+    return sheaves <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, sheaves);
+}
+static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
+    return dem__grow_timers(w, &w->pair_timers__, count, &w->near__, sizeof *w->near__);
 }
 
-/* So many timers, and the rings, empty. */
-static inline void dem__clear_rings(dem__timers *t, ptrdiff_t count) {
-    t->scale = ((uint64_t)t->rings << 32) / (uint64_t)(count > 0 ? count : 1);
-    for (ptrdiff_t e = (ptrdiff_t)-t->rings * DEM_WHEEL; e < count; e++) t->at[e].next = t->at[e].prev = (int32_t)e;
+/* So many timers, of which those from `kept` on are stopped. */
+static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
+    t->sheaves = count / DEM__SHEAF + 1;
+    for (ptrdiff_t e = kept; e < t->sheaves * DEM__SHEAF; e++) t->due[e] = DEM__STOPPED;
+    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) {
+        t->earliest[b] = DEM__STOPPED;
+        for (const int32_t *due = t->due + b * DEM__BUNCH, *end = due + DEM__BUNCH; due < end; due++)
+            t->earliest[b] = *due < t->earliest[b] ? *due : t->earliest[b];
+    }
 }
 
-/* Timers, all at rest. */
-static inline int dem__make_timers(dem_world *w, dem__timers *t, ptrdiff_t count) {
-    if (!dem__grow_timers(w, t, count)) return 0;
-    dem__clear_rings(t, count);
-    for (ptrdiff_t e = 0; e < count; e++) t->at[e].due = -1, t->at[e].sure = 0;
-    return 1;
+/* Steps counted from another one. */
+static inline void dem__count_from(dem__timers *t, int64_t step) {
+    const int32_t later = (int32_t)(step - t->from);
+    for (ptrdiff_t e = 0; e < t->sheaves * DEM__SHEAF; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
+    t->from = step;
 }
 
 /* One plain array as a group of its own. */
@@ -1861,7 +1869,7 @@ DEM_API void dem_free(dem_world *world) {
     if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
     if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
     if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
-    if (world->near__.block) a.fn(a.user, world->near__.block, world->near__.bytes, 0);
+    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
     if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
     if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
     if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
@@ -2887,59 +2895,65 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
     return parts < most ? parts : most;
 }
 
-/* A timer is of a near pair, or of a particle and a wall (i * walls + k). Each waits in the bucket of the step at which it must be
-   looked at; a look finds a contact, or the next time when one is possible. */
+/* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
-DEM_INLINE int dem__ring_of(const dem__timers *t, int32_t e) { return (int)((uint64_t)e * t->scale >> 32); }
-DEM_INLINE int32_t dem__ring_head(int32_t bucket, int ring) { return -1 - (ring * DEM_WHEEL + bucket); }
+DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
+    int32_t *earliest = &t->earliest[(uint32_t)e / DEM__BUNCH];
+    t->due[e] = due;
+    *earliest = due < *earliest ? due : *earliest;
+}
+DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) { dem__set_due(t, e, (int32_t)(step - t->from)); }
+DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__STOPPED; }
 
-DEM_INLINE dem__timer *dem__leave_ring(dem__timers *t, int32_t e) {
-    dem__timer *a = &t->at[e];
-    t->at[a->prev].next = a->next;
-    t->at[a->next].prev = a->prev;
-    return a;
+/* Those of bunch b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
+DEM_INLINE ptrdiff_t dem__open_bunch(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
+    int32_t *due = t->due + b * DEM__BUNCH, earliest = DEM__STOPPED;
+    for (int k = 0; k < DEM__BUNCH; k++) {
+        list[n] = (int32_t)(b * DEM__BUNCH) + k;
+        n += due[k] <= now;
+    }
+    for (int k = 0; k < DEM__BUNCH; k++) {
+        due[k] = due[k] <= now ? then : due[k];
+        earliest = due[k] < earliest ? due[k] : earliest;
+    }
+    t->earliest[b] = earliest;
+    return n;
 }
 
-DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) {
-    dem__timer *a = dem__leave_ring(t, e);
-    a->next = a->prev = e;
-    a->due = -1;
+/* Lists the timers in sheaves first .. end-1 that are due at a step, from list[first * DEM__SHEAF] on, and sets them to `then`; how
+   many. */
+static inline ptrdiff_t dem__list_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
+    const int32_t now = (int32_t)(step - t->from);
+    int32_t *list = t->list + first * DEM__SHEAF;
+    ptrdiff_t n = 0;
+    int32_t open[4 * DEM__BUNCH];
+    int opened = 0;
+    for (ptrdiff_t s = first; s < end; s++) {
+        const int32_t *earliest = &t->earliest[s * DEM__BUNCH];
+        int any = 0;
+        for (int k = 0; k < DEM__BUNCH; k++) any |= earliest[k] <= now;
+        for (int k = 0; k < DEM__BUNCH && any; k++) {
+            if (earliest[k] > now) continue;
+            open[opened] = (int32_t)(s * DEM__BUNCH) + k;
+            DEM__PREFETCH(&t->due[open[opened++] * DEM__BUNCH]);
+        }
+        if (opened <= 3 * DEM__BUNCH && s + 1 < end) continue;
+        for (int k = 0; k < opened; k++) n = dem__open_bunch(t, open[k], now, then, list, n);
+        opened = 0;
+    }
+    return n;
 }
 
-DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) {
-    const int32_t bucket = (int32_t)(step & (DEM_WHEEL - 1)), head = dem__ring_head(bucket, dem__ring_of(t, e));
-    dem__timer *a = dem__leave_ring(t, e);
-    const int32_t next = t->at[head].next;
-    a->due = (int16_t)bucket;
-    a->prev = head;
-    a->next = next;
-    t->at[next].prev = e;
-    t->at[head].next = e;
+/* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
+DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
+DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
+    return (int)(int32_t)(w->wall_sure__[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Empties a ring of a step's bucket: the first that waited in it, and after each the next; less than 0 at the end. A look puts none
-   back. */
-DEM_INLINE int32_t dem__take_due(dem__timers *t, int ring, int64_t step) {
-    const int32_t head = dem__ring_head((int32_t)(step & (DEM_WHEEL - 1)), ring), first = t->at[head].next;
-    t->at[head].next = t->at[head].prev = head;
-    return first;
-}
-DEM_INLINE int32_t dem__take_next(dem__timers *t, int32_t e) {
-    dem__timer *a = &t->at[e];
-    const int32_t next = a->next;
-    a->next = a->prev = e;
-    a->due = -1;
-    return next;
-}
-
-/* From a step on: until the timer's bucket, and for how long nothing can happen, which may be longer. */
-DEM_INLINE int dem__steps_due(const dem__timer *t, int64_t step) { return (int)((t->due - step) & (DEM_WHEEL - 1)); }
-DEM_INLINE int dem__steps_sure(const dem__timer *t, int64_t step) { return (int)(int32_t)(t->sure - (uint32_t)(uint64_t)step); }
-
-/* Steps until t [s], at least one, at most what the wheel holds: no contact can happen before. */
+/* Steps until t [s], at least one, at most DEM__FAR - 1: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->pace__;
-    return n < (double)(DEM_WHEEL - 2) ? 1 + (int)n : DEM_WHEEL - 1;
+    return n < (double)(DEM__FAR - 2) ? 1 + (int)n : DEM__FAR - 1;
 }
 
 /* Time in which something at speed s, falling besides with g, covers a distance. */
@@ -2966,19 +2980,24 @@ typedef struct dem__waits {
     dem__row x, y, z, ux, uy, uz, sum, stray; /* from the centre of one to the other's; relative velocity, known to within stray */
     int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
     int n;
-    int32_t found; /* first of a list, through `next`, of pairs that touch; or -1 */
+    int32_t *found; /* of a look: pairs that touch */
+    ptrdiff_t touch;
     int64_t looks;
 } dem__waits;
 
-DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = -1, q->looks = 0; }
+/* None; of looks from timer `first` on. */
+DEM_INLINE void dem__no_waits(dem_world *w, dem__waits *q, ptrdiff_t first) {
+    q->n = 0, q->touch = 0, q->looks = 0;
+    q->found = w->pair_timers__.list + first;
+}
 
-/* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most what the wheel holds. */
+/* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most DEM__FAR - 1. */
 DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const double x = q->x[k], y = q->y[k], z = q->z[k], ux = q->ux[k], uy = q->uy[k], uz = q->uz[k], sum = q->sum[k];
         const double a = ux * ux + uy * uy + uz * uz - q->stray[k] * q->stray[k], b = x * ux + y * uy + z * uz - sum * q->stray[k];
         const double c = x * x + y * y + z * z - sum * sum, root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM_WHEEL - 2) ? n : (double)(DEM_WHEEL - 2);
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM__FAR - 2) ? n : (double)(DEM__FAR - 2);
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + turns : 0.0;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
@@ -2986,11 +3005,9 @@ DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
 DEM__TWICE(dem__find_steps, (dem__waits * q, double pace), (q, pace), dem__wait_steps(q, pace))
 
 static inline void dem__set_waits(dem_world *w, dem__waits *q, int64_t step) {
+    const int32_t now = (int32_t)(step - w->pair_timers__.from);
     dem__find_steps(q, w->pace__);
-    for (int k = 0; k < q->n; k++) {
-        if (q->steps[k] > 0) dem__set_timer(&w->near__, q->pair[k], step + q->steps[k]);
-        else dem__stop_timer(&w->near__, q->pair[k]);
-    }
+    for (int k = 0; k < q->n; k++) dem__set_due(&w->pair_timers__, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
     q->n = 0;
 }
 
@@ -3002,7 +3019,7 @@ DEM_INLINE void dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64
     q->pair[k] = p;
     q->x[k] = d.x, q->y[k] = d.y, q->z[k] = d.z;
     q->ux[k] = a->ux - b->ux, q->uy[k] = a->uy - b->uy, q->uz[k] = a->uz - b->uz;
-    q->sum[k] = w->near__.at[p].distance + 2.0 * w->blur__ + blur;
+    q->sum[k] = w->near__[p].distance + 2.0 * w->blur__ + blur;
     q->stray[k] = a->ball + b->ball;
 }
 
@@ -3060,26 +3077,20 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
     return 1;
 }
 
-/* Looks at a pair that waits in no ring. */
+/* Looks at a pair; its timer is to be set. */
 static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p, int64_t step) {
-    dem__timer *q = &w->near__.at[p];
+    const dem__near *q = &w->near__[p];
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
     waits->looks++;
-    if (dem__dot(d, d) < q->distance * q->distance) {
-        q->next = waits->found;
-        waits->found = p;
-    } else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
+    if (dem__dot(d, d) < q->distance * q->distance) waits->found[waits->touch++] = p;
+    else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
 }
 
 /* Makes contacts of what looks have found. */
 static inline void dem__bear_found(dem_world *w, const dem__waits *waits) {
     w->looks += waits->looks;
-    for (int32_t p = waits->found; p >= 0;) {
-        dem__timer *q = &w->near__.at[p];
-        const int32_t next = q->next;
-        q->next = p;
-        if (dem__bear(w, q->i, q->j, 0, p)) q->state = 1;
-        p = next;
+    for (const int32_t *p = waits->found; p < waits->found + waits->touch; p++) {
+        if (dem__bear(w, w->near__[*p].i, w->near__[*p].j, 0, *p)) dem__stop_timer(&w->pair_timers__, *p);
     }
 }
 
@@ -3283,13 +3294,13 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
     if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
-        const double turn = DEM_WHEEL * w->dt__, out = turn * (speed + turn * w->fall__);
+        const double turn = DEM__FAR * w->dt__, out = turn * (speed + turn * w->fall__);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
     }
     const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
     int better = 0;
-    if (steps < DEM_WHEEL / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
-    w->wall_timers__.at[e].sure = (uint32_t)(uint64_t)(step + steps);
+    if (steps < DEM__FAR / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
+    w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
 
@@ -3359,20 +3370,19 @@ static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem_
         w->wall_speed__[i] = 1.25 * speed;
     }
     for (int k = 0; k < w->walls; k++) {
-        dem__timer *timer = &w->wall_timers__.at[i * w->walls + k];
-        if (timer->due < 0) continue;
-        const int sure = dem__steps_sure(timer, step), now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1;
-        timer->sure = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
-        sooner |= now < dem__steps_due(timer, step);
+        const int32_t e = (int32_t)i * w->walls + k;
+        if (w->wall_timers__.due[e] == DEM__STOPPED) continue;
+        const int sure = dem__steps_sure(w, e, step), now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1;
+        w->wall_sure__[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
+        sooner |= now < dem__steps_due(&w->wall_timers__, e, step);
     }
     return sooner;
 }
 static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) {
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        const dem__timer *timer = &w->wall_timers__.at[e];
-        const int sure = dem__steps_sure(timer, step);
-        if (timer->due >= 0 && sure < dem__steps_due(timer, step)) dem__set_timer(&w->wall_timers__, e, step + sure);
+        const int sure = dem__steps_sure(w, e, step), due = w->wall_timers__.due[e];
+        if (due != DEM__STOPPED && sure < dem__steps_due(&w->wall_timers__, e, step)) dem__set_timer(&w->wall_timers__, e, step + sure);
     }
 }
 
@@ -3388,7 +3398,7 @@ static inline void dem__begin_course(dem_world *w, ptrdiff_t i, int64_t step) {
 static inline void dem__hurry(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        if (w->wall_timers__.at[e].due >= 0) dem__set_timer(&w->wall_timers__, e, step);
+        if (w->wall_timers__.due[e] != DEM__STOPPED) dem__set_timer(&w->wall_timers__, e, step);
     }
 }
 
@@ -3422,23 +3432,25 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
 /* Ahead of new timers. */
 DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
-        DEM__PREFETCH(&w->near__.at[w->adjacent__[2 * k]]);
+        DEM__PREFETCH(&w->pair_timers__.due[w->adjacent__[2 * k]]);
+        DEM__PREFETCH(&w->near__[w->adjacent__[2 * k]]);
         DEM__PREFETCH(&w->course__[w->adjacent__[2 * k + 1]]);
     }
 }
 
-/* New timers for those pairs of particles with new courses that wait in rings first .. end-1. */
-static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, int first, int end, int64_t step) {
+/* New timers for the pairs of the listed particles, which have new courses, in sheaves first .. end-1. */
+static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+    const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
     dem__waits waits;
-    dem__no_waits(&waits);
+    dem__no_waits(w, &waits, low);
     for (ptrdiff_t m = 0; m < n; m++) {
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
         /* ahead: the list of neighbours, then what it lists */
         if (m + 8 < n) DEM__PREFETCH(&w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]]);
         if (m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
         for (int32_t k = begin; k < stop; k++) {
-            const int32_t p = w->adjacent__[2 * k], ring = dem__ring_of(&w->near__, p);
-            if (ring < first || ring >= end || w->near__.at[p].state != 0) continue;
+            const int32_t p = w->adjacent__[2 * k];
+            if (p < low || p >= high || w->pair_timers__.due[p] == DEM__STOPPED) continue;
             dem__wait_on_course(w, &waits, p, step, &w->course__[i], &w->course__[w->adjacent__[2 * k + 1]]);
         }
     }
@@ -3447,17 +3459,18 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
 
 /* New timers for the pairs of the listed particles, which have new courses. */
 static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
-    const int rings = w->near__.rings, parts = dem__parts_of(w, 4 * n, rings);
+    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
+    const int parts = dem__parts(w, 4 * n);
     int q;
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     if (parts == 1) {
-        dem__wait_anew(w, restarted, n, 0, rings, step);
+        dem__wait_anew(w, restarted, n, 0, sheaves, step);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__wait_anew(w, restarted, n, (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
+    for (q = 0; q < parts; q++) dem__wait_anew(w, restarted, n, dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts), step);
 }
 
 /* Active particles in the order of memory. */
@@ -3470,17 +3483,17 @@ static inline void dem__list_active(dem_world *w) {
     }
 }
 
-/* Wall timers of the `left` particles that remap__ keeps: each in its bucket, under its new number. */
+/* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (!t->at || t->capacity < w->count * w->walls + t->rings * DEM_WHEEL) return; /* not made yet */
+    if (t->sheaves * DEM__SHEAF < w->count * w->walls) return; /* not made yet */
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) t->at[w->remap__[i] * w->walls + k] = t->at[i * w->walls + k];
+        for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) {
+            t->due[w->remap__[i] * w->walls + k] = t->due[i * w->walls + k];
+            w->wall_sure__[w->remap__[i] * w->walls + k] = w->wall_sure__[i * w->walls + k];
+        }
     }
-    dem__clear_rings(t, left * w->walls);
-    for (int32_t e = 0; e < (int32_t)left * w->walls; e++) {
-        if (t->at[e].due >= 0) dem__set_timer(t, e, t->at[e].due);
-    }
+    dem__stop_timers(t, left * w->walls, left * w->walls);
 }
 
 DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, ptrdiff_t first, ptrdiff_t count) {
@@ -3611,11 +3624,10 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, double x, double y, double z)
 }
 
 static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
-    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_timers(w, &w->near__, w->near_count__ + 1)) return 0;
-    dem__timer *q = &w->near__.at[w->near_count__++];
+    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_near(w, w->near_count__ + 1)) return 0;
+    dem__near *q = &w->near__[w->near_count__++];
     q->i = i < j ? i : j;
     q->j = i < j ? j : i;
-    q->state = 0;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
@@ -3787,13 +3799,13 @@ static inline int dem__find_adjacent(dem_world *w) {
     if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 4 * w->near_count__)) return 0;
     int32_t *start = w->adjacent_start__;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__.at[p].i]++, start[w->near__.at[p].j]++;
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__[p].i]++, start[w->near__[p].j]++;
     for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
         sum += start[i];
         start[i] = (int32_t)sum;
     }
     for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
-        const int32_t i = w->near__.at[p].i, j = w->near__.at[p].j, a = --start[i], b = --start[j];
+        const int32_t i = w->near__[p].i, j = w->near__[p].j, a = --start[i], b = --start[j];
         w->adjacent__[2 * a] = w->adjacent__[2 * b] = (int32_t)p;
         w->adjacent__[2 * a + 1] = j, w->adjacent__[2 * b + 1] = i;
     }
@@ -3823,14 +3835,14 @@ static inline void dem__find_contacts(dem_world *w) {
     DEM__EACH(w, c) {
         const int32_t p = w->live_j__[c] < 0 ? -1 : dem__near_pair(w, w->live_i__[c], w->live_j__[c]);
         w->live_near__[c] = p;
-        if (p >= 0) w->near__.at[p].state = 1;
+        if (p >= 0) dem__stop_timer(&w->pair_timers__, p);
     }
 }
 
 /* Near pair p (or -1) is linked, or not any more. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
-    dem__timer *q = &w->near__.at[p];
+    dem__near *q = &w->near__[p];
     q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->link_near__ : 0.0);
 }
 
@@ -3850,11 +3862,51 @@ static inline void dem__find_links(dem_world *w) {
     for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
 }
 
+/* Timers of all near pairs that do not touch, in sheaves first .. end-1. */
+static inline void dem__wait_in(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    const dem__near *q = w->near__;
+    dem__waits waits;
+    dem__no_waits(w, &waits, 0);
+    for (ptrdiff_t p = first * DEM__SHEAF; p < end * DEM__SHEAF; p++) {
+        if (w->pair_timers__.due[p] != DEM__STOPPED)
+            dem__wait_on_course(w, &waits, (int32_t)p, w->step, &w->course__[q[p].i], &w->course__[q[p].j]);
+    }
+    dem__set_waits(w, &waits, w->step);
+}
+static inline void dem__wait_all(dem_world *w) {
+    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
+    const int parts = dem__parts(w, w->near_count__);
+    int q;
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
+    if (parts == 1) {
+        dem__wait_in(w, 0, sheaves);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+    for (q = 0; q < parts; q++) dem__wait_in(w, dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts));
+}
+
+/* Timers for a new list: pairs apart; walls as they are, or all stopped. */
+static inline int dem__make_timers(dem_world *w, int keeps) {
+    const ptrdiff_t walls = w->count * w->walls;
+    dem__timers *pair = &w->pair_timers__, *wall = &w->wall_timers__;
+    if (!dem__grow_near(w, w->near_count__)) return 0;
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) pair->due[p] = DEM__NEVER;
+    dem__stop_timers(pair, w->near_count__, w->near_count__);
+    pair->from = w->step;
+    if (!keeps) {
+        if (!dem__grow_timers(w, wall, walls, &w->wall_sure__, sizeof *w->wall_sure__)) return 0;
+        dem__stop_timers(wall, 0, walls);
+    }
+    dem__count_from(wall, w->step);
+    return 1;
+}
+
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
-    dem__waits waits;
-    dem__no_waits(&waits);
     if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL, largest = 0.0;
@@ -3875,7 +3927,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
     const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    w->slack__ = 0.05 * w->margin__ / (DEM_WHEEL * w->dt__);
+    w->slack__ = 0.05 * w->margin__ / (DEM__FAR * w->dt__);
     w->reach__ = 4.0 * w->margin__;
     w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
     w->fall__ = dem__length(w->def.gravity);
@@ -3891,7 +3943,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
-    if (!dem__make_timers(w, &w->near__, w->near_count__) || (!keeps && !dem__make_timers(w, &w->wall_timers__, w->count * w->walls))) {
+    if (!dem__make_timers(w, keeps)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -3899,18 +3951,14 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
     dem__find_links(w);
-    w->next_check__ = INT64_MAX;
+    w->next_check__ = w->step + DEM__LIST_MOST;
     w->listed__ = w->step;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__begin_course(w, i, w->step);
     }
-    for (int32_t p = 0; p < (int32_t)w->near_count__ && (w->def.skip & DEM_SKIP_PAIRS); p++) {
-        const dem__timer *q = &w->near__.at[p];
-        if (q->state == 0) dem__wait_on_course(w, &waits, p, w->step, &w->course__[q->i], &w->course__[q->j]);
-    }
-    dem__set_waits(w, &waits, w->step);
+    dem__wait_all(w);
     if (w->status != DEM_OK) return 0;
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
@@ -3929,7 +3977,8 @@ static DEM__APART int dem__rebuild(dem_world *w) {
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
 static DEM__APART int dem__check_list(dem_world *w) {
-    int64_t due = INT64_MAX;
+    int64_t due = w->listed__ + DEM__LIST_MOST;
+    if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         double tau = dem__now(w, i);
@@ -4650,9 +4699,7 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
     dem__unsettle(w, i);
     if (w->stale__) return;
     for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        const int32_t p = w->adjacent__[2 * a];
-        dem__stop_timer(&w->near__, p);
-        if (w->near__.at[p].state == 0) w->near__.at[p].state = 2;
+        dem__stop_timer(&w->pair_timers__, w->adjacent__[2 * a]);
     }
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->wall_timers__, (int32_t)i * w->walls + k);
 }
@@ -4971,9 +5018,9 @@ static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t 
         dem__divide(w, j);
         dem__unsettle(w, j);
         if (near_pair < 0 || w->stale__) return;
-        dem__timer *q = &w->near__.at[near_pair];
-        q->state = w->alive[i] > 0 && w->alive[j] > 0 ? 0 : 2;
-        if (q->state == 0 && (w->def.skip & DEM_SKIP_PAIRS))
+        if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
+        w->pair_timers__.due[near_pair] = DEM__NEVER;
+        if (w->def.skip & DEM_SKIP_PAIRS)
             dem__wait_for_pair(w, waits, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
         return;
     }
@@ -5004,7 +5051,7 @@ static inline void dem__bury(dem_world *w, int64_t step, int all) {
     const int n = dem__held_arrays(w, list);
     ptrdiff_t next = 0;
     dem__waits waits;
-    dem__no_waits(&waits);
+    dem__no_waits(w, &waits, 0);
     for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
     dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
@@ -5275,43 +5322,35 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->course__[i]);
 }
 
-/* Looks at the pairs whose time has come in rings first .. end-1. A ring is a chain of misses, and so are flights: both run ahead of the
-   looks. */
-static inline void dem__look_at_rings(dem_world *w, dem__waits *waits, int first, int end, int64_t step) {
-    int32_t ahead[DEM__AHEAD], at[DEM__RINGS];
-    unsigned in = 0, out = 0;
-    int rings = end - first;
-    dem__no_waits(waits);
-    for (int r = 0; r < rings; r++) at[r] = dem__take_due(&w->near__, first + r, step);
-    for (int r = 0; rings > 0; r = r + 1 < rings ? r + 1 : 0) {
-        const int32_t p = at[r];
-        if (p < 0) {
-            at[r] = at[--rings];
-            continue;
+/* Looks at the pairs that are due, in sheaves first .. end-1. */
+static inline void dem__look_in(dem_world *w, dem__waits *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+    const ptrdiff_t n = dem__list_due(&w->pair_timers__, first, end, step, DEM__NEVER);
+    const int32_t *due = w->pair_timers__.list + first * DEM__SHEAF;
+    dem__no_waits(w, waits, first * DEM__SHEAF); /* what is found overwrites what has been looked at */
+    for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
+        const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
+        if (pair < n) DEM__PREFETCH(&w->near__[due[pair]]);
+        if (flight >= 0 && flight < n) {
+            dem__fetch_flight(w, w->near__[due[flight]].i);
+            dem__fetch_flight(w, w->near__[due[flight]].j);
         }
-        dem__fetch_flight(w, w->near__.at[p].i);
-        dem__fetch_flight(w, w->near__.at[p].j);
-        at[r] = dem__take_next(&w->near__, p);
-        DEM__PREFETCH(&w->near__.at[at[r]]);
-        if (in - out == DEM__AHEAD) dem__look_at_pair(w, waits, ahead[out++ % DEM__AHEAD], step);
-        ahead[in++ % DEM__AHEAD] = p;
+        if (k >= 0) dem__look_at_pair(w, waits, due[k], step);
     }
-    while (out < in) dem__look_at_pair(w, waits, ahead[out++ % DEM__AHEAD], step);
     dem__set_waits(w, waits, step);
 }
 
-/* Threads take rings of their own, if about as many pairs are due as in the step before. */
+/* Threads take sheaves of their own, if about as many pairs are due as in the step before. */
 static inline void dem__look_at_due(dem_world *w, int64_t step) {
-    const int rings = w->near__.rings, parts = dem__parts_of(w, w->due__, rings);
-    dem__waits waits[DEM__RINGS];
+    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
+    const int parts = dem__parts_of(w, w->due__, DEM__SECTIONS);
+    dem__waits waits[DEM__SECTIONS];
     int q;
-    if (parts == 1) dem__look_at_rings(w, &waits[0], 0, rings, step);
+    if (parts == 1) dem__look_in(w, &waits[0], 0, sheaves, step);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++)
-            dem__look_at_rings(w, &waits[q], (int)dem__part(rings, q, parts), (int)dem__part(rings, q + 1, parts), step);
+        for (q = 0; q < parts; q++) dem__look_in(w, &waits[q], dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts), step);
     }
     w->due__ = 0;
     for (q = 0; q < parts; q++) {
@@ -5325,9 +5364,9 @@ static inline void dem__look(dem_world *w, int64_t step) {
     if (w->meshes__) dem__follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         dem__waits waits;
-        dem__no_waits(&waits);
+        dem__no_waits(w, &waits, 0);
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->near__.at[p].state == 0) dem__look_at_pair(w, &waits, p, step);
+            if (w->pair_timers__.due[p] != DEM__STOPPED) dem__look_at_pair(w, &waits, p, step);
         }
         dem__bear_found(w, &waits);
     }
@@ -5337,13 +5376,8 @@ static inline void dem__look(dem_world *w, int64_t step) {
         }
     }
     dem__look_at_due(w, step);
-    for (int r = 0; r < w->wall_timers__.rings; r++) {
-        for (int32_t e = dem__take_due(&w->wall_timers__, r, step); e >= 0;) {
-            const int32_t next = dem__take_next(&w->wall_timers__, e);
-            dem__look_at_wall(w, e, step);
-            e = next;
-        }
-    }
+    const ptrdiff_t n = dem__list_due(&w->wall_timers__, 0, w->wall_timers__.sheaves, step, DEM__STOPPED);
+    for (ptrdiff_t k = 0; k < n; k++) dem__look_at_wall(w, w->wall_timers__.list[k], step);
 }
 
 /* Takes back what was found in a step that cannot be finished. */
@@ -5352,7 +5386,7 @@ static DEM__APART int dem__undo_look(dem_world *w) {
         const int32_t p = w->live_near__[dem__next_slot(w) - 1];
         w->section__[w->sections__ - 1].live--;
         w->live_count__--;
-        if (p >= 0) w->near__.at[p].state = 0;
+        if (p >= 0) w->pair_timers__.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
@@ -5486,12 +5520,11 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
         int skip = w->def.skip;
         w->def.skip = 0; /* everything, once; the timers stay */
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            dem__timer *q = &w->near__.at[p];
+            const dem__near *q = &w->near__[p];
             const dem_vec d = dem__pair_apart(w, q->i, q->j, w->step);
+            int32_t *due = &w->pair_timers__.due[p];
             w->looks++;
-            if (q->state != 0 || !(dem__dot(d, d) < q->distance * q->distance) || !dem__bear(w, q->i, q->j, 0, p)) continue;
-            dem__stop_timer(&w->near__, p);
-            q->state = 1;
+            if (*due != DEM__STOPPED && dem__dot(d, d) < q->distance * q->distance && dem__bear(w, q->i, q->j, 0, p)) *due = DEM__STOPPED;
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {

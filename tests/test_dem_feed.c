@@ -60,7 +60,7 @@ static void list_equals_brute_force(dem_world *w, const char *what) {
     unsigned char *listed = calloc((size_t)(n * n), 1);
     assert_non_null(listed);
     for (ptrdiff_t p = 0; p < w->near_count__; p++) {
-        const dem__timer *q = &w->near__.at[p];
+        const dem__near *q = &w->near__[p];
         unsigned char *at = &listed[q->i * n + q->j];
         assert_true(q->i < q->j);
         if (*at) fail_msg("%s: pair %d %d stands twice", what, q->i, q->j);
@@ -258,7 +258,7 @@ static void test_bad_sizes(void **state) {
 static void nothing_overlaps(dem_world *w) {
     assert_int_equal(dem_run(w, 0.0, DEM_LINEAR), DEM_OK);
     assert_int_equal(dem_contact_count(w), 0);
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) assert_true(closest_gap(w, w->near__.at[p].i, w->near__.at[p].j) >= -1e-15);
+    for (ptrdiff_t p = 0; p < w->near_count__; p++) assert_true(closest_gap(w, w->near__[p].i, w->near__[p].j) >= -1e-15);
 }
 
 static void whole_within(const dem_world *w, const dem_region *region) {
