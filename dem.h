@@ -4812,7 +4812,14 @@ static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     return n;
 }
 
-/* The n elements of an array that `from` lists, one after the other; most are doubles or of 32 bits. */
+/* One element of an array, most often a double or 32 bits. */
+DEM_INLINE void dem__copy(char *to, const char *from, size_t size) {
+    if (size == 8) memcpy(to, from, 8);
+    else if (size == 4) memcpy(to, from, 4);
+    else *to = *from;
+}
+
+/* The n elements of an array that `from` lists, one after the other. */
 static inline void dem__pick(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
     if (size == 8) {
         for (ptrdiff_t k = 0; k < n; k++) memcpy(to + 8 * k, base + 8 * (size_t)from[k], 8);
@@ -4930,6 +4937,13 @@ DEM_INLINE void dem__lower(dem_world *w, ptrdiff_t c, int section) {
     if (j >= 0 && w->lowest__[j] > section) w->lowest__[j] = section;
 }
 
+DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
+    for (ptrdiff_t k = 1; k < n; k++) {
+        if (list[k] < list[k - 1]) return 0;
+    }
+    return 1;
+}
+
 /* The contacts born since the last call, which slots__ lists by partners, from the end of the last section into sections of their own:
    lists their slots instead. */
 static inline void dem__assign(dem_world *w, const dem__array *list, int arrays) {
@@ -4948,7 +4962,7 @@ static inline void dem__assign(dem_world *w, const dem__array *list, int arrays)
         if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last;
         born[q].live++;
     }
-    dem__arrange(w, w->born__, born, w->sections__, list, arrays);
+    if (last > 0 || !dem__ascends(w->slots__, w->born__)) dem__arrange(w, w->born__, born, w->sections__, list, arrays);
     for (int q = 0; q <= last; q++) {
         w->section__[q].live += born[q].live;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
@@ -5039,7 +5053,7 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     for (int a = 0; a < n; a++) {
         char *base;
         memcpy(&base, list[a].address, sizeof base);
-        memcpy(base + (size_t)to * list[a].size, base + (size_t)from * list[a].size, list[a].size);
+        dem__copy(base + (size_t)to * list[a].size, base + (size_t)from * list[a].size, list[a].size);
     }
 }
 
