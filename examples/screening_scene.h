@@ -191,7 +191,6 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
         pair->restitution = 0.3, pair->mode = DEM_CLIPPED;
         pair->stiffness = stiffness;
     }
-    def.skin = 0.7; /* a fall in large steps */
     dem_status status = dem_init(&world, &def, NULL);
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
         const double diameter = (1.0 + 2.0 * overlap) * b->diameter[i];
