@@ -3922,8 +3922,9 @@ static DEM__APART int dem__rebuild(dem_world *w) {
             return 0;
         }
     }
-    w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
-    if (keeps) w->stretch__ *= DEM__LIST_STEPS / (double)(w->step - w->listed__ + 1);
+    w->pace__ = (1.0 - 1e-9) / w->dt__;                                                       /* steps a second, not rounded up */
+    const int lasts = w->near_count__ < 3 * w->count ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS; /* few pairs: a wide margin costs little */
+    if (keeps) w->stretch__ *= (double)lasts / (double)(w->step - w->listed__ + 1);
     w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
     const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
