@@ -30,9 +30,10 @@
              A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
-   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 64 kB, from 8192 near
-             pairs on 288, 540 bytes a sphere and 32 more for every wall, 48 a near pair, 290 a contact with friction (64 more with a
-             ledger), and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 540 bytes a
+             sphere and 12 more for every wall, 40 a near pair, 290 a contact with friction (64 more with a ledger), room for at least
+             64 to 1024 of each, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be
+             read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Not here  non-spherical particles, fluids, heat, files, printing. */
@@ -130,7 +131,8 @@ extern "C" {
 #define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* bunches so asked */
 #define DEM__TIDY 256                        /* steps between two orderings of contacts */
 #define DEM__LIST_MOST (1 << 30)             /* steps that a list can last: timers count from where it began */
-#define DEM__LIST_STEPS 100 /* a list should last so long, as finding the near pairs takes about as long as thirty steps of a gas */
+#define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
+#define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__EVENT_DATA 6   /* of a contact that begins or ends: n, impulse, shift, sliding time */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
@@ -208,7 +210,7 @@ typedef struct dem_def {
     int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
     double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35. Up to three times as much is
-                                taken where lists last under 100 steps, less in a narrow periodic box */
+                                taken where lists last under 100 steps (400 where pairs are few), less in a narrow periodic box */
     dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
     int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0 */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
@@ -469,7 +471,7 @@ typedef struct dem__timers {
     int32_t *due;                /* step, or DEM__NEVER, or DEM__STOPPED */
     int32_t *earliest;           /* of each bunch: none of its timers is due before */
     int32_t *list;               /* those found due */
-    ptrdiff_t sheaves, capacity; /* of timers */
+    ptrdiff_t sheaves, capacity; /* in use; room, in bunches */
     void *block;
     size_t bytes;
 } dem__timers;
@@ -1704,12 +1706,12 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
 
 /* Room for so many timers, and for what else is kept of each, so many bytes. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
-    const dem__array list[] = {{&t->due, DEM__SHEAF * sizeof *t->due},
-                               {&t->list, DEM__SHEAF * sizeof *t->list},
-                               {&t->earliest, DEM__BUNCH * sizeof *t->earliest},
-                               {other, DEM__SHEAF * bytes}};
-    const ptrdiff_t sheaves = count / DEM__SHEAF + 1;
-    return sheaves <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, sheaves);
+    const dem__array list[] = {{&t->due, DEM__BUNCH * sizeof *t->due},
+                               {&t->list, DEM__BUNCH * sizeof *t->list},
+                               {&t->earliest, sizeof *t->earliest},
+                               {other, DEM__BUNCH * bytes}};
+    const ptrdiff_t bunches = (count / DEM__SHEAF + 1) * DEM__BUNCH;
+    return bunches <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, bunches);
 }
 static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
     return dem__grow_timers(w, &w->pair_timers__, count, &w->near__, sizeof *w->near__);
@@ -3438,7 +3440,7 @@ DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* New timers for the pairs of the listed particles, which have new courses, in sheaves first .. end-1. */
+/* New timers for those pairs of particles with new courses that are in sheaves first .. end-1. */
 static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
     dem__waits waits;
@@ -3486,7 +3488,7 @@ static inline void dem__list_active(dem_world *w) {
 /* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (t->sheaves * DEM__SHEAF < w->count * w->walls) return; /* not made yet */
+    if (!t->due || t->sheaves * DEM__SHEAF < w->count * w->walls) return; /* not made yet */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) {
             t->due[w->remap__[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -3899,8 +3901,8 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     if (!keeps) {
         if (!dem__grow_timers(w, wall, walls, &w->wall_sure__, sizeof *w->wall_sure__)) return 0;
         dem__stop_timers(wall, 0, walls);
-    }
-    dem__count_from(wall, w->step);
+        wall->from = w->step;
+    } else dem__count_from(wall, w->step);
     return 1;
 }
 
@@ -3922,8 +3924,8 @@ static DEM__APART int dem__rebuild(dem_world *w) {
             return 0;
         }
     }
-    w->pace__ = (1.0 - 1e-9) / w->dt__;                                                       /* steps a second, not rounded up */
-    const int lasts = w->near_count__ < 3 * w->count ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS; /* few pairs: a wide margin costs little */
+    w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
+    const int few = w->near_count__ < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
     if (keeps) w->stretch__ *= (double)lasts / (double)(w->step - w->listed__ + 1);
     w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
     const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
