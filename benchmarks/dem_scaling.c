@@ -107,11 +107,11 @@ static dem_status keep(base *b, const dem_world *world) {
 }
 
 /* The same for the base, from where it was kept. */
-static double fly_base(const base *b, int steps, progress *bar, dem_status *status) {
+static double fly_base(const base *b, int before, int steps, progress *bar, dem_status *status) {
     dem_world world;
     if (*status == DEM_OK) *status = dem_load(&world, b->bytes, b->size, NULL);
     if (*status != DEM_OK) return (double)NAN;
-    fly(&world, CHUNK, bar, status); /* lists and arrays are made */
+    fly(&world, before, bar, status); /* arrays are made, and lists as long as they are to be */
     const double step_s = fly(&world, steps, bar, status);
     dem_free(&world);
     return step_s;
@@ -129,7 +129,7 @@ static int measure(point *p, base *b, int base_steps, int repeats, const program
     if (status == DEM_OK && !b->bytes) status = keep(b, &world);
     const int64_t steps0 = world.particle_steps, contacts0 = world.contact_steps, looks0 = world.looks, lists0 = world.rebuilds;
     for (int k = 0; k < repeats && status == DEM_OK; k++) {
-        const double alone = fly_base(b, base_steps, bar, &status);
+        const double alone = fly_base(b, warm_up(self), base_steps, bar, &status);
         times[k] = fly(&world, p->steps, bar, &status);
         over[k] = times[k] / alone;
     }
@@ -184,7 +184,8 @@ int main(int argc, char **argv) {
     }
     for (int k = 0; k < n; k++) {
         points[k].steps = (int)fmax(50.0, steps / fmax(1.0, points[k].spheres / (5.0 * BASE))) / 50 * 50;
-        work += (double)(points[k].steps * repeats + warm_up(&self)) * points[k].spheres + (double)repeats * (steps + CHUNK) * BASE;
+        work +=
+            (double)(points[k].steps * repeats + warm_up(&self)) * points[k].spheres + (double)repeats * (steps + warm_up(&self)) * BASE;
     }
     base bases[2] = {{NULL, 0}, {NULL, 0}};
     progress bar;
