@@ -128,7 +128,7 @@ extern "C" {
 #define DEM__FAR 1024                        /* steps that a look can be put off: beyond, a list is rebuilt anyway */
 #define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
 #define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
-#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* bunches so asked */
+#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
 #define DEM__TIDY 256                        /* steps between two orderings of contacts */
 #define DEM__LIST_MOST (1 << 30)             /* steps that a list can last: timers count from where it began */
 #define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
@@ -2987,11 +2987,7 @@ typedef struct dem__waits {
     int64_t looks;
 } dem__waits;
 
-/* None; of looks from timer `first` on. */
-DEM_INLINE void dem__no_waits(dem_world *w, dem__waits *q, ptrdiff_t first) {
-    q->n = 0, q->touch = 0, q->looks = 0;
-    q->found = w->pair_timers__.list + first;
-}
+DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
 /* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most DEM__FAR - 1. */
 DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
@@ -3079,7 +3075,7 @@ static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t elem
     return 1;
 }
 
-/* Looks at a pair; its timer is to be set. */
+/* Looks at a pair: it is found, or its timer is to be set. */
 static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p, int64_t step) {
     const dem__near *q = &w->near__[p];
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
@@ -3295,7 +3291,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     double speed = dem__length(v) + 2.0 * w->course__[i].ball;
     if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
-    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be before the wheel has turned */
+    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
         const double turn = DEM__FAR * w->dt__, out = turn * (speed + turn * w->fall__);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
     }
@@ -3444,7 +3440,7 @@ DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
 static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
     dem__waits waits;
-    dem__no_waits(w, &waits, low);
+    dem__no_waits(&waits);
     for (ptrdiff_t m = 0; m < n; m++) {
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
         /* ahead: the list of neighbours, then what it lists */
@@ -3488,7 +3484,7 @@ static inline void dem__list_active(dem_world *w) {
 /* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__timers *t = &w->wall_timers__;
-    if (!t->due || t->sheaves * DEM__SHEAF < w->count * w->walls) return; /* not made yet */
+    if (w->stale__) return; /* they are made anew */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) {
             t->due[w->remap__[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -3868,7 +3864,7 @@ static inline void dem__find_links(dem_world *w) {
 static inline void dem__wait_in(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__near *q = w->near__;
     dem__waits waits;
-    dem__no_waits(w, &waits, 0);
+    dem__no_waits(&waits);
     for (ptrdiff_t p = first * DEM__SHEAF; p < end * DEM__SHEAF; p++) {
         if (w->pair_timers__.due[p] != DEM__STOPPED)
             dem__wait_on_course(w, &waits, (int32_t)p, w->step, &w->course__[q[p].i], &w->course__[q[p].j]);
@@ -4824,13 +4820,7 @@ DEM_INLINE void dem__copy(char *to, const char *from, size_t size) {
 
 /* The n elements of an array that `from` lists, one after the other. */
 static inline void dem__pick(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
-    if (size == 8) {
-        for (ptrdiff_t k = 0; k < n; k++) memcpy(to + 8 * k, base + 8 * (size_t)from[k], 8);
-    } else if (size == 4) {
-        for (ptrdiff_t k = 0; k < n; k++) memcpy(to + 4 * k, base + 4 * (size_t)from[k], 4);
-    } else {
-        for (ptrdiff_t k = 0; k < n; k++) to[k] = base[from[k]];
-    }
+    for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
 /* What the slots hold that slots__ lists, one after the other into the slots of sections: every parts-th array, from `first` on. */
@@ -5068,7 +5058,7 @@ static inline void dem__bury(dem_world *w, int64_t step, int all) {
     const int n = dem__held_arrays(w, list);
     ptrdiff_t next = 0;
     dem__waits waits;
-    dem__no_waits(w, &waits, 0);
+    dem__no_waits(&waits);
     for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
     dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
@@ -5342,8 +5332,9 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
 /* Looks at the pairs that are due, in sheaves first .. end-1. */
 static inline void dem__look_in(dem_world *w, dem__waits *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     const ptrdiff_t n = dem__list_due(&w->pair_timers__, first, end, step, DEM__NEVER);
-    const int32_t *due = w->pair_timers__.list + first * DEM__SHEAF;
-    dem__no_waits(w, waits, first * DEM__SHEAF); /* what is found overwrites what has been looked at */
+    int32_t *due = w->pair_timers__.list + first * DEM__SHEAF;
+    dem__no_waits(waits);
+    waits->found = due; /* what is found overwrites what has been looked at */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&w->near__[due[pair]]);
@@ -5381,7 +5372,8 @@ static inline void dem__look(dem_world *w, int64_t step) {
     if (w->meshes__) dem__follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) {
         dem__waits waits;
-        dem__no_waits(w, &waits, 0);
+        dem__no_waits(&waits);
+        waits.found = w->pair_timers__.list;
         for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
             if (w->pair_timers__.due[p] != DEM__STOPPED) dem__look_at_pair(w, &waits, p, step);
         }

@@ -975,7 +975,8 @@ static void test_sections_of_contacts(void **state) {
         assert_int_equal(scene_make(&w, SCENE_DEEP, skip[k], threads[k], NULL), DEM_OK);
         if (k == 2) w.def.skin = 0.2; /* lists at other times */
         run(&w, part, scene_features(SCENE_DEEP));
-        assert_int_equal(w.sections__, DEM__SECTIONS); /* or the scene is too small for this test */
+        /* or the scene is too small for this test */
+        assert_true(w.sections__ == DEM__SECTIONS && w.pair_timers__.sheaves > DEM__SECTIONS);
         pushed[k][0] = w.wall[0].force, pushed[k][1] = w.wall[0].torque, pushed[k][2] = w.wall[0].impulse;
         assert_memory_equal(pushed[k], pushed[0], sizeof pushed[0]);
         assert_true(pushed[0][0].z < 0.0);
