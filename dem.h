@@ -445,6 +445,8 @@ typedef struct dem__section {
     ptrdiff_t first, live, room;
     ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
     int32_t from;
+    int lowest, own; /* no contact is of a particle that has one in a section before lowest; sums of particles that have one in a section
+                        before `own` wait: see dem__claim */
 } dem__section;
 
 /* Private: what a contact does, for the sums of its particles to which another thread adds first. */
@@ -4410,12 +4412,13 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
 DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i < 0 || w->lowest__[i] >= own; }
 
 /* Adds what n contacts of section q do, slot by slot; leaves to dem__add_deferred what must wait for other threads. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns, int own) {
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns) {
     dem__section *in = &w->section__[q];
-    for (int k = 0; k < n && own == 0; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
-    for (int k = 0; k < n && own > 0; k++) {
+    const int waits = in->lowest < in->own;
+    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n && waits; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
-        const int to_i = dem__may_add(w, i, own), to_j = dem__may_add(w, j, own);
+        const int to_i = dem__may_add(w, i, in->own), to_j = dem__may_add(w, j, in->own);
         dem__add_forces(w, q, i, j, out, k, turns, to_i, to_j);
         if (to_i && to_j) continue;
         dem__deferral *later = &w->deferral__[in->first + in->deferred++];
@@ -4432,16 +4435,22 @@ DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
 }
 
+DEM_INLINE void dem__fetch_contact(const dem_world *w, ptrdiff_t c) {
+    dem__fetch_partner(w, w->live_i__[c]);
+    dem__fetch_partner(w, w->live_j__[c]);
+}
+
 /* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
    meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
    the cache. */
-DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, dem__traits *traits, const dem_law *law, dem__mend_fn *mend,
+DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__traits *traits, const dem_law *law, dem__mend_fn *mend,
                                       int features) {
     const int turns = (features & DEM_FRICTION) != 0;
     const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
     const void *user = w->user;
     dem__section *in = &w->section__[section];
     const ptrdiff_t end = in->first + in->live;
+    const dem__section *next = section + 1 < w->sections__ ? in + 1 : in;
     dem__rows b;
     dem__row out[9];
     for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
@@ -4450,18 +4459,18 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, 
         dem__touch touch[DEM_BLOCK];
         dem_vec wall_speed[DEM_BLOCK];
 
+        const dem__section *then = base + DEM_BLOCK < end ? in : next; /* where the next block is */
+        const ptrdiff_t ahead = then == in ? base + DEM_BLOCK : then->first, known = then->first + then->live;
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            if (c + DEM_BLOCK < end) {
-                dem__fetch_partner(w, w->live_i__[c + DEM_BLOCK]);
-                dem__fetch_partner(w, w->live_j__[c + DEM_BLOCK]);
-            }
+            if (ahead + k < known) dem__fetch_contact(w, ahead + k);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
             else {
                 wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
                 wall[walls++] = k;
             }
         }
+        for (int k = n; k < DEM_BLOCK && ahead + k < known; k++) dem__fetch_contact(w, ahead + k);
         dem__take_traits(w, base, n, law->constants, traits);
         dem__complete_rows(w, &b, traits, n, wall, touch, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
@@ -4531,7 +4540,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, int own, 
                 q += is_wall;
             }
         }
-        dem__gather_forces(w, section, base, n, at.out, turns, own);
+        dem__gather_forces(w, section, base, n, at.out, turns);
     }
 }
 
@@ -4542,7 +4551,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     for (ptrdiff_t q = first; q < end; q++) {
         w->section__[q].marked = w->section__[q].deferred = 0;
         memset(w->push__[q], 0, (size_t)w->walls * sizeof *w->push__[q]);
-        dem__evaluate_section(w, q, (int)first, &traits, law, mend, features);
+        dem__evaluate_section(w, q, &traits, law, mend, features);
     }
 }
 
@@ -4923,11 +4932,20 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     w->live_part__[c] = kind.part;
 }
 
-/* The contact in slot c is in this section. */
-DEM_INLINE void dem__lower(dem_world *w, ptrdiff_t c, int section) {
-    const int32_t i = w->live_i__[c], j = w->live_j__[c];
-    if (w->lowest__[i] > section) w->lowest__[i] = section;
-    if (j >= 0 && w->lowest__[j] > section) w->lowest__[j] = section;
+DEM_INLINE void dem__lower_section(dem__section *in, int to) { in->lowest = in->lowest < to ? in->lowest : to; }
+
+/* A contact of particle i is in this section. Others may be in those after it up to its own, and in the last. */
+DEM_INLINE void dem__lower(dem_world *w, int32_t i, int section) {
+    const int lowest = w->lowest__[i] < section ? w->lowest__[i] : section;
+    dem__lower_section(&w->section__[section], lowest);
+    for (int q = w->lowest__[i]; q < w->sections__ && lowest < w->lowest__[i]; q++) {
+        if (w->section__[q].from <= i || q == w->sections__ - 1) dem__lower_section(&w->section__[q], lowest);
+    }
+    w->lowest__[i] = lowest;
+}
+DEM_INLINE void dem__enter(dem_world *w, ptrdiff_t c, int section) {
+    dem__lower(w, w->live_i__[c], section);
+    if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], section);
 }
 
 DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
@@ -4959,7 +4977,7 @@ static inline void dem__assign(dem_world *w, const dem__array *list, int arrays)
     for (int q = 0; q <= last; q++) {
         w->section__[q].live += born[q].live;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
-            dem__lower(w, c, q);
+            dem__enter(w, c, q);
             w->slots__[n++] = (int32_t)c;
         }
     }
@@ -5435,18 +5453,52 @@ static inline void dem__add_deferred(dem_world *w, int turns) {
     }
 }
 
+/* A thread's share of the sections: it takes them from `next` on, others help it from the end. */
+typedef struct dem__stint {
+    int first, next, end;
+} dem__stint;
+
+/* The next section that a thread is to evaluate: of its own share, else the last of the largest; -1: none is left. A thread adds to sums of
+   particles whose contacts it all has, or has first; `own` is the section from which on that is so. */
+static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int part) {
+    int section = -1;
+#ifdef _OPENMP
+#pragma omp critical(dem_claim)
+#endif
+    {
+        dem__stint *of = &stint[part];
+        for (int q = 0; q < parts && stint[part].next == stint[part].end; q++)
+            of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
+        if (of->next < of->end) {
+            section = of == &stint[part] ? of->next++ : --of->end;
+            w->section__[section].own = of == &stint[part] ? of->first : section;
+        }
+    }
+    return section;
+}
+static inline void dem__evaluate_stint(dem_world *w, dem_kernel_fn kernel, dem__stint *stint, int parts, int part) {
+    for (int section = dem__claim(w, stint, parts, part); section >= 0; section = dem__claim(w, stint, parts, part))
+        kernel(w, section, section + 1);
+}
+
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
     const int parts = w->deferral__ ? dem__parts_of(w, w->live_count__, w->sections__) : 1;
+    dem__stint stint[DEM__SECTIONS];
     int q;
     w->kernel_dt__ = h;
     w->keeps_out__ = keep;
+    for (q = 0; q < w->sections__; q++) w->section__[q].own = 0;
     if (parts == 1) kernel(w, 0, w->sections__);
     else {
+        for (q = 0; q < parts; q++) {
+            stint[q].first = stint[q].next = (int)dem__part(w->sections__, q, parts);
+            stint[q].end = (int)dem__part(w->sections__, q + 1, parts);
+        }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) kernel(w, dem__part(w->sections__, q, parts), dem__part(w->sections__, q + 1, parts));
+        for (q = 0; q < parts; q++) dem__evaluate_stint(w, kernel, stint, parts, q);
         dem__add_deferred(w, turns);
     }
     for (int k = 0; k < w->walls; k++) {
@@ -5504,7 +5556,8 @@ static inline int dem__tidy(dem_world *w) {
         dem__list_wall_contacts(w);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) w->lowest__[i] = sections;
-    DEM__EACH(w, c) { dem__lower(w, c, (int)(in_c - w->section__)); }
+    for (int q = 0; q < sections; q++) w->section__[q].lowest = sections;
+    DEM__EACH(w, c) { dem__enter(w, c, (int)(in_c - w->section__)); }
     return 1;
 }
 
