@@ -4450,7 +4450,6 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
     const void *user = w->user;
     dem__section *in = &w->section__[section];
     const ptrdiff_t end = in->first + in->live;
-    const dem__section *next = section + 1 < w->sections__ ? in + 1 : in;
     dem__rows b;
     dem__row out[9];
     for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
@@ -4459,18 +4458,19 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
         dem__touch touch[DEM_BLOCK];
         dem_vec wall_speed[DEM_BLOCK];
 
-        const dem__section *then = base + DEM_BLOCK < end ? in : next; /* where the next block is */
-        const ptrdiff_t ahead = then == in ? base + DEM_BLOCK : then->first, known = then->first + then->live;
+        /* the next block, of this section or of the one after it, is asked for ahead */
+        const dem__section *then = base + DEM_BLOCK < end || section + 1 == w->sections__ ? in : in + 1;
+        const ptrdiff_t ahead = then == in ? base + DEM_BLOCK : then->first, stop = then->first + then->live;
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            if (ahead + k < known) dem__fetch_contact(w, ahead + k);
+            if (ahead + k < stop) dem__fetch_contact(w, ahead + k);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
             else {
                 wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
                 wall[walls++] = k;
             }
         }
-        for (int k = n; k < DEM_BLOCK && ahead + k < known; k++) dem__fetch_contact(w, ahead + k);
+        for (int k = n; k < DEM_BLOCK && ahead + k < stop; k++) dem__fetch_contact(w, ahead + k);
         dem__take_traits(w, base, n, law->constants, traits);
         dem__complete_rows(w, &b, traits, n, wall, touch, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
@@ -5467,11 +5467,11 @@ static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int par
 #endif
     {
         dem__stint *of = &stint[part];
-        for (int q = 0; q < parts && stint[part].next == stint[part].end; q++)
-            of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
+        const int helps = of->next == of->end;
+        for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
         if (of->next < of->end) {
-            section = of == &stint[part] ? of->next++ : --of->end;
-            w->section__[section].own = of == &stint[part] ? of->first : section;
+            section = helps ? --of->end : of->next++;
+            w->section__[section].own = helps ? section : of->first;
         }
     }
     return section;
