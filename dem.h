@@ -79,37 +79,25 @@
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* For the block of contacts: no iteration reads what another writes. */
-#if defined(__clang__)
-#define DEM__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#elif defined(__GNUC__)
+/* For the block of contacts: no iteration reads what another writes. Not for clang, which takes this of the arrays within an iteration,
+   too, and mixes up those of several. */
+#if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define DEM__INDEPENDENT
 #endif
 
-#if defined(__clang__) /* a loop that is marked independent may stay scalar all the same, which is no fault */
-#define DEM__QUIET _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wpass-failed\"")
-#define DEM__LOUD _Pragma("clang diagnostic pop")
-DEM__QUIET
-#else
-#define DEM__QUIET
-#define DEM__LOUD
-#endif
-
 /* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
 #define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    DEM__QUIET __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                \
+    __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                           \
     static void name parameters {                                                                                                          \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
         else call;                                                                                                                         \
-    }                                                                                                                                      \
-    DEM__LOUD
+    }
 #else
 #define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    DEM__QUIET static void name parameters { call; }                                                                                       \
-    DEM__LOUD
+    static void name parameters { call; }
 #endif
 
 #ifdef __cplusplus
@@ -4359,11 +4347,6 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
 typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i, double arm_j, double gap,
                           double force, dem_vec wall_speed);
 
-#if defined(__clang__)
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpass-failed" /* at -O1 the loop stays scalar, and that is fine */
-#endif
-
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
@@ -4554,10 +4537,6 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
         dem__evaluate_section(w, q, &traits, law, mend, features);
     }
 }
-
-#if defined(__clang__)
-#pragma clang diagnostic pop
-#endif
 
 /* The links in slots first .. end-1, from where everything is now. */
 DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
@@ -7360,5 +7339,4 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 #ifdef __cplusplus
 }
 #endif
-DEM__LOUD
 #endif /* DEM_H */
