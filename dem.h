@@ -58,8 +58,32 @@
 #define DEM__BODIES
 #endif
 
+/* Whatever flags a host is built with, loops vectorise and no product is fused with a sum. gcc leaves a loop scalar if a root in it may
+   set errno or arithmetic may trap, and most at -O2; with sqrt as it is here, nobody who includes this learns of roots by errno. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wredundant-decls"
+#ifdef __cplusplus
+extern "C" double sqrt(double) noexcept(noexcept(::sqrt(1.0))) __attribute__((const));
+#else
+extern double sqrt(double) __attribute__((const));
+#endif
+#pragma GCC diagnostic pop
+#endif
+#if defined(__clang__)
+#define DEM__FAST
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#else
+#define DEM__FAST
+#endif
+
 #if defined(__GNUC__)
-#define DEM_INLINE static inline __attribute__((always_inline))
+#define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
 #define DEM_RESTRICT __restrict__
 #define DEM__APART __attribute__((noinline))
 #elif defined(_MSC_VER)
@@ -90,14 +114,14 @@
 /* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
 #define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    __attribute__((target("avx2"))) static void name##_wide parameters { call; }                                                           \
-    static void name parameters {                                                                                                          \
+    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
+    DEM__FAST static void name parameters {                                                                                                \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
         else call;                                                                                                                         \
     }
 #else
 #define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
-    static void name parameters { call; }
+    DEM__FAST static void name parameters { call; }
 #endif
 
 #ifdef __cplusplus
@@ -4125,19 +4149,46 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
 }
 
-/* Where the slots of a block begin. */
+/* Where the slots of contacts begin: in the world, or in a block. */
 typedef struct dem__slots {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__slots;
 
-DEM_INLINE void dem__locate(const dem_world *w, ptrdiff_t base, const dem_law *law, int features, dem__row *out, dem__slots *at) {
-    for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + base;
-    for (int a = 0; a < 9; a++) at->out[a] = w->keeps_out__ ? w->live_out__[a] + base : out[a];
-    at->gap = w->live_gap__ + base, at->force = w->live_force__ + base;
+/* What is new of a block of contacts: apart from the world, so that compilers see that nothing that is read changes. */
+typedef struct dem__block {
+    dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
+} dem__block;
+
+DEM_INLINE dem__slots dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
+    dem__slots at;
+    for (int a = 0; a < law->states; a++) at.state[a] = w->live_state__[a] + c;
+    for (int a = 0; a < 9; a++) at.out[a] = w->live_out__[a] + c;
+    at.gap = w->live_gap__ + c, at.force = w->live_force__ + c;
+    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at.power[a] = w->live_power__[a] + c;
+    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at.loss[a] = w->live_loss__[a] + c;
+    at.elastic = features & DEM_ENERGY ? w->live_elastic__ + c : NULL;
+    return at;
+}
+
+DEM_INLINE dem__slots dem__slots_in(dem__block *b) {
+    dem__slots at;
+    for (int a = 0; a < DEM_STATE_MAX; a++) at.state[a] = b->state[a];
+    for (int a = 0; a < 9; a++) at.out[a] = b->out[a];
+    for (int a = 0; a < 3; a++) at.power[a] = b->power[a];
+    for (int a = 0; a < 4; a++) at.loss[a] = b->loss[a];
+    at.gap = b->gap, at.force = b->force, at.elastic = b->elastic;
+    return at;
+}
+
+DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, const dem_law *law, int features, int keeps_out) {
+    const size_t bytes = (size_t)n * sizeof(double);
+    for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
+    for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
+    memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
     if (!(features & DEM_ENERGY)) return;
-    for (int a = 0; a < 3; a++) at->power[a] = w->live_power__[a] + base;
-    for (int a = 0; a < 4; a++) at->loss[a] = w->live_loss__[a] + base;
-    at->elastic = w->live_elastic__ + base;
+    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
+    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
+    memcpy(to->elastic, from->elastic, bytes);
 }
 
 /* Of a block in which each contact has its own. */
@@ -4199,11 +4250,12 @@ DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_cont
 }
 
 /* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
-DEM_INLINE void dem__put_losses(const dem__slots *at, ptrdiff_t c, const dem_response *r, double h, double contact_before) {
-    const double unloaded = at->elastic[c] - r->elastic, damped = 0.5 * h * (at->power[0][c] + r->normal_power);
+DEM_INLINE void dem__put_losses(const dem__slots *at, const dem__slots *old, ptrdiff_t c, const dem_response *r, double h,
+                                double contact_before) {
+    const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
     at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
     at->loss[1][c] = r->slide_loss;
-    at->loss[2][c] = 0.5 * h * (at->power[1][c] + r->rolling_power);
+    at->loss[2][c] = 0.5 * h * (old->power[1][c] + r->rolling_power);
     at->power[0][c] = r->normal_power;
     at->power[1][c] = r->rolling_power;
     at->elastic[c] = r->elastic;
@@ -4282,16 +4334,16 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
     }
 }
 
-/* A first or last step of contact k of a block, in slot c: mends force, history and losses, and leaves impulse and shift for the end of
-   the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i, double arm_j, double gap,
-                          double force, dem_vec wall_speed, const dem_law *law, int features) {
+/* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
+                          dem_vec wall_speed, const dem_law *law, int features) {
     const double h = 1.0 / q->rate;
+    const dem__slots at = dem__slots_of(w, c, law, features);
     double s[DEM_STATE_MAX];
     dem__event e;
     dem_response r;
     double extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
-    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at->state[a][k];
+    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at.state[a][0];
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;
@@ -4300,9 +4352,9 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
         q->closing = e.closing;
         q->dt = e.duration;
         law->force(q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
-        dem__put_force(at, k, q, &r, arm_i, arm_j, features);
-        at->force[k] = r.contact;
+        for (int a = 0; a < law->history; a++) at.state[a][0] = s[a];
+        dem__put_force(&at, 0, q, &r, arm_i, arm_j, features);
+        at.force[0] = r.contact;
         start = r.contact;
         extra = e.impulse - 0.5 * h * start;
         sliding = r.contact > 0.0 ? push / r.contact - 0.5 * h : 0.0;
@@ -4311,7 +4363,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
                 const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
                 r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
             }
-            dem__put_losses(at, k, &r, 0.0, 1.0);
+            dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
         }
     } else {
         if (!dem__end_contact(q, s, gap, force, &e, law)) return;
@@ -4321,31 +4373,31 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, const dem__slots *at, int k
             q->closing = e.closing;
             law->force(q, s, &r);
             if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
-                dem__put_force(at, k, q, &r, arm_i, arm_j, features);
-                at->force[k] = r.contact;
+                dem__put_force(&at, 0, q, &r, arm_i, arm_j, features);
+                at.force[0] = r.contact;
                 w->live_ended__[c] = 0;
                 start = r.contact;
                 extra -= 0.5 * h * start;
-                if (features & DEM_ENERGY) dem__put_losses(at, k, &r, 0.0, 1.0);
+                if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
             }
         }
     }
-    at->gap[k] = e.gap;
+    at.gap[0] = e.gap;
     w->live_event__[c] = 1;
     double **data = w->live_event_data__;
     data[0][c] = q->normal[0], data[1][c] = q->normal[1], data[2][c] = q->normal[2];
     data[3][c] = extra, data[4][c] = e.shift, data[5][c] = sliding;
     if (features & DEM_ENERGY) {
         const double across = wall_speed.x * q->normal[0] + wall_speed.y * q->normal[1] + wall_speed.z * q->normal[2];
-        at->loss[0][k] = e.loss;
-        if (force != 0.0) at->elastic[k] = e.elastic;
-        at->loss[3][k] = e.impulse * across;
-        at->power[2][k] = start * across;
+        at.loss[0][0] = e.loss;
+        if (force != 0.0) at.elastic[0] = e.elastic;
+        at.loss[3][0] = e.impulse * across;
+        at.power[2][0] = start * across;
     }
 }
 
-typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i, double arm_j, double gap,
-                          double force, dem_vec wall_speed);
+typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
+                          dem_vec wall_speed);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
@@ -4434,7 +4486,8 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
     dem__section *in = &w->section__[section];
     const ptrdiff_t end = in->first + in->live;
     dem__rows b;
-    dem__row out[9];
+    dem__block block;
+    const dem__slots at = dem__slots_in(&block);
     for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -4459,16 +4512,15 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
-        dem__slots at;
         dem__row before, was, ended;
-        dem__locate(w, base, law, features, out, &at);
+        const dem__slots old = dem__slots_of(w, base, law, features);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
             for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
-            for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
+            for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
             const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
@@ -4481,26 +4533,26 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             q.user = user;
             law->force(&q, s, &r);
             for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
-            before[k] = at.force[k], was[k] = at.gap[k], ended[k] = r.ended;
+            before[k] = old.force[k], was[k] = old.gap[k], ended[k] = r.ended;
             at.force[k] = r.contact;
             at.gap[k] = b.gap[k];
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
             if (features & DEM_ENERGY) {
                 r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
-                dem__put_losses(&at, k, &r, h, before[k]);
+                dem__put_losses(&at, &old, k, &r, h, before[k]);
             }
         }
         const int events = dem__mark(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
-            for (int k = 0; k < n; k++) w->live_loss__[3][base + k] = 0.0;
+            for (int k = 0; k < n; k++) at.loss[3][k] = at.power[2][k] = 0.0;
             for (int q = 0; q < walls; q++) {
-                const ptrdiff_t c = base + wall[q];
-                const double power =
-                    at.out[0][wall[q]] * wall_speed[q].x + at.out[1][wall[q]] * wall_speed[q].y + at.out[2][wall[q]] * wall_speed[q].z;
-                w->live_loss__[3][c] = half * (w->live_power__[2][c] + power);
-                w->live_power__[2][c] = power;
+                const int k = wall[q];
+                const double power = at.out[0][k] * wall_speed[q].x + at.out[1][k] * wall_speed[q].y + at.out[2][k] * wall_speed[q].z;
+                at.loss[3][k] = half * (old.power[2][k] + power);
+                at.power[2][k] = power;
             }
         }
+        dem__store(&old, &at, n, law, features, w->keeps_out__);
         if (events && h > 0.0) {
             for (int k = 0, q = 0; k < n; k++) {
                 const ptrdiff_t c = base + k;
@@ -4516,9 +4568,9 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                     view.rate = rate;
                     view.constants = p;
                     view.user = user;
-                    const dem__slots here = at; /* whose address others may know, unlike that of what the loop above works with */
-                    mend(w, c, &here, k, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0));
-                    for (int a = 0; a < 9; a++) w->live_out__[a][c] = at.out[a][k]; /* kept, for the end of the step */
+                    for (int a = 0; a < (turns ? 9 : 3); a++) old.out[a][k] = at.out[a][k]; /* kept, for the end of the step */
+                    mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0));
+                    for (int a = 0; a < (turns ? 9 : 3); a++) at.out[a][k] = old.out[a][k];
                 }
                 q += is_wall;
             }
@@ -4544,6 +4596,8 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     const void *user = w->user;
     dem__rows b;
     dem__traits traits; /* of which links have sizes only */
+    dem__block block;
+    const dem__slots at = dem__slots_in(&block);
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -4560,20 +4614,20 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
         }
         dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
 
-        dem__slots at;
-        for (int a = 0; a < law->states; a++) at.state[a] = w->link_state__[a] + base;
-        for (int a = 0; a < 9; a++) at.out[a] = w->link_out__[a] + base;
-        dem__row ended;
+        dem__row ended, share;
+        dem__slots old;
+        for (int a = 0; a < law->states; a++) old.state[a] = w->link_state__[a] + base;
+        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->states; a++) s[a] = at.state[a][k];
+            for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
             dem__view(&b, &traits, k, 0.0, 1, &q, &arm_i, &arm_j);
             q.mass = 0.0;
-            q.share = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
+            q.share = share[k];
             q.dt = h;
             q.rate = 1.0 / h;
             q.constants = NULL;
@@ -4583,18 +4637,18 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             ended[k] = r.ended;
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
-        for (int k = 0; k < n; k++) {
-            w->link_gap__[base + k] = b.gap[k];
-            w->link_ended__[base + k] = ended[k] != 0.0;
-        }
+        for (int a = 0; a < law->history; a++) memcpy(old.state[a], at.state[a], (size_t)n * sizeof(double));
+        for (int a = 0; a < 9; a++) memcpy(w->link_out__[a] + base, at.out[a], (size_t)n * sizeof(double));
+        memcpy(w->link_gap__ + base, b.gap, (size_t)n * sizeof(double));
+        for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
     }
 }
 
 #define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
-    static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, const dem__slots *at, int k, dem_contact *q, double arm_i,           \
-                                       double arm_j, double gap, double force, dem_vec wall_speed) {                                       \
-        dem__mend(world, c, at, k, q, arm_i, arm_j, gap, force, wall_speed, &(law), features);                                             \
+    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap,    \
+                                                 double force, dem_vec wall_speed) {                                                       \
+        dem__mend(world, c, q, arm_i, arm_j, gap, force, wall_speed, &(law), features);                                                    \
     }                                                                                                                                      \
     DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
@@ -7338,5 +7392,10 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 
 #ifdef __cplusplus
 }
+#endif
+#if defined(__clang__)
+#pragma float_control(pop)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#pragma GCC pop_options
 #endif
 #endif /* DEM_H */
