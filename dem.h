@@ -103,12 +103,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* For the block of contacts: no iteration reads what another writes. Not for clang, which takes this of the arrays within an iteration,
-   too, and mixes up those of several. */
+/* What is new of a block of contacts goes straight to the world, as gcc can be told that no iteration reads what another writes. Clang
+   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
+#define DEM__IN_ROWS 0
 #else
 #define DEM__INDEPENDENT
+#define DEM__IN_ROWS 1
 #endif
 
 /* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
@@ -4154,7 +4156,7 @@ typedef struct dem__slots {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__slots;
 
-/* What is new of a block of contacts: apart from the world, so that compilers see that nothing that is read changes. */
+/* What is new of a block of contacts. */
 typedef struct dem__block {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block;
@@ -4170,8 +4172,10 @@ DEM_INLINE dem__slots dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_l
     return at;
 }
 
-DEM_INLINE dem__slots dem__slots_in(dem__block *b) {
-    dem__slots at;
+/* Where what is new of a block goes, of which "old" is in the world. */
+DEM_INLINE dem__slots dem__slots_new(const dem__slots *old, dem__block *b) {
+    dem__slots at = *old;
+    if (!DEM__IN_ROWS) return at;
     for (int a = 0; a < DEM_STATE_MAX; a++) at.state[a] = b->state[a];
     for (int a = 0; a < 9; a++) at.out[a] = b->out[a];
     for (int a = 0; a < 3; a++) at.power[a] = b->power[a];
@@ -4182,8 +4186,9 @@ DEM_INLINE dem__slots dem__slots_in(dem__block *b) {
 
 DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
-    for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
+    if (!DEM__IN_ROWS) return;
+    for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
     if (!(features & DEM_ENERGY)) return;
     for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
@@ -4487,7 +4492,6 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
     const ptrdiff_t end = in->first + in->live;
     dem__rows b;
     dem__block block;
-    const dem__slots at = dem__slots_in(&block);
     for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -4514,6 +4518,8 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
 
         dem__row before, was, ended;
         const dem__slots old = dem__slots_of(w, base, law, features);
+        dem__slots at = dem__slots_new(&old, &block);
+        for (int a = 0; a < 9; a++) at.out[a] = block.out[a];
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
@@ -4544,7 +4550,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
         }
         const int events = dem__mark(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
-            for (int k = 0; k < n; k++) at.loss[3][k] = at.power[2][k] = 0.0;
+            for (int k = 0; k < n; k++) at.loss[3][k] = 0.0, at.power[2][k] = old.power[2][k];
             for (int q = 0; q < walls; q++) {
                 const int k = wall[q];
                 const double power = at.out[0][k] * wall_speed[q].x + at.out[1][k] * wall_speed[q].y + at.out[2][k] * wall_speed[q].z;
@@ -4596,8 +4602,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     const void *user = w->user;
     dem__rows b;
     dem__traits traits; /* of which links have sizes only */
-    dem__block block;
-    const dem__slots at = dem__slots_in(&block);
+    dem__row state[DEM_STATE_MAX], out[9];
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
         int wall[DEM_BLOCK], walls = 0;
@@ -4615,8 +4620,11 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
         dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
 
         dem__row ended, share;
-        dem__slots old;
+        dem__slots old, at;
         for (int a = 0; a < law->states; a++) old.state[a] = w->link_state__[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = w->link_out__[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__IN_ROWS ? state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__IN_ROWS ? out[a] : old.out[a];
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
@@ -4637,8 +4645,8 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             ended[k] = r.ended;
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
-        for (int a = 0; a < law->history; a++) memcpy(old.state[a], at.state[a], (size_t)n * sizeof(double));
-        for (int a = 0; a < 9; a++) memcpy(w->link_out__[a] + base, at.out[a], (size_t)n * sizeof(double));
+        for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], (size_t)n * sizeof(double));
+        for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], (size_t)n * sizeof(double));
         memcpy(w->link_gap__ + base, b.gap, (size_t)n * sizeof(double));
         for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
     }
