@@ -604,6 +604,10 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
+/* Component 0, 1 or 2. Not by (&v.x)[axis]: what is read beyond a member a compiler may take to be nothing of the vector's. */
+DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
+
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
 /* 1 if this build computes the same bits as others: doubles evaluated as doubles, no fused multiply-add. Found out at run time. */
@@ -1845,10 +1849,10 @@ static const char *dem__bad_field(const dem_def *def) {
     if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
     if (!dem__finite_vec(def->gravity)) return "gravity";
-    const double *low = &def->low.x, *high = &def->high.x;
     for (int a = 0; a < 3; a++) {
+        const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
         if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
-        if (def->periodic[a] && !(dem__finite(low[a]) && dem__finite(high[a]) && high[a] > low[a])) return "high";
+        if (def->periodic[a] && !(dem__finite(low) && dem__finite(high) && high > low)) return "high";
     }
     if (!def->allocator.fn) return "allocator.fn";
     for (int a = 0; a < def->materials; a++) {
@@ -2086,7 +2090,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a][i];
-        (&rate[a / 3]->x)[a % 3] += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
+        *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a][i] = !w->link_loaded__[i] ? wanted[a] : load[a][i] + change;
         external[a][i] = wanted[a];
     }
@@ -2270,10 +2274,10 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     node->count = end - first <= DEM__LEAF ? end - first : 0;
     for (int a = 0; a < 3; a++) node->low[a] = HUGE_VAL, node->high[a] = -HUGE_VAL;
     for (int32_t k = 3 * first; k < 3 * (first + node->count); k++) {
-        const double *v = &t->vertex[t->corner[k]].x;
         for (int a = 0; a < 3; a++) {
-            node->low[a] = v[a] < node->low[a] ? v[a] : node->low[a];
-            node->high[a] = v[a] > node->high[a] ? v[a] : node->high[a];
+            const double v = dem_axis(t->vertex[t->corner[k]], a);
+            node->low[a] = v < node->low[a] ? v : node->low[a];
+            node->high[a] = v > node->high[a] ? v : node->high[a];
         }
     }
     if (node->count == 0) {
@@ -2332,7 +2336,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
     ptrdiff_t n = 0;
     for (ptrdiff_t v = 0; v < vertices; v++) {
         for (int c = 0; c < 3; c++) {
-            double *l = &low.x + c, *h = &high.x + c, x = (&vertex[v].x)[c];
+            double *l = dem_axis_of(&low, c), *h = dem_axis_of(&high, c), x = dem_axis(vertex[v], c);
             *l = x < *l ? x : *l;
             *h = x > *h ? x : *h;
         }
@@ -2346,8 +2350,8 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         items[n].index = k;
         items[n].key = 0;
         for (int c = 0; c < 3; c++) {
-            const double from = (&low.x)[c], span = (&high.x)[c] - from;
-            const double x = ((&p[0].x)[c] + (&p[1].x)[c] + (&p[2].x)[c]) / 3.0 - from;
+            const double from = dem_axis(low, c), span = dem_axis(high, c) - from;
+            const double x = (dem_axis(p[0], c) + dem_axis(p[1], c) + dem_axis(p[2], c)) / 3.0 - from;
             items[n].key |= dem__interleave(span > 0.0 ? (uint64_t)(dem__clamp(x / span, 0.0, 1.0) * 2097151.0) : 0) << c;
         }
         n++;
@@ -2427,7 +2431,7 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
     if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
-    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? (&high.x)[k % 3] : (&low.x)[k % 3];
+    for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
     mesh.vertices = 8, mesh.vertex = corners;
     mesh.triangles = 12, mesh.triangle = faces;
     return dem_add_mesh(world, material, &mesh);
@@ -2470,8 +2474,10 @@ static inline ptrdiff_t dem__read_binary(const unsigned char *bytes, size_t size
     const uint32_t announced = (uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24;
     const size_t present = (size - 84) / 50, n = present < announced ? present : announced;
     for (size_t k = 0; facets && k < n; k++) {
-        double *to = &facets[k].normal.x;
-        for (size_t a = 0; a < 12; a++) to[a] = dem__little_float(bytes + 84 + 50 * k + 4 * a);
+        for (int a = 0; a < 12; a++) {
+            dem_vec *to = a < 3 ? &facets[k].normal : &facets[k].corner[a / 3 - 1];
+            *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
+        }
     }
     *missing = (ptrdiff_t)(announced - n);
     return (ptrdiff_t)n;
@@ -2531,7 +2537,7 @@ static inline ptrdiff_t dem__read_ascii(const unsigned char *bytes, size_t size,
     ptrdiff_t n = 0, begun = 0;
     dem__facet facet;
     int corners = 3, wanted = 0; /* numbers of the present triple still to come */
-    double *to = NULL;
+    dem_vec *to = NULL;
     memset(&facet, 0, sizeof facet);
     for (size_t at = 0, length; (length = dem__word(bytes, size, &at)) > 0; at += length) {
         if (dem__is_word(bytes, at, length, "facet")) {
@@ -2539,12 +2545,12 @@ static inline ptrdiff_t dem__read_ascii(const unsigned char *bytes, size_t size,
             corners = 0, wanted = 0;
             facet.normal = dem_vec3(0.0, 0.0, 0.0);
         } else if (dem__is_word(bytes, at, length, "normal")) {
-            wanted = 3, to = &facet.normal.x;
+            wanted = 3, to = &facet.normal;
         } else if (dem__is_word(bytes, at, length, "vertex") && corners < 3) {
-            wanted = 3, to = &facet.corner[corners].x;
+            wanted = 3, to = &facet.corner[corners];
         } else if (wanted > 0) {
-            *to++ = dem__number(bytes + at, length);
-            if (--wanted > 0 || to == &facet.normal.x + 3) continue;
+            *dem_axis_of(to, 3 - wanted) = dem__number(bytes + at, length);
+            if (--wanted > 0 || to == &facet.normal) continue;
             if (++corners < 3) continue;
             if (facets) facets[n] = facet;
             n++;
@@ -2573,7 +2579,7 @@ static inline int32_t dem__weld(dem__slot *cells, size_t capacity, int32_t *next
                                 double weld, double cell) {
     double from[3], to[3];
     for (int a = 0; a < 3; a++) {
-        const double x = (&p.x)[a] - (&low.x)[a];
+        const double x = dem_axis(p, a) - dem_axis(low, a);
         from[a] = floor((x - weld) / cell), to[a] = floor((x + weld) / cell);
     }
     for (double i = from[0]; i <= to[0]; i++) {
@@ -2590,7 +2596,7 @@ static inline int32_t dem__weld(dem__slot *cells, size_t capacity, int32_t *next
     }
     const int32_t fresh = (int32_t)(*count)++;
     uint64_t key = 0;
-    for (int a = 0; a < 3; a++) key |= dem__interleave((uint64_t)(floor(((&p.x)[a] - (&low.x)[a]) / cell) + 2.0)) << a;
+    for (int a = 0; a < 3; a++) key |= dem__interleave((uint64_t)(floor((dem_axis(p, a) - dem_axis(low, a)) / cell) + 2.0)) << a;
     dem__slot *slot = dem__find_slot(cells, capacity, key);
     vertex[fresh] = p;
     next[fresh] = slot->key ? slot->value : -1;
@@ -2616,7 +2622,7 @@ static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, 
     for (ptrdiff_t k = 0; k < n; k++) {
         int finite = 1;
         for (int c = 0; c < 9; c++) {
-            double *x = &facets[k].corner[0].x + c;
+            double *x = dem_axis_of(&facets[k].corner[c / 3], c % 3);
             *x *= scale;
             finite &= fabs(*x) < 1e50;
         }
@@ -2626,7 +2632,7 @@ static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, 
         }
         facets[kept++] = facets[k];
         for (int c = 0; c < 9; c++) {
-            double *l = &low.x + c % 3, *h = &high.x + c % 3, x = (&facets[k].corner[0].x)[c];
+            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(facets[k].corner[c / 3], c % 3);
             *l = x < *l ? x : *l;
             *h = x > *h ? x : *h;
         }
@@ -3595,13 +3601,12 @@ static inline void dem__bulk(const double *v, ptrdiff_t n, double *low, double *
 }
 
 /* Cells no smaller than `size` over a box, at most four a sphere. */
-static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, const double *low, const double *high) {
+static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
-        const double *from = w->def.periodic[a] ? &w->def.low.x : low, *to = w->def.periodic[a] ? &w->def.high.x : high;
         g->wraps[a] = w->def.periodic[a];
-        g->low[a] = from[a];
-        span[a] = to[a] - from[a];
+        g->low[a] = dem_axis(g->wraps[a] ? w->def.low : low, a);
+        span[a] = dem_axis(g->wraps[a] ? w->def.high : high, a) - g->low[a];
     }
     for (;; size *= 1.26) {
         double cells = 1.0;
@@ -3680,7 +3685,7 @@ DEM__TWICE(dem__choose, (const dem__crowd *c, const dem__course *s, const double
 
 /* Length of the box along an axis, HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
-    return w->def.periodic[axis] ? (&w->def.high.x)[axis] - (&w->def.low.x)[axis] : HUGE_VAL;
+    return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
 }
 static inline double dem__narrowest(const dem_world *w) {
     double narrowest = HUGE_VAL;
@@ -3718,7 +3723,7 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
     const double reach = extent + g->widest + 0.5 * w->margin__;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
-        const double l = (&low.x)[a], h = (&high.x)[a];
+        const double l = dem_axis(low, a), h = dem_axis(high, a);
         cells[a] = dem__cells(g, a, 0.5 * (l + h), 0.5 * (h - l) + reach, &from[a]);
     }
     const int32_t before = cells[0] < g->n[0] - from[0] ? cells[0] : g->n[0] - from[0]; /* cells of a row before it wraps */
@@ -3749,8 +3754,8 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
    scratch: a rebuild sets all of them. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__grid grid[DEM__LEVELS_MAX];
-    double smallest = HUGE_VAL, low[3], high[3];
-    const double *at[3] = {w->rx__, w->ry__, w->rz__};
+    double smallest = HUGE_VAL;
+    dem_vec low, high;
     int32_t *sorted = w->remap__;
     ptrdiff_t cells = 0;
     int top = 0;
@@ -3766,7 +3771,9 @@ static inline int dem__find_pairs(dem_world *w) {
         grid[level].count++;
         sorted[i] = level;
     }
-    for (int a = 0; a < 3; a++) dem__bulk(at[a], w->count, &low[a], &high[a]);
+    dem__bulk(w->rx__, w->count, &low.x, &high.x);
+    dem__bulk(w->ry__, w->count, &low.y, &high.y);
+    dem__bulk(w->rz__, w->count, &low.z, &high.z);
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
@@ -6051,10 +6058,10 @@ static inline void dem__bounds(const dem_region *r, dem_vec *low, dem_vec *high)
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
     for (int a = 0; a < 3; a++) {
-        const double at = (&r->low.x)[a], end = r->kind == DEM_REGION_BOX ? (&r->high.x)[a] : at + r->length * (&unit.x)[a];
+        const double at = dem_axis(r->low, a), end = r->kind == DEM_REGION_BOX ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
         const double out = r->kind == DEM_REGION_BOX ? 0.0 : r->radius;
-        (&low->x)[a] = (at < end ? at : end) - out;
-        (&high->x)[a] = (at > end ? at : end) + out;
+        *dem_axis_of(low, a) = (at < end ? at : end) - out;
+        *dem_axis_of(high, a) = (at > end ? at : end) + out;
     }
 }
 
@@ -6210,8 +6217,9 @@ static inline void dem__count_in(dem__room *room, double radius) {
 static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
-        const double v = (&x->x)[a];
-        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= (&low.x)[a] && v - w->particle[i].radius <= (&high.x)[a])) return 0;
+        const double v = dem_axis(*x, a);
+        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
+            return 0;
     }
     return w->alive[i];
 }
@@ -6239,7 +6247,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
         if (g->count == 0) continue;
-        dem__make_grid(w, g, 2.0 * g->widest, &low.x, &high.x);
+        dem__make_grid(w, g, 2.0 * g->widest, low, high);
         g->first = room->cells;
         room->cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
@@ -6268,7 +6276,7 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
         const dem__grid *g = &room->grid[level];
         if (g->count == 0) continue;
         int32_t first[3], cells[3];
-        for (int a = 0; a < 3; a++) cells[a] = dem__cells(g, a, (&x.x)[a], radius + g->widest, &first[a]);
+        for (int a = 0; a < 3; a++) cells[a] = dem__cells(g, a, dem_axis(x, a), radius + g->widest, &first[a]);
         for (int32_t c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
             const int32_t step[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
             ptrdiff_t at[3];
@@ -6287,9 +6295,9 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
     if (r->kind == DEM_REGION_BOX) {
         for (int a = 0; a < 3; a++) {
-            const double low = (&r->low.x)[a], room = (&r->high.x)[a] - low - 2.0 * radius;
+            const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
-            (&x->x)[a] = room >= 0.0 ? low + radius + room * dem__uniform(random) : low;
+            *dem_axis_of(x, a) = room >= 0.0 ? low + radius + room * dem__uniform(random) : low;
         }
         return 1;
     }
@@ -6409,7 +6417,8 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
             diameter[placed] = 2.0 * room.radius[q];
             for (int a = 0; a < 3; a++) {
                 centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
-                velocity[3 * placed + a] = (&feed->velocity.x)[a] + (&feed->scatter.x)[a] * (2.0 * dem__uniform(&after.random) - 1.0);
+                velocity[3 * placed + a] =
+                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&after.random) - 1.0);
             }
             placed++;
         }
@@ -6526,8 +6535,8 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     double sum = 0.0, side[2][3];
     if (!dem__positive(radius) || !(low.x <= high.x && low.y <= high.y && low.z <= high.z)) return (double)NAN;
     for (int a = 0; a < 3; a++) {
-        side[0][a] = dem__clamp((&low.x)[a] / radius, -1.0, 1.0);
-        side[1][a] = dem__clamp((&high.x)[a] / radius, -1.0, 1.0);
+        side[0][a] = dem__clamp(dem_axis(low, a) / radius, -1.0, 1.0);
+        side[1][a] = dem__clamp(dem_axis(high, a) / radius, -1.0, 1.0);
     }
     for (int k = 0; k < 8; k++) {
         const int x = k & 1, y = k >> 1 & 1, z = k >> 2;
@@ -6578,7 +6587,7 @@ static inline double dem__share_in(const dem_region *r, dem_vec a, dem_vec b) {
     double from = 0.0, to = 1.0;
     if (r->kind == DEM_REGION_BOX) {
         for (int k = 0; k < 3; k++) {
-            const double at = (&a.x)[k], v = (&way.x)[k], low = (&r->low.x)[k] - at, high = (&r->high.x)[k] - at;
+            const double at = dem_axis(a, k), v = dem_axis(way, k), low = dem_axis(r->low, k) - at, high = dem_axis(r->high, k) - at;
             if (v == 0.0 && !(low <= 0.0 && high >= 0.0)) return 0.0;
             if (v == 0.0) continue;
             const double first = (v > 0.0 ? low : high) / v, last = (v > 0.0 ? high : low) / v;
@@ -6613,10 +6622,10 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
     for (int a = 0; a < 3; a++) {
         if (!w->def.periodic[a]) continue;
-        const double length = (&w->def.high.x)[a] - (&w->def.low.x)[a];
+        const double length = dem_axis(w->def.high, a) - dem_axis(w->def.low, a);
         for (int k = 0; k < 2 * n; k++) {
             shift[n + k] = shift[k / 2];
-            (&shift[n + k].x)[a] += k % 2 ? length : -length;
+            *dem_axis_of(&shift[n + k], a) += k % 2 ? length : -length;
         }
         n *= 3;
     }
@@ -6641,7 +6650,7 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
 
 DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, dem_vec l) {
     for (int a = 0; a < 3; a++) {
-        for (int b = 0; b < 3; b++) stress[a][b] += weight * (&f.x)[a] * (&l.x)[b];
+        for (int b = 0; b < 3; b++) stress[a][b] += weight * dem_axis(f, a) * dem_axis(l, b);
     }
 }
 
@@ -6700,7 +6709,7 @@ static inline int dem__are_cells(const dem_cells *c) {
     double number = 1.0;
     if (!c || !dem__finite_vec(c->low) || !dem__finite_vec(c->high)) return 0;
     for (int a = 0; a < 3; a++) {
-        if (c->n[a] < 1 || c->n[a] > 100000 || !((&c->high.x)[a] > (&c->low.x)[a]) || !dem__not_negative(c->width[a])) return 0;
+        if (c->n[a] < 1 || c->n[a] > 100000 || !(dem_axis(c->high, a) > dem_axis(c->low, a)) || !dem__not_negative(c->width[a])) return 0;
         number *= c->n[a];
     }
     return number < 1073741824.0;
@@ -6714,7 +6723,7 @@ DEM_INLINE double dem__up_to(double u) {
 
 /* The cells of an axis in which a point at v counts: first and last. 0 if none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
-    const double low = (&c->low.x)[a], high = (&c->high.x)[a], inverse = c->n[a] / (high - low), reach = c->width[a];
+    const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
     const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
     *first = (int)dem__clamp(from, 0.0, most), *last = (int)dem__clamp(to, 0.0, most);
@@ -6724,7 +6733,8 @@ static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first,
 /* Share of a point at v that counts in cell k of an axis. */
 DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     if (c->width[a] == 0.0) return 1.0;
-    const double low = (&c->low.x)[a], size = ((&c->high.x)[a] - low) / c->n[a], at = low + k * size - v, inverse = 1.0 / c->width[a];
+    const double low = dem_axis(c->low, a), size = (dem_axis(c->high, a) - low) / c->n[a], at = low + k * size - v,
+                 inverse = 1.0 / c->width[a];
     return dem__up_to((at + size) * inverse) - dem__up_to(at * inverse);
 }
 

@@ -45,8 +45,8 @@ static double closest_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     double square = 0.0;
     const dem_vec a = dem_position(w, i), b = dem_position(w, j);
     for (int k = 0; k < 3; k++) {
-        const double length = (&w->def.high.x)[k] - (&w->def.low.x)[k];
-        double d = (&a.x)[k] - (&b.x)[k];
+        const double length = dem_axis(w->def.high, k) - dem_axis(w->def.low, k);
+        double d = dem_axis(a, k) - dem_axis(b, k);
         if (w->def.periodic[k]) d -= length * floor(d / length + 0.5);
         square += d * d;
     }
@@ -96,7 +96,7 @@ static void test_near_pairs_of_any_size(void **state) {
         for (int i = 0; i < 600; i++) {
             const double d = 0.008 * riddle_exp(-riddle_log(ratio) * scene_uniform(&r));
             dem_vec x = def.low;
-            for (int a = 0; a < 3; a++) (&x.x)[a] += ((&def.high.x)[a] - (&def.low.x)[a]) * scene_uniform(&r);
+            for (int a = 0; a < 3; a++) *dem_axis_of(&x, a) += (dem_axis(def.high, a) - dem_axis(def.low, a)) * scene_uniform(&r);
             if (i == 0) x = def.high; /* the corner belongs to the other side */
             if (stray && i == 7) x = v3(1e6, -3e7, 1e12);
             assert_int_equal(dem_add_spheres(&w, 1, &x.x, &d, 0, 0), DEM_OK);

@@ -67,7 +67,7 @@ static void test_ball_in_box(void **state) {
         dem_vec low, high;
         for (int a = 0; a < 3; a++) {
             const double u = scene_between(&r, -1.2, 1.2), v = scene_between(&r, -1.2, 1.2);
-            (&low.x)[a] = fmin(u, v), (&high.x)[a] = fmax(u, v);
+            *dem_axis_of(&low, a) = fmin(u, v), *dem_axis_of(&high, a) = fmax(u, v);
         }
         if (k < 12) near_absolute(dem_ball_in_box(1.0, low, high), summed_volume(low, high), 2e-4, "against columns");
         /* the parts of a box that is cut add up */
@@ -75,9 +75,9 @@ static void test_ball_in_box(void **state) {
         for (int c = 0; c < 27; c++) {
             dem_vec from = low, to = high;
             for (int a = 0, code = c; a < 3; a++, code /= 3) {
-                const double size = ((&high.x)[a] - (&low.x)[a]) / 3.0;
-                (&from.x)[a] = (&low.x)[a] + code % 3 * size;
-                (&to.x)[a] = code % 3 == 2 ? (&high.x)[a] : (&low.x)[a] + (code % 3 + 1) * size;
+                const double size = (dem_axis(high, a) - dem_axis(low, a)) / 3.0;
+                *dem_axis_of(&from, a) = dem_axis(low, a) + code % 3 * size;
+                *dem_axis_of(&to, a) = code % 3 == 2 ? dem_axis(high, a) : dem_axis(low, a) + (code % 3 + 1) * size;
             }
             sum += dem_ball_in_box(1.0, from, to);
         }
@@ -251,16 +251,16 @@ static void test_kinetic(void **state) {
             const dem_vec v = dem_velocity(&w, i);
             if (pass == 0) count++, mass += w.particle[i].mass;
             for (int a = 0; a < 3; a++) {
-                if (pass == 0) mean[a] += w.particle[i].mass * (&v.x)[a];
+                if (pass == 0) mean[a] += w.particle[i].mass * dem_axis(v, a);
                 for (int b = 0; pass == 1 && b < 3; b++)
-                    stress[a][b] += w.particle[i].mass * ((&v.x)[a] - mean[a] / mass) * ((&v.x)[b] - mean[b] / mass) / volume;
+                    stress[a][b] += w.particle[i].mass * (dem_axis(v, a) - mean[a] / mass) * (dem_axis(v, b) - mean[b] / mass) / volume;
             }
         }
     }
     assert_true(count == m.count && count > 50 && count < 300);
     near_relative(m.mass, mass, 1e-13, "mass");
     for (int a = 0; a < 3; a++) {
-        near_relative((&m.velocity.x)[a], mean[a] / mass, 1e-13, "velocity");
+        near_relative(dem_axis(m.velocity, a), mean[a] / mass, 1e-13, "velocity");
         for (int b = 0; b < 3; b++) near_absolute(m.kinetic_stress[a][b], stress[a][b], 1e-12 * stress[2][2], "kinetic stress");
     }
     near_relative(m.granular_temperature * 3.0 * mass / volume, stress[0][0] + stress[1][1] + stress[2][2], 1e-12, "temperature");
