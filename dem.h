@@ -36,6 +36,8 @@
              read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
+   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
+             and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Not here  non-spherical particles, fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -604,13 +606,14 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Component 0, 1 or 2. Not by (&v.x)[axis]: what is read beyond a member a compiler may take to be nothing of the vector's. */
+/* Component 0, 1 or 2. By name, as what is read beyond the address of x a compiler may take to be nothing of the vector's. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
-/* 1 if this build computes the same bits as others: doubles evaluated as doubles, no fused multiply-add. Found out at run time. */
+/* 1 if this header, as built, computes the same bits as others: doubles evaluated as doubles, no fused multiply-add. Found out at run
+   time. What the code around it computes is another matter: compile that with -ffp-contract=off. */
 DEM_API int dem_build_is_deterministic(void);
 
 /* ---- definition ---- */
