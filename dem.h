@@ -1787,7 +1787,7 @@ DEM_API const char *dem_status_text(dem_status status) {
 DEM_API int dem_build_is_deterministic(void) {
     volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
     double x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
-    return FLT_EVAL_METHOD == 0 && fused == 0.0;
+    return (FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 1) && fused == 0.0;
 }
 
 DEM_API dem_def dem_default_def(void) {
