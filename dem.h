@@ -60,8 +60,8 @@
 #define DEM__BODIES
 #endif
 
-/* Whatever flags a host is built with, loops vectorise and no product is fused with a sum. gcc leaves a loop scalar if a root in it may
-   set errno or arithmetic may trap, and most at -O2; with sqrt as it is here, nobody who includes this learns of roots by errno. */
+/* From gcc -O1 on, but not at -Os, loops vectorise and no product is fused with a sum, whatever else a host is built with; clang fuses only
+   if told to by -ffp-contract=fast. gcc leaves a loop scalar if a root in it may set errno or arithmetic may trap, and most at -O2. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -4182,18 +4182,19 @@ DEM_INLINE dem__slots dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_l
     return at;
 }
 
-/* Where what is new of a block goes, of which "old" is in the world. */
+/* Where what is new of a block goes, of which "old" is in the world: forces into the block, as they are kept only if somebody asks. */
 DEM_INLINE dem__slots dem__slots_new(const dem__slots *old, dem__block *b) {
     dem__slots at = *old;
+    for (int a = 0; a < 9; a++) at.out[a] = b->out[a];
     if (!DEM__IN_ROWS) return at;
     for (int a = 0; a < DEM_STATE_MAX; a++) at.state[a] = b->state[a];
-    for (int a = 0; a < 9; a++) at.out[a] = b->out[a];
     for (int a = 0; a < 3; a++) at.power[a] = b->power[a];
     for (int a = 0; a < 4; a++) at.loss[a] = b->loss[a];
     at.gap = b->gap, at.force = b->force, at.elastic = b->elastic;
     return at;
 }
 
+/* From there to the world. */
 DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
@@ -4528,8 +4529,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
 
         dem__row before, was, ended;
         const dem__slots old = dem__slots_of(w, base, law, features);
-        dem__slots at = dem__slots_new(&old, &block);
-        for (int a = 0; a < 9; a++) at.out[a] = block.out[a];
+        const dem__slots at = dem__slots_new(&old, &block);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
@@ -4655,9 +4655,10 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             ended[k] = r.ended;
             dem__put_force(&at, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
-        for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], (size_t)n * sizeof(double));
-        for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], (size_t)n * sizeof(double));
-        memcpy(w->link_gap__ + base, b.gap, (size_t)n * sizeof(double));
+        const size_t bytes = (size_t)n * sizeof(double);
+        for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(w->link_gap__ + base, b.gap, bytes);
         for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
     }
 }
