@@ -141,12 +141,12 @@ extern "C" {
 #define DEM_STATE_MAX 16                     /* doubles that a law may keep per contact */
 #define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__FAR 1024                        /* steps that a look can be put off: beyond, a list is rebuilt anyway */
+#define DEM__FAR (1 << 20)                   /* steps that a list can last, and a look can be put off: rounding grows with them */
+#define DEM__FAR_TURNING 1024                /* the same at a wall that turns: nobody may come near who is now far from its axis */
 #define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
 #define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
 #define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
 #define DEM__TIDY 256                        /* steps between two orderings of contacts */
-#define DEM__LIST_MOST (1 << 30)             /* steps that a list can last: timers count from where it began */
 #define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
@@ -533,7 +533,9 @@ typedef struct dem_world {
     int32_t *material, *group, *alive, *touching; /* touching: live contacts */
 
     /* the rest is private */
-    double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, blur__;
+    double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, list_fall__, blur__;
+    dem_vec list_velocity__,
+        list_acceleration__; /* of the frame in which the list waits for somebody to move: at its beginning; constant */
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
     int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__,
@@ -3316,13 +3318,15 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     double speed = dem__length(v) + 2.0 * w->course__[i].ball;
     if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
+    int most = DEM__FAR;
     if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
-        const double turn = DEM__FAR * w->dt__, out = turn * (speed + turn * w->fall__);
+        const double turn = DEM__FAR_TURNING * w->dt__, out = turn * (speed + turn * w->fall__);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
+        most = DEM__FAR_TURNING;
     }
-    const int steps = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__));
+    const int sure = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__)), steps = sure < most ? sure : most;
     int better = 0;
-    if (steps < DEM__FAR / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
+    if (steps < 256) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
     w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
@@ -3372,18 +3376,32 @@ static inline void dem__take_news(dem_world *w, const dem__news *news) {
     w->failed_id = w->id[news->fast];
 }
 
+/* How far a particle may still move before it could touch somebody who isn't listed, and how fast it does: in the frame of the list. */
+typedef struct dem__leeway {
+    double left, speed; /* [m], [m/s] */
+} dem__leeway;
+DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, int64_t step) {
+    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
+    const dem_vec way = dem__scale(t, dem__plus(w->list_velocity__, 0.5 * t, w->list_acceleration__));
+    const dem_vec listed = dem__add(dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]), way);
+    const dem_vec velocity = dem__plus(w->list_velocity__, t, w->list_acceleration__);
+    dem__leeway q;
+    q.left = 0.49 * w->margin__ - dem__length(dem__apart(w, dem__sub(dem__at(w, i, tau), listed)));
+    q.speed = dem__length(dem__sub(dem__velocity_at(w, i, tau), velocity)) + 2.0 * w->course__[i].ball;
+    return q;
+}
+
 /* What else a new course of particle i has an effect on. Is a wall to be looked at sooner? Then dem__hurry_to_walls sees to it. */
 static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem__news *news) {
     const double tau = (double)(step - w->particle[i].origin) * w->dt__;
-    const dem_vec x = dem__at(w, i, tau);
+    const dem__leeway leeway = dem__leeway_of(w, i, step);
+    const double until = (double)(news->check - step) * w->dt__;
     double speed = dem__length(dem__velocity_at(w, i, tau));
     int sooner = 0;
     if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * w->course__[i].ball;
-    const dem_vec moved = dem__apart(w, dem__sub(x, dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-    const double left = 0.49 * w->margin__ - dem__length(moved), until = (double)(news->check - step) * w->dt__;
-    if (!(left > until * (speed + 0.5 * w->fall__ * until))) {
-        const int64_t due = step + dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
+    if (!(leeway.left > until * (leeway.speed + 0.5 * w->list_fall__ * until))) {
+        const int64_t due = step + dem__steps_until(w, dem__time_to_cover(leeway.left, leeway.speed, w->list_fall__));
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
@@ -3928,6 +3946,19 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
+/* The list waits for somebody to move in the frame of what most do: it drifts at their mean velocity, and falls with them if they fly. */
+static inline void dem__choose_frame(dem_world *w) {
+    const int flies = 2 * w->active_count__ < w->count;
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    double n = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
+    }
+    w->list_velocity__ = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
+    w->list_acceleration__ = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
+    w->list_fall__ = flies ? 0.0 : w->fall__;
+}
+
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
 static DEM__APART int dem__rebuild(dem_world *w) {
     const int keeps = !w->stale__;
@@ -3952,10 +3983,11 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
     const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    w->slack__ = 0.05 * w->margin__ / (DEM__FAR * w->dt__);
+    w->slack__ = 0.05 * w->margin__ / (1024.0 * w->dt__);
     w->reach__ = 4.0 * w->margin__;
     w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
     w->fall__ = dem__length(w->def.gravity);
+    dem__choose_frame(w);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
@@ -3976,7 +4008,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
     dem__find_links(w);
-    w->next_check__ = w->step + DEM__LIST_MOST;
+    w->next_check__ = w->step + DEM__FAR;
     w->listed__ = w->step;
     w->rebuilds++;
     for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
@@ -4002,14 +4034,12 @@ static DEM__APART int dem__rebuild(dem_world *w) {
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
 static DEM__APART int dem__check_list(dem_world *w) {
-    int64_t due = w->listed__ + DEM__LIST_MOST;
+    int64_t due = w->listed__ + DEM__FAR;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        double tau = dem__now(w, i);
-        dem_vec moved = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i])));
-        double left = 0.49 * w->margin__ - dem__length(moved), speed = dem__length(dem__velocity_at(w, i, tau)) + 2.0 * w->course__[i].ball;
-        int steps = dem__steps_until(w, dem__time_to_cover(left, speed, w->fall__));
+        const dem__leeway q = dem__leeway_of(w, i, w->step);
+        const int steps = dem__steps_until(w, dem__time_to_cover(q.left, q.speed, w->list_fall__));
         if (steps < 12) return dem__rebuild(w);
         if (w->step + steps < due) due = w->step + steps;
     }
