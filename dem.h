@@ -534,8 +534,7 @@ typedef struct dem_world {
 
     /* the rest is private */
     double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, list_fall__, blur__;
-    dem_vec list_velocity__,
-        list_acceleration__; /* of the frame in which the list waits for somebody to move: at its beginning; constant */
+    dem_vec list_velocity__, list_acceleration__; /* of the frame in which the list waits for somebody to move */
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
     int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__,
