@@ -52,6 +52,14 @@
 #elif defined(BRIDGE_IMPLEMENTATION)
 #define BRIDGE__BODIES
 #endif
+/* What a host's loop over bridges calls: inlined, the loop vectorises. */
+#if defined(__GNUC__)
+#define BRIDGE_INLINE static inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define BRIDGE_INLINE static __forceinline
+#else
+#define BRIDGE_INLINE static inline
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -219,7 +227,7 @@ static inline double bridge_force_willett_simple(double gap, double volume, doub
                                                  double surface_tension);
 
 /* Gap [m] that the viscous laws see: max(S, 0) + roughness * R_s. */
-static inline double bridge_viscous_gap(double gap, double reduced_radius, double roughness);
+BRIDGE_INLINE double bridge_viscous_gap(double gap, double reduced_radius, double roughness);
 /* Normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from bridge_viscous_gap. */
 static inline double bridge_drag_normal(double viscous_gap, double volume, double reduced_radius, double viscosity);
 /* Tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and passive. */
@@ -299,13 +307,13 @@ BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 
 /* Capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture, X falls
    on. */
-static inline double bridge_attraction(const bridge *b, double gap);
+BRIDGE_INLINE double bridge_attraction(const bridge *b, double gap);
 /* Normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone; width 0: none. */
-static inline bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap);
+BRIDGE_INLINE bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap);
 /* Everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to 2e-5). */
-static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
+BRIDGE_INLINE bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
 /* 1 if the gap is beyond the dynamic rupture distance (eq 20). */
-static inline int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
+BRIDGE_INLINE int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
 /* bridge_evaluate for eqs 12-18 as printed, with gap -> max(gap, 0): without it eq 14 is not real in contact. Not for speed: it takes
    sines. */
 static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity);
@@ -676,7 +684,7 @@ static inline double bridge_force_willett_simple(double gap, double volume, doub
     return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) / (1.0 + (1.05 + 2.5 * s) * s);
 }
 
-static inline double bridge_viscous_gap(double gap, double reduced_radius, double roughness) {
+BRIDGE_INLINE double bridge_viscous_gap(double gap, double reduced_radius, double roughness) {
     return (gap > 0.0 ? gap : 0.0) + roughness * reduced_radius + 0.0 * gap; /* 0 * gap: NaN stays NaN */
 }
 
@@ -780,7 +788,7 @@ static inline double bridge_printed_drag_spin(double viscous_gap, double reduced
 
 /* >>step ---------------------------------------------------------------------------------------------------------------------------- */
 
-static inline double bridge_attraction(const bridge *b, double gap) {
+BRIDGE_INLINE double bridge_attraction(const bridge *b, double gap) {
     if (!(b->volume > 0.0)) return 0.0;
     double s = gap > 0.0 ? gap : 0.0, left = b->rupture_gap - s, a = b->width * b->width;
     double h = sqrt(s * s + a), tau = sqrt(left > 0.0 ? left : 0.0);
@@ -789,7 +797,7 @@ static inline double bridge_attraction(const bridge *b, double gap) {
     return sum * a / (h * (h + s));
 }
 
-static inline bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap) {
+BRIDGE_INLINE bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap) {
     double s = (gap > 0.0 ? gap : 0.0) + liquid->roughness * 0.5 * b->radius, a = b->width * b->width;
     double h = sqrt(s * s + a), d = h * (h + s), inverse = 1.0 / (d * s), x = a * s * inverse,
            scale = RIDDLE_PI * liquid->viscosity * b->radius;
@@ -801,7 +809,7 @@ static inline bridge_resistances bridge_resistance(const bridge *b, const bridge
     return r;
 }
 
-static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
+BRIDGE_INLINE bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
     bridge_forces f = {bridge_attraction(b, gap), 0.0, 0.0};
     if (!(b->volume > 0.0 && liquid->viscosity > 0.0)) return f;
     bridge_resistances r = bridge_resistance(b, liquid, gap);
@@ -810,7 +818,7 @@ static inline bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid
     return f;
 }
 
-static inline int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
+BRIDGE_INLINE int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity) {
     double beyond = gap - b->rupture_gap; /* S > S_rup (1 + sqrt(Ca)) without the root */
     return beyond > 0.0 && beyond * beyond * liquid->surface_tension >
                                b->rupture_gap * b->rupture_gap * liquid->viscosity * (velocity > 0.0 ? velocity : 0.0);
