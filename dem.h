@@ -442,9 +442,11 @@ typedef struct dem__course {
     double ball, since;         /* [m/s], [s] */
 } dem__course;
 
+typedef double dem__six[6]; /* private: force [N] and torque [N m], or place [m] and spin [rad/s] */
+
 /* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
 typedef struct dem__sum {
-    double load[6];               /* force [N], torque [N m] */
+    dem__six load;
     double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
 } dem__sum;
 
@@ -546,11 +548,11 @@ typedef struct dem_world {
     void *particle_block__, *live_block__;
     size_t particle_bytes__, live_bytes__;
     dem__sum *sum__;
-    double *lx__, *ly__, *lz__, *qx__, *qy__, *qz__;    /* load: force [N] and torque [N m] that do not change in a step */
-    double *ex__, *ey__, *ez__, *etx__, *ety__, *etz__; /* the external part of it; the rest is of links */
-    double *rx__, *ry__, *rz__;                         /* position when the list was built */
+    dem__six *load__;           /* what does not change in a step */
+    dem__six *external__;       /* the external part of it; the rest is of links */
+    dem__six *linked__;         /* place and spin when links were evaluated last */
+    double *rx__, *ry__, *rz__; /* position when the list was built */
     dem__course *course__;
-    double *link_x__, *link_y__, *link_z__, *link_wx__, *link_wy__, *link_wz__; /* position and spin when links were evaluated last */
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
     double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
@@ -1631,15 +1633,16 @@ enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_AR
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->lx__,     &w->ly__,     &w->lz__,     &w->qx__,         &w->qy__,      &w->qz__,
-                          &w->ex__,     &w->ey__,     &w->ez__,     &w->etx__,        &w->ety__,     &w->etz__,
-                          &w->rx__,     &w->ry__,     &w->rz__,     &w->wall_speed__, &w->shifted__, &w->share__,
-                          &w->link_x__, &w->link_y__, &w->link_z__, &w->link_wx__,    &w->link_wy__, &w->link_wz__};
+    double **doubles[] = {&w->rx__, &w->ry__, &w->rz__, &w->wall_speed__, &w->shifted__, &w->share__};
+    dem__six **sixes[] = {&w->load__, &w->external__, &w->linked__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
                             &w->unsettled__,      &w->lowest__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
+    }
+    for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
+        list[n].address = sixes[k], list[n].size = sizeof(dem__six);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
@@ -1973,16 +1976,17 @@ DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
     return d;
 }
 
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
 /* Work of the present link forces on particle i since they were evaluated. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     if (!w->link_loaded__[i]) return 0.0;
     const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % w->link_stride__ + 1);
-    const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem_vec3(w->link_x__[i], w->link_y__[i], w->link_z__[i])));
-    const dem_vec force = dem_vec3(w->lx__[i] - w->ex__[i], w->ly__[i] - w->ey__[i], w->lz__[i] - w->ez__[i]);
-    const dem_vec spin = dem__spin_at(w, i, tau);
-    return dem__dot(force, way) +
-           turned * ((w->qx__[i] - w->etx__[i]) * (spin.x + w->link_wx__[i]) + (w->qy__[i] - w->ety__[i]) * (spin.y + w->link_wy__[i]) +
-                     (w->qz__[i] - w->etz__[i]) * (spin.z + w->link_wz__[i]));
+    const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem__first(w->linked__[i])));
+    const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(w->external__[i]));
+    const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(w->external__[i]));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(w->linked__[i])));
 }
 
 /* What makes accelerations of forces on particle i. */
@@ -1995,8 +1999,8 @@ static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
-    p->a = dem__plus(w->def.gravity, 1.0 / p->mass, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
-    w->spin_rate[i] = dem__scale(1.0 / dem__inertia(w, i), dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
+    p->a = dem__plus(w->def.gravity, 1.0 / p->mass, dem__first(w->load__[i]));
+    w->spin_rate[i] = dem__scale(1.0 / dem__inertia(w, i), dem__second(w->load__[i]));
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
@@ -2024,8 +2028,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
         p->v = dem_vec3(0.0, 0.0, 0.0);
         p->spin = dem_vec3(0.0, 0.0, 0.0);
-        w->lx__[i] = w->ly__[i] = w->lz__[i] = w->qx__[i] = w->qy__[i] = w->qz__[i] = 0.0;
-        w->ex__[i] = w->ey__[i] = w->ez__[i] = w->etx__[i] = w->ety__[i] = w->etz__[i] = 0.0;
+        for (int a = 0; a < 6; a++) w->load__[i][a] = w->external__[i][a] = 0.0;
         p->radius = 0.5 * d;
         p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
         dem__weigh(w, i);
@@ -2067,7 +2070,8 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
 }
 
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    return w->ex__[i] != 0.0 || w->ey__[i] != 0.0 || w->ez__[i] != 0.0 || w->etx__[i] != 0.0 || w->ety__[i] != 0.0 || w->etz__[i] != 0.0;
+    const double *e = w->external__[i];
+    return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
@@ -2088,15 +2092,14 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
     dem__settle(w, i);
-    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
-    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
+    double *load = w->load__[i], *external = w->external__[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
-        const double change = wanted[a] - external[a][i];
+        const double change = wanted[a] - external[a];
         *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a][i] = !w->link_loaded__[i] ? wanted[a] : load[a][i] + change;
-        external[a][i] = wanted[a];
+        load[a] = !w->link_loaded__[i] ? wanted[a] : load[a] + change;
+        external[a] = wanted[a];
     }
     if (!w->touching[i]) dem__free_acceleration(w, i);
     if (!w->is_active__[i]) { /* a loaded particle is no free flight: it takes steps */
@@ -3332,7 +3335,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
+    return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem__first(w->load__[i]));
 }
 
 /* At most so far does a pull turn it from its course in a step [m/s]: the sum of parts costs no root. */
@@ -5218,9 +5221,8 @@ static inline void dem__gather_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
         const ptrdiff_t i = w->active__[k];
-        const dem_vec v = w->particle[i].v, spin = w->particle[i].spin;
-        l->external_work += w->dt__ * (w->ex__[i] * v.x + w->ey__[i] * v.y + w->ez__[i] * v.z);
-        l->external_work += w->dt__ * (w->etx__[i] * spin.x + w->ety__[i] * spin.y + w->etz__[i] * spin.z);
+        l->external_work += w->dt__ * dem__dot(dem__first(w->external__[i]), w->particle[i].v);
+        l->external_work += w->dt__ * dem__dot(dem__second(w->external__[i]), w->particle[i].spin);
     }
 }
 
@@ -5264,10 +5266,10 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         if (k < apart) dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
         dem__sum *sum = &w->sum__[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = dem_vec3(sum->load[0], sum->load[1], sum->load[2]), torque = dem_vec3(sum->load[3], sum->load[4], sum->load[5]);
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
         if (loads) {
-            force = dem__add(force, dem_vec3(w->lx__[i], w->ly__[i], w->lz__[i]));
-            torque = dem__add(torque, dem_vec3(w->qx__[i], w->qy__[i], w->qz__[i]));
+            force = dem__add(force, dem__first(w->load__[i]));
+            torque = dem__add(torque, dem__second(w->load__[i]));
         }
         const dem_vec pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(w->def.gravity, pull);
@@ -5717,41 +5719,37 @@ DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return d
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
     const double h = (double)w->link_stride__ * w->dt__;
-    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
-    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
     double *const *out = w->link_out__;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         dem__settle(w, i);
         dem__wrap(w, i);
         if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
-        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = load[a][i], load[a][i] = external[a][i];
+        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = w->load__[i][a], w->load__[i][a] = w->external__[i][a];
     }
     w->kernel_dt__ = h;
     dem__share_blocks(w, w->link_kernel__, w->link_count__);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
         const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k];
         if (w->link_ended__[k]) continue;
-        for (int a = 0; a < 6; a++) load[a][i] += out[a][k];
+        for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
         if (j < 0) continue;
-        for (int a = 0; a < 3; a++) load[a][j] -= out[a][k];
-        for (int a = 3; a < 6; a++) load[a][j] += out[3 + a][k];
+        for (int a = 0; a < 3; a++) w->load__[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) w->load__[j][a] += out[3 + a][k];
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         const dem__sum *sum = &w->sum__[i];
-        const double *old = sum->load;
         dem_particle *p = &w->particle[i];
-        const dem_vec force = dem_vec3(w->lx__[i] - old[0], w->ly__[i] - old[1], w->lz__[i] - old[2]);
-        const dem_vec torque = dem_vec3(w->qx__[i] - old[3], w->qy__[i] - old[4], w->qz__[i] - old[5]);
+        const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(sum->load));
+        const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(sum->load));
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         w->link_loaded__[i] = w->link_head__[i] >= 0;
         p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
         p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
         if (w->ledger_on__) {
             w->ledger__.link_work += dem__motion_energy(w, i);
-            w->link_x__[i] = w->particle[i].x.x, w->link_y__[i] = w->particle[i].x.y, w->link_z__[i] = w->particle[i].x.z;
-            w->link_wx__[i] = w->particle[i].spin.x, w->link_wy__[i] = w->particle[i].spin.y, w->link_wz__[i] = w->particle[i].spin.z;
+            for (int q = 0; q < 3; q++) w->linked__[i][q] = dem_axis(p->x, q), w->linked__[i][3 + q] = dem_axis(p->spin, q);
         }
         for (int q = 0; q < 6; q++) w->sum__[i].load[q] = 0.0;
         if (w->stale__) continue;
@@ -7032,24 +7030,21 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 
 /* Particles present and contacts; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
-    double *const load[] = {w->lx__, w->ly__, w->lz__, w->qx__, w->qy__, w->qz__};
-    double *const external[] = {w->ex__, w->ey__, w->ez__, w->etx__, w->ety__, w->etz__};
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem_particle *p = &w->particle[i];
         dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
             dem__vecs(s, &w->spin_rate[i], 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
-        for (int a = 0; a < 6; a++) dem__f64(s, &load[a][i]);
+        for (int a = 0; a < 6; a++) dem__f64(s, &w->load__[i][a]);
         dem__i64(s, &w->particle[i].origin);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
         for (int a = 0; a < 6; a++) {
-            if (w->links_on__) dem__f64(s, &external[a][i]);
-            else if (s->loading) external[a][i] = load[a][i];
+            if (w->links_on__) dem__f64(s, &w->external__[i][a]);
+            else if (s->loading) w->external__[i][a] = w->load__[i][a];
         }
-        double *const last[] = {w->link_x__, w->link_y__, w->link_z__, w->link_wx__, w->link_wy__, w->link_wz__};
-        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &last[a][i]);
+        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &w->linked__[i][a]);
         if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
     }
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
