@@ -548,10 +548,10 @@ typedef struct dem_world {
     void *particle_block__, *live_block__;
     size_t particle_bytes__, live_bytes__;
     dem__sum *sum__;
-    dem__six *load__;           /* what does not change in a step */
-    dem__six *external__;       /* the external part of it; the rest is of links */
-    dem__six *linked__;         /* place and spin when links were evaluated last */
-    double *rx__, *ry__, *rz__; /* position when the list was built */
+    dem__six *load__;     /* what does not change in a step */
+    dem__six *external__; /* the external part of it; the rest is of links */
+    dem__six *linked__;   /* place and spin when links were evaluated last */
+    dem_vec *listed_at__; /* position when the list was built */
     dem__course *course__;
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
@@ -1633,7 +1633,7 @@ enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_AR
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
-    double **doubles[] = {&w->rx__, &w->ry__, &w->rz__, &w->wall_speed__, &w->shifted__, &w->share__};
+    double **doubles[] = {&w->wall_speed__, &w->shifted__, &w->share__};
     dem__six **sixes[] = {&w->load__, &w->external__, &w->linked__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
@@ -1649,6 +1649,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->listed_at__, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
     list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
@@ -3385,7 +3386,7 @@ typedef struct dem__leeway {
 DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem_vec way = dem__scale(t, dem__plus(w->list_velocity__, 0.5 * t, w->list_acceleration__));
-    const dem_vec listed = dem__add(dem_vec3(w->rx__[i], w->ry__[i], w->rz__[i]), way);
+    const dem_vec listed = dem__add(w->listed_at__[i], way);
     const dem_vec velocity = dem__plus(w->list_velocity__, t, w->list_acceleration__);
     dem__leeway q;
     q.left = 0.49 * w->margin__ - dem__length(dem__apart(w, dem__sub(dem__at(w, i, tau), listed)));
@@ -3602,18 +3603,19 @@ DEM_INLINE int dem__level(double radius, double smallest) {
 
 /* Where the bulk of the points lies: four standard deviations each way from the mean, and again among those within as long as that
    halves the span. The few outside, which have gone astray, are put into the cells at the border and do not make all cells large. */
-static inline void dem__bulk(const double *v, ptrdiff_t n, double *low, double *high) {
+static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
-        from = v[i] < from ? v[i] : from;
-        to = v[i] > to ? v[i] : to;
+        const double v = dem_axis(point[i], axis);
+        from = v < from ? v : from;
+        to = v > to ? v : to;
     }
     do {
         double sum = 0.0, square = 0.0, inside = 0.0;
         span = to - from;
         for (ptrdiff_t i = 0; i < n; i++) {
-            if (!(v[i] >= from && v[i] <= to)) continue;
-            const double d = v[i] - from;
+            const double v = dem_axis(point[i], axis), d = v - from;
+            if (!(v >= from && v <= to)) continue;
             sum += d, square += d * d, inside += 1.0;
         }
         const double mean = sum / inside, variance = square / inside - mean * mean, reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0;
@@ -3659,9 +3661,9 @@ DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach,
     return (int32_t)(to > 0.0 ? (to < last ? to : last) : 0.0) - *first + 1;
 }
 
-DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, double x, double y, double z) {
+DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     int32_t cx, cy, cz;
-    dem__cells(g, 0, x, 0.0, &cx), dem__cells(g, 1, y, 0.0, &cy), dem__cells(g, 2, z, 0.0, &cz);
+    dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
@@ -3794,9 +3796,7 @@ static inline int dem__find_pairs(dem_world *w) {
         grid[level].count++;
         sorted[i] = level;
     }
-    dem__bulk(w->rx__, w->count, &low.x, &high.x);
-    dem__bulk(w->ry__, w->count, &low.y, &high.y);
-    dem__bulk(w->rz__, w->count, &low.z, &high.z);
+    for (int a = 0; a < 3; a++) dem__bulk(w->listed_at__, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
@@ -3810,7 +3810,7 @@ static inline int dem__find_pairs(dem_world *w) {
     for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->rx__[i], w->ry__[i], w->rz__[i]);
+        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->listed_at__[i]);
         w->cell_next__[i] = (int32_t)c;
         start[c]++;
     }
@@ -3822,7 +3822,7 @@ static inline int dem__find_pairs(dem_world *w) {
         if (!w->alive[i]) continue;
         const int32_t k = --start[w->cell_next__[i]];
         sorted[k] = (int32_t)i;
-        w->course__[k].x = w->rx__[i], w->course__[k].y = w->ry__[i], w->course__[k].z = w->rz__[i];
+        w->course__[k].x = w->listed_at__[i].x, w->course__[k].y = w->listed_at__[i].y, w->course__[k].z = w->listed_at__[i].z;
         w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
     }
     for (int level = 0, p = 0; level <= top; level++) {
@@ -3970,10 +3970,10 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
-        w->rx__[i] = x.x, w->ry__[i] = x.y, w->rz__[i] = x.z;
+        w->listed_at__[i] = x;
         smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
         largest = w->particle[i].radius > largest ? w->particle[i].radius : largest;
-        if (!(fabs(w->rx__[i]) < 1e100 && fabs(w->ry__[i]) < 1e100 && fabs(w->rz__[i]) < 1e100)) {
+        if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
             w->status = DEM_NOT_FINITE;
             w->failed_id = w->id[i];
             return 0;
@@ -6230,7 +6230,7 @@ typedef struct dem__room {
 } dem__room;
 
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
-    const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x.x, x.y, x.z);
+    const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
     room->radius[k] = radius;
     room->next[k] = room->head[c];
