@@ -3487,11 +3487,16 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
     const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
     dem__waits waits;
     dem__no_waits(&waits);
-    for (ptrdiff_t m = 0; m < n; m++) {
-        const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
+    for (ptrdiff_t m = -8; m < n; m++) {
         /* ahead: the list of neighbours, then what it lists */
-        if (m + 8 < n) DEM__PREFETCH(&w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]]);
-        if (m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
+        if (m + 8 < n) {
+            const int32_t *list = &w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]];
+            DEM__PREFETCH(list);
+            DEM__PREFETCH(list + 16);
+        }
+        if (m >= -2 && m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
+        if (m < 0) continue;
+        const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
         for (int32_t k = begin; k < stop; k++) {
             const int32_t p = w->adjacent__[2 * k];
             if (p < low || p >= high || w->pair_timers__.due[p] == DEM__STOPPED) continue;
@@ -5356,12 +5361,23 @@ typedef struct dem__watched {
     dem__news news;
 } dem__watched;
 
+/* Ahead of a watch. */
+DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    DEM__PREFETCH(&p->x);
+    DEM__PREFETCH(&p->a);
+    DEM__PREFETCH(&w->course__[i]);
+    DEM__PREFETCH(&w->listed_at__[i]);
+}
+
 /* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
    `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
 static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__watched *q) {
     q->restarted = q->hurried = q->flown = 0;
     q->news = dem__no_news(w);
-    for (ptrdiff_t k = first; k < end; k++) {
+    for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
+        if (k + DEM__AHEAD < end) dem__fetch_course(w, w->unsettled__[k + DEM__AHEAD]);
+        if (k < first) continue;
         const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
             if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
