@@ -142,7 +142,7 @@ extern "C" {
 #define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM__FAR (1 << 20)                   /* steps that a list can last, and a look can be put off: rounding grows with them */
-#define DEM__FAR_TURNING 1024                /* the same at a wall that turns: nobody may come near who is now far from its axis */
+#define DEM__OFTEN 1024                      /* steps after which another look costs little: at turning walls nobody waits longer */
 #define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
 #define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
 #define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
@@ -3323,13 +3323,13 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
     int most = DEM__FAR;
     if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
-        const double turn = DEM__FAR_TURNING * w->dt__, out = turn * (speed + turn * w->fall__);
+        const double turn = DEM__OFTEN * w->dt__, out = turn * (speed + turn * w->fall__);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__FAR_TURNING;
+        most = DEM__OFTEN;
     }
     const int sure = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__)), steps = sure < most ? sure : most;
     int better = 0;
-    if (steps < 256) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
+    if (steps < DEM__OFTEN / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
     w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
@@ -3990,7 +3990,7 @@ static DEM__APART int dem__rebuild(dem_world *w) {
     w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
     const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    w->slack__ = 0.05 * w->margin__ / (1024.0 * w->dt__);
+    w->slack__ = 0.05 * w->margin__ / (DEM__OFTEN * w->dt__);
     w->reach__ = 4.0 * w->margin__;
     w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
     w->fall__ = dem__length(w->def.gravity);
