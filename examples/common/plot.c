@@ -1081,8 +1081,9 @@ static void draw_panel(output *f, const panel *a, int number) {
 
 static const char style[] =
     "<style>text{font-family:Inter,'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif;fill:#222}"
-    ".tick{font-size:14px;fill:#333}.note{font-size:14px}.label{font-size:15px}.title{font-size:16px;font-weight:600}"
-    ".head{font-weight:600}.up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
+    ".tick{font-size:14px;fill:#333}.label{font-size:15px}.title{font-size:16px;font-weight:600}.head{font-weight:600}"
+    ".note{font-size:14px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}" /* legible on bars */
+    ".up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
     ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}.mark{stroke:#444;stroke-width:1.2}</style>\n";
 
 int plot_write(plot *p, const char *folder, const char *name) {
