@@ -1980,10 +1980,16 @@ DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
+/* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
+DEM_INLINE int dem__link_stride(const dem_world *w) {
+    const double n = floor(w->link_interval__ / w->dt__);
+    return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
+}
+
 /* Work of the present link forces on particle i since they were evaluated. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     if (!w->link_loaded__[i]) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % w->link_stride__ + 1);
+    const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % dem__link_stride(w) + 1);
     const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem__first(w->linked__[i])));
     const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(w->external__[i]));
     const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(w->external__[i]));
@@ -2052,10 +2058,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* Steps between two evaluations of the links. */
 static inline void dem__set_stride(dem_world *w) {
-    const double n = floor(w->link_interval__ / w->dt__);
-    if (w->link_law__) w->link_stride__ = n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
+    if (w->link_law__) w->link_stride__ = dem__link_stride(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {

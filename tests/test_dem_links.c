@@ -229,6 +229,8 @@ static void test_saving(void **state) {
     assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
     assert_int_equal(dem_save(&copy, again, size), size);
     assert_memory_equal(bytes, again, size);
+    const dem_energy_ledger of = dem_energy(&w), loaded = dem_energy(&copy); /* before anybody has said whose links these are */
+    assert_true(of.kinetic == loaded.kinetic && of.link_work == loaded.link_work);
     assert_int_equal(dem_run_law(&copy, 1e-3, &crowd, crowd_kernel, CROWD_FEATURES), DEM_LAW_MISMATCH); /* whose links are these? */
     assert_int_equal(dem_set_links(&copy, &other, other_kernel, 5e-5, NEAR), DEM_LAW_MISMATCH);
     assert_int_equal(dem_set_links(&copy, &spring, spring_kernel, 5e-5, NEAR), DEM_OK);
