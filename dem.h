@@ -228,7 +228,8 @@ typedef struct dem_def {
     double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35. Up to three times as much is
                                 taken where lists last under 100 steps (400 where pairs are few), less in a narrow periodic box */
     dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0 */
+    int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0. Walls are not
+                                repeated: let them reach a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
     dem_material material[DEM_MATERIALS_MAX];
@@ -1375,8 +1376,10 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
         end = sqrt((w->half_x - bar) * (w->half_x + bar));
     } else if (!(fabs(bar) <= (family ? w->half_x : w->half_y))) return 0;
     double da = along - dem__clamp(along, -end, end), dc = across - bar;
-    if (w->profile == DEM_SEMICIRCLE && up < 0.0) {
-        dc -= dem__clamp(dc, -half, half);
+    if (w->profile == DEM_SEMICIRCLE && up < 0.0) { /* the flat side: as wide as the wire and, seen from below, as round at its ends */
+        const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
+        dc = da == 0.0 ? dc - dem__clamp(dc, -half, half) : rest * dc;
+        da *= rest;
         inner = 0.0;
     }
     const double distance = sqrt(da * da + dc * dc + up * up), inverse = 1.0 / distance;
@@ -1947,8 +1950,16 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Puts a stored position back into the periodic box. */
-DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) { w->particle[i].x = dem__in_box(w, w->particle[i].x); }
+/* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
+DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    dem_particle *p = &w->particle[i];
+    const dem_vec x = dem__in_box(w, p->x);
+    if (w->ledger_on__) {
+        const double raised = -p->mass * dem__dot(w->def.gravity, dem__sub(x, p->x));
+        w->ledger__.added += raised, w->ledger__.added_potential += raised;
+    }
+    p->x = x;
+}
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
@@ -3289,6 +3300,19 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
     return least;
 }
 
+/* How far it is from x to the face of the periodic box behind which the wall is another one: walls are not repeated. */
+static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
+    double least = HUGE_VAL;
+    for (int a = 0; a < 3; a++) {
+        const double along = fabs(dem_axis(wall->axis[2], a)), at = dem_axis(x, a);
+        const int flat = (wall->kind == DEM_PLANE || wall->kind == DEM_EXIT) && along == 0.0,
+                  tube = wall->kind == DEM_CYLINDER && along == 1.0;
+        if (!w->def.periodic[a] || (wall->spin_bound == 0.0 && (flat || tube))) continue;
+        least = fmin(least, fmin(at - dem_axis(w->def.low, a), dem_axis(w->def.high, a) - at));
+    }
+    return least;
+}
+
 /* Looks at particle i and a wall at a step at which the wall already is. */
 static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     const ptrdiff_t i = e / w->walls;
@@ -3322,6 +3346,8 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
         if (touches && wall->kind != DEM_SCREEN) return;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
+    const double crossing = w->has_periodic__ ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
+    least = crossing < least ? crossing : least;
     double speed = dem__length(v) + 2.0 * w->course__[i].ball;
     if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
     speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
@@ -3333,7 +3359,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     }
     const int sure = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__)), steps = sure < most ? sure : most;
     int better = 0;
-    if (steps < DEM__OFTEN / 4) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
+    if (steps < DEM__OFTEN / 4 && crossing == HUGE_VAL) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
     w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }
@@ -5208,7 +5234,8 @@ DEM__TWICE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff
            dem__advance_all(w, h, first, end))
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
-    const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
+    const int books = w->ledger_on__ && w->has_periodic__; /* those who leave the box are one sum */
+    const int parts = books ? 1 : dem__parts(w, n / 4);    /* to move or kick a particle is little work */
     int q;
     if (parts == 1) {
         dem__advance_part(w, h, 0, n);
