@@ -1396,10 +1396,18 @@ DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     return dem__add(dem__add(a, c), u);
 }
 
-/* Only the two nearest bars of a family count: any other is at least this far away while none overlaps. */
-DEM_INLINE double dem__third_bar(const dem_wall *w, double radius) {
-    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire;
-    return sqrt(sum * sum + 0.75 * pitch * pitch) - sum;
+/* Only the two nearest bars of a family count, this one and the next. Beside the deck they are its last. */
+DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
+    const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y, nearest = floor(across / pitch + 0.5);
+    if (fabs(across) < half - pitch) return nearest;
+    const double last = floor(half / pitch + 0.5);
+    return dem__clamp(nearest, 1.0 - last, last - 1.0);
+}
+
+/* Any other is at least this far away, if none overlaps by more: the gap of the nearest, where that is less than 0. */
+DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
+    const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
+    return sqrt(near * near + 0.75 * pitch * pitch) - sum;
 }
 
 /* The nearest point of a frustum lies in the plane of axis and centre, on a segment. d: the centre, seen from the low end. */
@@ -1568,10 +1576,10 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     if (w->kind == DEM_MESH) return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
     *least = fabs(up) - radius - 0.5 * w->wire;
     if (!(*least < limit)) return 0;
-    const double pitch = w->aperture + w->wire;
-    double bound = dem__third_bar(w, radius);
+    double bound = HUGE_VAL;
     for (int family = 0; family < 2; family++) {
-        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), nearest = floor(across / pitch + 0.5);
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]);
+        const double nearest = dem__nearest_bar(w, family, across);
         if (!(fabs(nearest) < 1e6)) continue;
         for (int side = 0; side < 2; side++) {
             if (!dem__touch_bar(w, family, nearest + side, along, across, up, radius, &out[n])) continue;
@@ -1581,6 +1589,8 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
             n++;
         }
     }
+    const double third = dem__third_bar(w, radius, bound);
+    bound = third < bound ? third : bound;
     *least = bound > *least ? bound : *least;
     return n;
 }
@@ -3275,6 +3285,14 @@ DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
+/* How near bars may be that are not among those found. */
+static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch, int found) {
+    double lowest = 0.0;
+    for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
+    const double third = dem__third_bar(wall, radius, lowest);
+    return third < w->reach__ ? third : w->reach__;
+}
+
 /* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
    only on this course. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
@@ -3284,8 +3302,7 @@ static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const 
     double a = w->fall__ + wall->acceleration_bound, least = HUGE_VAL;
     if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) {
-        const double other = dem__third_bar(wall, radius) < w->reach__ ? dem__third_bar(wall, radius) : w->reach__;
-        least = dem__time_to_close(other - near, dem__length(u) + stray, a);
+        least = dem__time_to_close(dem__other_bars(w, wall, radius, touch, found) - near, dem__length(u) + stray, a);
     }
     if (wall->kind == DEM_CYLINDER) {
         const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
@@ -3332,7 +3349,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
             return;
         }
     } else if (found > 0) {
-        least = w->reach__;
+        least = wall->kind == DEM_SCREEN ? dem__other_bars(w, wall, w->particle[i].radius, touch, found) : w->reach__;
         for (int q = 0; q < found; q++) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
             const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
@@ -3424,8 +3441,9 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, int64_t s
     return q;
 }
 
-/* What else a new course of particle i has an effect on. Is a wall to be looked at sooner? Then dem__hurry_to_walls sees to it. */
-static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem__news *news) {
+/* What else a new course of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
+   dem__hurry_to_walls sees to it. */
+static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, double shifted, dem__news *news) {
     const double tau = (double)(step - w->particle[i].origin) * w->dt__;
     const dem__leeway leeway = dem__leeway_of(w, i, step);
     const double until = (double)(news->check - step) * w->dt__;
@@ -3434,7 +3452,8 @@ static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem_
     if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * w->course__[i].ball;
     if (!(leeway.left > until * (leeway.speed + 0.5 * w->list_fall__ * until))) {
-        const int64_t due = step + dem__steps_until(w, dem__time_to_cover(leeway.left, leeway.speed, w->list_fall__));
+        const int steps = dem__steps_until(w, dem__time_to_cover(leeway.left, leeway.speed, w->list_fall__));
+        const int64_t due = leeway.left > 0.0 ? step + steps : step; /* it was put elsewhere: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
@@ -3443,10 +3462,12 @@ static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, dem_
         slower = w->wall_speed__[i] / (1.25 * speed);
         w->wall_speed__[i] = 1.25 * speed;
     }
+    const double lost = shifted > 0.0 ? 1.0 + shifted / (w->wall_speed__[i] * w->dt__) : 0.0; /* as many steps as it would take */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         if (w->wall_timers__.due[e] == DEM__STOPPED) continue;
-        const int sure = dem__steps_sure(w, e, step), now = sure > 1 ? 1 + (int)((double)(sure - 1) * slower) : 1;
+        const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
+        const int now = left > 0.0 ? 1 + (int)left : 1;
         w->wall_sure__[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
         sooner |= now < dem__steps_due(&w->wall_timers__, e, step);
     }
@@ -3462,9 +3483,10 @@ static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) 
 
 /* A new course for particle i, and what else it has an effect on; its pairs are left to dem__restart. By one thread. */
 static inline void dem__begin_course(dem_world *w, ptrdiff_t i, int64_t step) {
+    const double shifted = w->shifted__[i];
     dem__news news = dem__no_news(w);
     dem__set_course(w, i, step);
-    if (dem__heed_course(w, i, step, &news)) dem__hurry_to_walls(w, i, step);
+    if (dem__heed_course(w, i, step, shifted, &news)) dem__hurry_to_walls(w, i, step);
     dem__take_news(w, &news);
 }
 
@@ -4833,6 +4855,13 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
 
 static inline void dem__bury(dem_world *w, int64_t step, int all);
 
+/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
+static inline void dem__let_go(dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
+        if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
+    }
+}
+
 /* Ends the contacts of those who have been taken out. */
 static inline void dem__leave_alone(dem_world *w) {
     DEM__EACH(w, c) {
@@ -4841,9 +4870,7 @@ static inline void dem__leave_alone(dem_world *w) {
     }
     w->stale__ = w->fresh__ = 1;
     dem__bury(w, w->step, 1);
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) { /* whoever touched nothing else is in flight */
-        if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
-    }
+    dem__let_go(w);
 }
 
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
@@ -5412,9 +5439,10 @@ static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end,
         const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
             if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
+                const double shifted = w->shifted__[i];
                 dem__set_course(w, i, w->step);
                 w->remap__[first + q->restarted++] = i;
-                if (dem__heed_course(w, i, w->step, &q->news)) w->unsettled__[first + q->hurried++] = i;
+                if (dem__heed_course(w, i, w->step, shifted, &q->news)) w->unsettled__[first + q->hurried++] = i;
             } else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
         }
         w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
@@ -5850,6 +5878,7 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
         w->leaving__ = 0;
     }
     dem__bury(w, w->step, leaving);
+    if (leaving) dem__let_go(w);
     dem__watch(w);
     if (w->link_stride__ > 0 && w->step % w->link_stride__ == 0) dem__step_links(w);
     return w->status == DEM_OK;
@@ -7131,7 +7160,9 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem_world w = *world; /* shares the arrays; a stream that saves changes none of them */
     dem__number_present(&w);
     dem__i64(&s, &w.step);
-    for (int k = 0; k < w.walls && w.controls__; k++) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+    for (int k = 0; k < w.walls; k++) {
+        if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+    }
     dem__stream_state(&s, &w, w.remap__, 0);
     return s.hash;
 }
