@@ -658,6 +658,39 @@ static void test_ends_of_bars(void **state) {
     }
 }
 
+/* Over, under and beside a deck the nearest bar is among those that are looked at, for spheres wider than its pitch as well. */
+static void test_edge_of_a_deck(void **state) {
+    (void)state;
+    scene_random r = {11};
+    dem_world w;
+    dem_def def = one_material(1.0, 0.0, 0.0);
+    dem_screen s = dem_default_screen();
+    int compared = 0;
+    s.aperture = 3e-3, s.wire = 1e-3, s.circular = 0, s.half_x = 0.0145, s.half_y = 0.0105;
+    start(&w, &def);
+    const dem_wall *deck = &w.wall[dem_add_screen(&w, 0, &s)];
+    for (int k = 0; k < 100000; k++) {
+        const double size = scene_between(&r, 1e-3, 6e-3);
+        const dem_vec x = v3(scene_between(&r, -0.025, 0.025), scene_between(&r, -0.02, 0.02), scene_between(&r, -8e-3, 8e-3));
+        dem__touch touch[DEM__TOUCHES];
+        double least = HUGE_VAL, bound, found = HUGE_VAL;
+        for (int bar = -8; bar < 20; bar++) {
+            dem__touch_element(deck, x, size, bar, &touch[0]);
+            least = fmin(least, touch[0].gap);
+        }
+        const int n = dem__touch_wall(deck, x, size, HUGE_VAL, touch, &bound);
+        for (int q = 0; q < n; q++) found = fmin(found, touch[q].gap);
+        if (least < -0.1 * size) continue;
+        assert_true(bound <= least && found >= least);
+        if (least > 1e-3) continue;
+        near_absolute(found, least, 1e-15, "gap of the nearest bar");
+        compared++;
+    }
+    print_message("%d nearest bars compared\n", compared);
+    assert_true(compared > 5000);
+    dem_free(&w);
+}
+
 static void test_apertures(void **state) {
     (void)state;
     static const struct {
@@ -905,6 +938,19 @@ static void test_exit_in_contact(void **state) {
     assert_int_equal(dem_contact_count(&w), 0);
     dem_energy_ledger l = dem_energy(&w);
     assert_true(fabs(l.error) < 2e-3 * (l.removed - l.removed_potential + l.released) && l.kinetic == 0.0);
+    dem_free(&w);
+    /* who was pushed by one that has left flies free of its force */
+    def.gravity = v3(0, 0, 0.3);
+    start(&w, &def);
+    dem_add_exit(&w, v3(0, 0, 0), v3(0, 0, 1));
+    add(&w, v3(0, 0, 2e-5), diameter), add(&w, v3(0, 0, 1e-5 + diameter), diameter);
+    move(&w, 0, v3(0, 0, -1.0), zero), move(&w, 1, v3(0, 0, -2.0), zero);
+    run(&w, 4e-5, DEM_LINEAR | DEM_FRICTION);
+    assert_true(w.passed_count == 1 && dem_contact_count(&w) == 0 && dem_velocity(&w, 1).z > -2.0);
+    const dem_vec v = dem_velocity(&w, w.count - 1);
+    const double since = w.time;
+    run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION);
+    near_absolute(dem_velocity(&w, w.count - 1).z, v.z + 0.3 * (w.time - since), 1e-12, "flight after a partner's leaving");
     dem_free(&w);
 }
 
@@ -1719,6 +1765,7 @@ int main(void) {
         cmocka_unit_test(test_belt),
         cmocka_unit_test(test_screen_geometry),
         cmocka_unit_test(test_ends_of_bars),
+        cmocka_unit_test(test_edge_of_a_deck),
         cmocka_unit_test(test_apertures),
         cmocka_unit_test(test_periodic),
         cmocka_unit_test(test_walls_of_a_periodic_box),
