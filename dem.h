@@ -152,7 +152,7 @@ extern "C" {
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__EVENT_DATA 6   /* of a contact that begins or ends: n, impulse, shift, sliding time */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 5u       /* version of dem_save */
+#define DEM_FORMAT 6u       /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -540,8 +540,8 @@ typedef struct dem_world {
     dem_vec list_velocity__, list_acceleration__; /* of the frame in which the list waits for somebody to move */
     int64_t start_step__, next_check__;
     double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, fresh__, stale__, meshes__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__, features__,
-        ledger_on__, ledger_started__;
+    int keeps_out__, fresh__, stale__, meshes__, places__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
+        features__, ledger_on__, ledger_started__;
     uint64_t next_id__;
     const dem_law *law__;
     dem_energy_ledger ledger__;
@@ -583,7 +583,7 @@ typedef struct dem_world {
     dem__kind kind__[DEM_KINDS_MAX];
     int kinds__;
     double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
-    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows */
+    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
     double *live_state__[DEM_STATE_MAX];
     double *live_out__[9]; /* force on i, torques on i and j: of a run's last step; within a step of those that begin or end */
     double *live_event_data__[DEM__EVENT_DATA];
@@ -1426,7 +1426,7 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* half way up, so that a contact's constants do not depend on when they are asked for */
+    /* half way up: one kind of contact wherever it begins */
     out[0].curvature = (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
@@ -1680,7 +1680,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->live_gap__, list[n++].size = sizeof(double);
     list[n].address = &w->live_force__, list[n++].size = sizeof(double);
     for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; w->meshes__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
+    for (int k = 0; w->places__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
     if (w->ledger_on__) {
         list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
@@ -2207,6 +2207,16 @@ DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, 
     return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
 }
 
+/* Room for what a mesh or a cone keeps of each contact. */
+static inline int dem__make_places(dem_world *w) {
+    dem__array list[DEM__ARRAYS_MAX];
+    if (w->places__++ > 0 || w->live_capacity__ == 0) return 1;
+    if (dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_capacity__))
+        return 1;
+    w->places__--;
+    return 0;
+}
+
 DEM_API dem_cone dem_default_cone(void) {
     dem_cone c;
     c.low = dem_vec3(0, 0, 0);
@@ -2219,7 +2229,8 @@ DEM_API dem_cone dem_default_cone(void) {
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) || !dem__finite_vec(cone->high))
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) ||
+        !dem__finite_vec(cone->high))
         return -(int)DEM_BAD_ARGUMENT;
     const dem_vec axis = dem__sub(cone->high, cone->low);
     if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
@@ -2231,7 +2242,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
-    return dem__add_wall(world, &wall);
+    return dem__make_places(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
 }
 
 DEM_API dem_screen dem_default_screen(void) {
@@ -2407,16 +2418,6 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
     return t;
 }
 
-/* Room for what a mesh keeps of each contact. */
-static inline int dem__make_places(dem_world *w) {
-    dem__array list[DEM__ARRAYS_MAX];
-    if (w->meshes__++ > 0 || w->live_capacity__ == 0) return 1;
-    if (dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_capacity__))
-        return 1;
-    w->meshes__--;
-    return 0;
-}
-
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     dem_world *w = world;
     dem_wall wall;
@@ -2454,7 +2455,9 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
         a->fn(a->user, wall.tree, wall.tree->bytes, 0);
         wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
     }
-    return wall.tree ? dem__add_wall(w, &wall) : -(int)status;
+    if (!wall.tree) return -(int)status;
+    w->meshes__++;
+    return dem__add_wall(w, &wall);
 }
 
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
@@ -2860,6 +2863,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->dt__;
     a->spin_centre = centre;
     a->motion = motion, a->motion_user = user;
+    world->stale__ = 1; /* another function may put it elsewhere */
     return DEM_OK;
 }
 
@@ -3181,10 +3185,12 @@ DEM_INLINE int dem__awaits(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* A contact with a place of a mesh. */
-static inline int dem__bear_at_mesh(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
+/* A contact with a place of a wall. Of a cone, which is touched from both sides and at its rims, it keeps the curvature of its beginning. */
+static inline int dem__bear_at_wall(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     if (!dem__bear(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
+    if (w->wall[wall].kind == DEM_CONE) w->live_place__[0][c] = touch->curvature;
+    if (w->wall[wall].kind != DEM_MESH) return 1;
     w->live_place__[0][c] = touch->normal.x, w->live_place__[1][c] = touch->normal.y, w->live_place__[2][c] = touch->normal.z;
     w->live_place__[3][c] = touch->gap;
     return 1;
@@ -3239,7 +3245,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         while (used >> free_number & 1) free_number++;
         if (free_number == DEM__NUMBERS) break;
         used |= 1 << free_number;
-        if (bear && !dem__bear_at_mesh(w, i, k, &touch[q], free_number)) break;
+        if (bear && !dem__bear_at_wall(w, i, k, &touch[q], free_number)) break;
     }
     return left;
 }
@@ -3354,9 +3360,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
             const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
             if (touch[q].gap < (linked ? w->link_near__ : 0.0)) {
-                if (wall->kind == DEM_MESH ? !dem__bear_at_mesh(w, i, k, &touch[q], touch[q].element)
-                                           : !dem__bear(w, i, -1 - k, touch[q].element, -1))
-                    return;
+                if (!dem__bear_at_wall(w, i, k, &touch[q], touch[q].element)) return;
                 touches = 1;
             } else least = touch[q].gap - w->link_near__ < least ? touch[q].gap - w->link_near__ : least;
         }
@@ -5050,7 +5054,7 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
         dem__touch touch;
         dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, w->live_element__[c], &touch);
         b.material_j = w->wall[-1 - j].material;
-        b.curvature = touch.curvature;
+        b.curvature = w->wall[-1 - j].kind == DEM_CONE ? w->live_place__[0][c] : touch.curvature;
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
@@ -5137,7 +5141,7 @@ static inline void dem__admit_born(dem_world *w, double gap) {
                           {&w->live_element__, sizeof(int32_t)},
                           {&w->live_near__, sizeof(int32_t)}};
     int arrays = 4;
-    for (int a = 0; w->meshes__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
+    for (int a = 0; w->places__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
     if (!born) return;
     for (ptrdiff_t k = 0; k < born; k++) w->slots__[k] = (int32_t)(old + k);
     dem__sort(w, w->slots__, born);
@@ -7138,7 +7142,7 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
         dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
         for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
         if (!with_forces) continue;
-        for (int a = 0; w->meshes__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
+        for (int a = 0; w->places__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
         for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
         if (w->ledger_on__) {
             dem__f64(s, &w->live_elastic__[c]);
@@ -7352,6 +7356,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     w->live_count__ = w->passed_count = w->link_count__ = 0;
     for (int k = 0; k < w->walls; k++) {
         w->meshes__ += w->wall[k].kind == DEM_MESH;
+        w->places__ += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
         w->controls__ |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
     }
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,

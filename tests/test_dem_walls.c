@@ -536,6 +536,10 @@ static void nowhere(void *user, double time, dem_pose *pose) {
     pose->turn.y = (double)NAN;
 }
 
+static void hold_it(void *user, double time, dem_pose *pose) {
+    (void)time;
+    pose->shift.z = *(const double *)user;
+}
 static void test_prescribed_motion(void **state) {
     (void)state;
     double amplitude = 1e-3;
@@ -584,6 +588,19 @@ static void test_prescribed_motion(void **state) {
     near_absolute(w[0].time, 0.01, 2.0 * def.dt, "ended where the motion did");
     near_vec(w[0].wall[0].position, zero, 0.0, "and stayed there");
     assert_int_equal(dem_prescribe(&w[0], 0, zero, nowhere, NULL), DEM_BAD_ARGUMENT);
+    dem_free(&w[0]);
+
+    static double low = 0.0, high = 0.09; /* another function puts it elsewhere: whoever waited for it far away looks anew */
+    def.gravity = zero;
+    start(&w[0], &def);
+    dem_add_plane(&w[0], 0, zero, up);
+    assert_int_equal(dem_prescribe(&w[0], 0, zero, hold_it, &low), DEM_OK);
+    add(&w[0], v3(0, 0, 0.1), diameter);
+    move(&w[0], 0, v3(0, 0, -0.1), zero);
+    run(&w[0], 0.01, DEM_LINEAR);
+    assert_int_equal(dem_prescribe(&w[0], 0, zero, hold_it, &high), DEM_OK);
+    run(&w[0], 0.1, DEM_LINEAR);
+    near_relative(dem_velocity(&w[0], 0).z, 0.07, 1e-3, "after a wall that was put elsewhere");
     dem_free(&w[0]);
 }
 
@@ -806,6 +823,46 @@ static void test_saving(void **state) {
         free(bytes);
     }
     dem_free(&w);
+}
+
+/* A ball that rolls over the rim of a funnel, from within to without: a save in the midst of that contact, or a sphere that is added far
+   away, changes nothing of it. */
+static void test_rim(void **state) {
+    (void)state;
+    uint64_t hash[2];
+    double speed[3];
+    for (int k = 0; k < 3; k++) {
+        dem_world w, again;
+        dem_def def = one_material(0.9, 0.3);
+        dem_cone cone = dem_default_cone();
+        def.material[0].young_modulus = 1e6;
+        start(&w, &def);
+        assert_int_equal(dem_add_cone(&w, 0, &cone), 0);
+        add(&w, v3(0.1 - 0.6 * radius, 0, 0.1 + 0.799 * radius), diameter);
+        move(&w, 0, v3(0.12, 0, 0.09), v3(0, 60.0, 0));
+        run(&w, 0.002, DEM_HERTZ | DEM_FRICTION);
+        assert_int_equal(dem_contact_count(&w), 1);
+        assert_true(dem_position(&w, 0).x < 0.1);
+        while (dem_position(&w, 0).x < 0.1) run(&w, 1e-5, DEM_HERTZ | DEM_FRICTION);
+        assert_int_equal(dem_contact_count(&w), 1);
+        if (k == 1) {
+            const size_t size = dem_save(&w, NULL, 0);
+            unsigned char *bytes = (unsigned char *)malloc(size);
+            assert_non_null(bytes);
+            assert_int_equal(dem_save(&w, bytes, size), size);
+            assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+            free(bytes);
+            dem_free(&w);
+            w = again;
+        }
+        if (k == 2) add(&w, v3(1, 1, 1), radius);
+        run(&w, 0.002, DEM_HERTZ | DEM_FRICTION);
+        if (k < 2) hash[k] = dem_hash(&w);
+        speed[k] = dem_velocity(&w, 0).x;
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1]);
+    near_absolute(speed[2], speed[0], 1e-9, "speed after a sphere was added");
 }
 
 static void test_out_of_memory(void **state) {
@@ -1133,6 +1190,7 @@ int main(void) {
         cmocka_unit_test(test_belt),
         cmocka_unit_test(test_skipping_changes_nothing),
         cmocka_unit_test(test_saving),
+        cmocka_unit_test(test_rim),
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_bad_arguments),
         cmocka_unit_test(test_stl_of_a_cube),
