@@ -2026,9 +2026,9 @@ static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
 
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
-    dem_particle *p = &w->particle[i];
-    p->a = dem__plus(w->def.gravity, 1.0 / p->mass, dem__first(w->load__[i]));
-    w->spin_rate[i] = dem__scale(1.0 / dem__inertia(w, i), dem__second(w->load__[i]));
+    const dem__sum *sum = &w->sum__[i];
+    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(w->load__[i]));
+    w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(w->load__[i]));
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
