@@ -4809,6 +4809,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k];
 }
 
+/* The last of a particle's links by slot: the order of its list depends on what has happened. */
+static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
+    int32_t last = -1;
+    for (int32_t k = w->link_head__[i]; k >= 0; k = w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k])
+        last = k > last ? k : last;
+    return last;
+}
+
 /* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->link_i__[k], j = w->link_j__[k], last = (int32_t)w->link_count__ - 1;
@@ -4846,7 +4854,7 @@ static inline void dem__forget(dem_world *w, ptrdiff_t i) {
         w->ledger__.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
         w->ledger__.removed_potential += dem__potential(w, i);
     }
-    while (w->link_head__[i] >= 0) dem__cut_link(w, w->link_head__[i]);
+    while (w->link_head__[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->alive[i] = 0;
     w->dropped__++;
     dem__unsettle(w, i);

@@ -241,6 +241,37 @@ static void test_saving(void **state) {
     dem_free(&w), dem_free(&copy);
 }
 
+/* In which order links end with their spheres does not depend on a save in between: a new list of a sphere's links is in another order. */
+static void test_order_of_ends(void **state) {
+    (void)state;
+    enum { SPHERES = 14 };
+    dem_world w;
+    scene_random r = {3};
+    make(&w, 4e-6, dem_vec3(0, 0, 0));
+    for (int k = 0; k < SPHERES; k++) add(&w, 0.01 * k, 0, 0);
+    assert_int_equal(dem_set_links(&w, &spring, spring_kernel, 5e-5, NEAR), DEM_OK);
+    for (int k = 0; k < 60; k++) {
+        const int i = (int)(SPHERES * scene_uniform(&r)), j = (int)(SPHERES * scene_uniform(&r));
+        const double state_of[SPRING_STATES] = {0.1 * k, 1.0, 0.0};
+        if (i != j && dem_find_link(&w, i, j, 0) < 0) assert_int_equal(dem_add_link(&w, i, j, 0, state_of), DEM_OK);
+    }
+    for (int gone = 0; gone < 8; gone++) {
+        dem_world copy;
+        const size_t size = dem_save(&w, NULL, 0);
+        unsigned char *bytes = malloc(size);
+        assert_int_equal(dem_save(&w, bytes, size), size);
+        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+        assert_int_equal(dem_set_links(&copy, &spring, spring_kernel, 5e-5, NEAR), DEM_OK);
+        assert_true(dem_hash(&copy) == dem_hash(&w));
+        assert_int_equal(dem_remove(&w, gone), DEM_OK);
+        assert_int_equal(dem_remove(&copy, 0), DEM_OK);
+        assert_true(dem_hash(&copy) == dem_hash(&w) && dem_link_count(&w) > 0);
+        free(bytes);
+        dem_free(&copy);
+    }
+    dem_free(&w);
+}
+
 static void test_near_is_contact(void **state) {
     (void)state;
     for (int linked = 0; linked < 2; linked++) {
@@ -333,11 +364,10 @@ static void test_memory_running_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oscillation),     cmocka_unit_test(test_angular_momentum),
-        cmocka_unit_test(test_ledger),          cmocka_unit_test(test_hanging),
-        cmocka_unit_test(test_near_is_contact), cmocka_unit_test(test_skipping_and_threads),
-        cmocka_unit_test(test_saving),          cmocka_unit_test(test_leaving),
-        cmocka_unit_test(test_hostile_calls),   cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_oscillation),   cmocka_unit_test(test_angular_momentum),   cmocka_unit_test(test_ledger),
+        cmocka_unit_test(test_hanging),       cmocka_unit_test(test_near_is_contact),    cmocka_unit_test(test_skipping_and_threads),
+        cmocka_unit_test(test_saving),        cmocka_unit_test(test_order_of_ends),      cmocka_unit_test(test_leaving),
+        cmocka_unit_test(test_hostile_calls), cmocka_unit_test(test_memory_running_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
