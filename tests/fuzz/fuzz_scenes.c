@@ -84,6 +84,18 @@ static dem_status draw_spheres(dem_world *w, scene_random *r, int count) {
     return dem_fill(w, &feed, count);
 }
 
+/* Enough contacts for sections, in a shaken box that some fall out of. */
+static dem_status draw_crowd(dem_world *w, scene_random *r) {
+    const double sizes[2] = {2.5e-3, scene_between(r, 2.3e-3, 2.5e-3)};
+    const int n = 15 + one_of(r, 10);
+    scene_box(w, HALF, -HALF, HALF);
+    for (int k = 0; k < w->walls; k++) {
+        if (one_of(r, 3) == 0) dem_vibrate(w, k, scene_vector(r, 5e-4), scene_vector(r, 3.0), 80.0);
+    }
+    for (int k = one_of(r, 3); k > 0; k--) dem_add_exit(w, place(r), scene_vector(r, 1.0));
+    return scene_fill(w, r, n, n, 22, dem_vec3(-HALF, -HALF, -HALF), scene_between(r, 2.25e-3, 2.45e-3), sizes, 2, 0.5);
+}
+
 static dem_status draw_scene(dem_world *w, scene_random *r, int skip, int threads) {
     dem_def def = scene_def(one_of(r, 2) ? 2e-6 : 5e-6);
     def.skip = skip, def.threads = threads;
@@ -93,6 +105,7 @@ static dem_status draw_scene(dem_world *w, scene_random *r, int skip, int thread
     def.low = dem_vec3(-HALF, -HALF, -HALF), def.high = dem_vec3(HALF, HALF, HALF);
     dem_status status = dem_init(w, &def, NULL);
     if (status != DEM_OK) return status;
+    if (one_of(r, 12) == 0) return draw_crowd(w, r);
     if (one_of(r, 2)) scene_box(w, HALF, -HALF, HALF);
     for (int k = one_of(r, 5); k > 0; k--) draw_wall(w, r);
     return draw_spheres(w, r, 20 + one_of(r, 100));
@@ -101,10 +114,10 @@ static dem_status draw_scene(dem_world *w, scene_random *r, int skip, int thread
 static void draw_links(dem_world *w, scene_random *r, double near) {
     if (dem_set_links(w, &spring, spring_kernel, scene_between(r, 1e-5, 1e-4), near) != DEM_OK) return;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (ptrdiff_t j = 0; j < i; j++) {
-            const double state[SPRING_STATES] = {scene_between(r, 0.0, 2.0), 3e-3, scene_between(r, 0.0, 1e-3)};
+        for (ptrdiff_t j = i > 500 ? i - 500 : 0; j < i; j++) {
+            const double state[SPRING_STATES] = {scene_between(r, 0.0, 2.0), 4e-3, scene_between(r, 0.0, 1e-3)};
             const dem_vec d = dem__apart(w, dem__sub(dem_position(w, i), dem_position(w, j)));
-            if (dem__length(d) < w->particle[i].radius + w->particle[j].radius + 1e-3) dem_add_link(w, i, j, 0, state);
+            if (dem__length(d) < w->particle[i].radius + w->particle[j].radius + 2e-3) dem_add_link(w, i, j, 0, state);
         }
     }
 }
@@ -161,7 +174,7 @@ static int hashes_of(uint64_t seed, int skip, int threads, int saves, uint64_t *
     if (draw_scene(&w, &r, skip, threads) == DEM_OK) {
         if (one_of(&r, 3) == 0) draw_links(&w, &r, one_of(&r, 2) ? 0.0 : 2e-7);
         for (; k < RUNS; k++) {
-            const dem_status status = dem_run(&w, scene_between(&r, 0.0, 0.015), features);
+            const dem_status status = dem_run(&w, scene_between(&r, 0.0, w.count > 1000 ? 0.001 : 0.015), features);
             hash[k] = status == DEM_OK ? dem_hash(&w) : (uint64_t)status;
             if (status != DEM_OK) break;
             draw_change(&w, &r, &features);
