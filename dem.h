@@ -1,5 +1,7 @@
 /* dem.h - spheres in time: contact laws, walls and screens, neighbour search, integration.
 
+       #include <stdio.h>
+
        #include "dem.h"
 
        int main(void) {
@@ -637,7 +639,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
 DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed world */
 
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
-   Overlaps are allowed and push. Nothing is added on failure. Ids count up from world->next id in array order. */
+   Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
 /* Sets velocity [m/s] and spin [rad/s] of particle i (array index). */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);

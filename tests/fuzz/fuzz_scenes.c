@@ -174,7 +174,7 @@ static int hashes_of(uint64_t seed, int skip, int threads, int saves, uint64_t *
     if (draw_scene(&w, &r, skip, threads) == DEM_OK) {
         if (one_of(&r, 3) == 0) draw_links(&w, &r, one_of(&r, 2) ? 0.0 : 2e-7);
         for (; k < RUNS; k++) {
-            const dem_status status = dem_run(&w, scene_between(&r, 0.0, w.count > 1000 ? 0.001 : 0.015), features);
+            const dem_status status = dem_run(&w, scene_between(&r, 0.0, w.count - w.dropped__ > 1000 ? 0.001 : 0.015), features);
             hash[k] = status == DEM_OK ? dem_hash(&w) : (uint64_t)status;
             if (status != DEM_OK) break;
             draw_change(&w, &r, &features);
