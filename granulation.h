@@ -2488,16 +2488,26 @@ static inline granulation__place_of granulation__share(const granulation_balance
     return p;
 }
 
-/* Adds number and carried contents to the up to four pivots of a place. Contents go by the key volume that a pivot gets, so that
-   composition follows volume. */
+/* Mean key of what is born in cell `at` along key k. All sums in it lie between the cell's edges and not beyond the last pivot; round-off of
+   a mean of thousands may, and over- or underflow of its terms. */
+static inline double granulation__mean_key(const granulation_balance *b, int k, int at, double sum, double count) {
+    double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1], mean = sum / count;
+    low = low > first ? low : first;
+    high = high < last ? high : last;
+    return !(mean > low) ? low : mean < high ? mean : high;
+}
+
+/* Adds number and carried contents to the up to four pivots of a place, which must be one. Contents go by the key volume that a pivot gets,
+   so that composition follows volume. */
 static inline void granulation__deposit(const granulation_balance *b, double *state, const granulation__place_of *p, double number,
                                         double liquid, double air) {
+    if (p->cell < 0 || p->cell >= b->n) return; /* no caller does; the books would show it */
     int n0 = b->size[0], i0 = p->cell % n0, i1 = p->cell / n0;
     double weight[4], volume[4], all = 0.0;
     int cell[4], corners = 0;
     for (int c = 0; c < 2 * b->components; c++) {
         double w = (c & 1 ? p->f[0] : 1.0 - p->f[0]) * (b->components == 1 ? 1.0 : c & 2 ? p->f[1] : 1.0 - p->f[1]);
-        if (!(w > 0.0)) continue;
+        if (!(w > 0.0) || i0 + (c & 1) >= n0 || i1 + (c >> 1) >= b->size[1]) continue;
         int j0 = i0 + (c & 1), j1 = i1 + (c >> 1);
         cell[corners] = j0 + n0 * j1;
         weight[corners] = w;
@@ -2744,7 +2754,9 @@ static inline double granulation__rates(const granulation_balance *b, const doub
     }
     for (int i = 0; !fixed && i < b->n; i++) /* all that is born in a cell goes to the pivots around its mean */
         if (born[i] > 0.0) {
-            granulation__place_of place = granulation__share(b, key0[i] / born[i], key1[i] / born[i]);
+            double mean0 = granulation__mean_key(b, 0, i % b->size[0], key0[i], born[i]);
+            double mean1 = one ? 0.0 : granulation__mean_key(b, 1, i / b->size[0], key1[i], born[i]);
+            granulation__place_of place = granulation__share(b, mean0, mean1);
             granulation__deposit(b, rate, &place, born[i], liquid[i], air[i]);
         }
     if (b->def.selection && b->def.daughters == GRANULATION_UNIFORM) {

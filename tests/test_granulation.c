@@ -1276,6 +1276,45 @@ static void test_balance_statuses(void **state) {
     assert_true(out.s != out.s);
 }
 
+/* hundreds of sums meet in the last cell: their mean may be rounded beyond its pivot (it fell out of the arrays, as did over- and
+   underflow) */
+static void test_balance_last_cell(void **state) {
+    (void)state;
+    enum { cells = 600 };
+    static double edge[cells + 1], pivot[cells];
+    for (int i = 0; i <= cells; i++) edge[i] = i + 0.5;
+    for (int i = 0; i < cells; i++) pivot[i] = i + 1.0;
+    granulation_balance_def def = granulation_balance_default_def();
+    def.most_lost = 1.0;
+    for (int k = 0; k < 25; k++) {
+        granulation_balance b;
+        assert_int_equal(granulation_balance_init(&b, &def, cells, edge, pivot, 0, NULL, NULL), GRANULATION_OK);
+        for (int i = 0; i < cells; i++) {
+            granulation_granule g = {0.75 * pivot[i], 0.25 * pivot[i], 0.1 * pivot[i]};
+            assert_int_equal(granulation_balance_add(&b, &g, 1.0 + k * 0.00337), GRANULATION_OK);
+        }
+        assert_int_equal(granulation_balance_run(&b, 1e-4), GRANULATION_OK);
+        check_balance(&b, 1e-12);
+        granulation_balance_free(&b);
+    }
+    def.most_steps = 100;
+    const double counts[4] = {1e-320, 1e-160, 1e150, 1e170};
+    for (int k = 0; k < 4; k++)
+        for (int components = 1; components <= 2; components++) {
+            double tiny[9], first[8];
+            for (int i = 0; i <= 8; i++) tiny[i] = 1e-15 * (i + 0.5);
+            for (int i = 0; i < 8; i++) first[i] = 1e-15 * (i + 1.0);
+            granulation_balance b;
+            assert_int_equal(granulation_balance_init(&b, &def, 8, tiny, first, components == 2 ? 8 : 0, components == 2 ? tiny : NULL,
+                                                      components == 2 ? first : NULL),
+                             GRANULATION_OK);
+            granulation_granule g = {1e-15, 1e-15, 0.0};
+            assert_int_equal(granulation_balance_add(&b, &g, counts[k]), GRANULATION_OK);
+            granulation_balance_run(&b, 1e-3 / (counts[k] > 1.0 ? counts[k] : 1.0)); /* any status, and no write outside */
+            granulation_balance_free(&b);
+        }
+}
+
 /* halves, with coalescence, in one and in two components: books and positivity */
 static void test_balance_breakage(void **state) {
     (void)state;
@@ -1509,6 +1548,7 @@ int main(void) {
         cmocka_unit_test(test_statistics),
         cmocka_unit_test(test_pouw),
         cmocka_unit_test(test_balance_statuses),
+        cmocka_unit_test(test_balance_last_cell),
         cmocka_unit_test(test_balance_breakage),
         cmocka_unit_test(test_monte_carlo_against_balance),
         cmocka_unit_test(test_kernels),
