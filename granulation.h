@@ -2477,8 +2477,9 @@ static inline granulation__place_of granulation__share(const granulation_balance
         const double *pivot = b->pivot[k];
         double key = k ? key1 : key0;
         int n = b->size[k];
-        /* round-off of a sum may lie a hair beyond the last pivot */
+        /* round-off: a sum may lie a hair beyond the last pivot, a half below the first */
         if (key > pivot[n - 1] && key <= pivot[n - 1] * (1.0 + 1e-14)) key = pivot[n - 1];
+        if (key < pivot[0] && key >= pivot[0] * (1.0 - 1e-14)) key = pivot[0];
         if (!(key <= pivot[n - 1])) return p;
         at[k] = granulation__below(pivot, n, key);
         if (at[k] < 0) return p;
@@ -2641,8 +2642,7 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
 }
 
 GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number) {
-    if (!b || !b->state || !g || !(number >= 0.0 && number < HUGE_VAL) || !(g->s > 0.0 && g->l >= 0.0 && g->a >= 0.0))
-        return GRANULATION_BAD_ARGUMENT;
+    if (!b || !b->state || !g || !(number >= 0.0 && number < HUGE_VAL) || !granulation__is_granule(g)) return GRANULATION_BAD_ARGUMENT;
     granulation__place_of p = b->components == 1 ? granulation__share(b, g->s + g->l, 0.0) : granulation__share(b, g->s, g->l);
     if (p.cell < 0) return GRANULATION_BAD_ARGUMENT;
     granulation__deposit(b, b->state, &p, number, number * g->l, number * g->a);
@@ -2654,6 +2654,11 @@ GRANULATION_API granulation_status granulation_balance_add(granulation_balance *
 
 /* ---- rates ---- */
 
+/* where the halves of the granules of a cell go: one place for the question whether they break and for their breakage */
+static inline granulation__place_of granulation__halves(const granulation_balance *b, int i) {
+    return granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], b->components == 1 ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
+}
+
 static inline granulation_status granulation__evaluate_kernel(granulation_balance *b) {
     double *selection = b->work + 4 * granulation__length(b) + (size_t)b->n;
     size_t p = 0;
@@ -2663,10 +2668,7 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
         if (b->def.selection) {
             rate = b->def.selection(&g, b->def.selection_user);
             if (!(rate >= 0.0 && rate < HUGE_VAL)) return GRANULATION_KERNEL;
-            double key0 = b->components == 1 ? g.s + g.l : g.s;
-            bool small = b->def.daughters == GRANULATION_HALVES &&
-                         (0.5 * key0 < b->pivot[0][0] || (b->components == 2 && 0.5 * g.l < b->pivot[1][0]));
-            if (small) rate = 0.0; /* its halves have no pivot */
+            if (b->def.daughters == GRANULATION_HALVES && granulation__halves(b, i).cell < 0) rate = 0.0; /* they have no pivot */
         }
         selection[i] = rate;
         if (!b->def.kernel) continue;
@@ -2777,8 +2779,7 @@ static inline double granulation__rates(const granulation_balance *b, const doub
         for (int i = 0; i < b->n; i++) {
             double r = selection[i] * y[i];
             if (!(r > 0.0)) continue;
-            granulation__place_of place =
-                granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], one ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
+            granulation__place_of place = granulation__halves(b, i);
             granulation__deposit(b, rate, &place, 2.0 * r, one ? selection[i] * y_liquid[i] : 0.0, selection[i] * y_air[i]);
         }
     }

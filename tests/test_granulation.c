@@ -1246,10 +1246,11 @@ static void test_balance_statuses(void **state) {
     assert_int_equal(granulation_balance_run(&b, (double)NAN), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_balance_run(&b, HUGE_VAL), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_balance_add(&b, &one, -1.0), GRANULATION_BAD_ARGUMENT);
-    granulation_granule large = {1e6, 0.0, 0.0}, small = {1e-9, 0.0, 0.0}, none = {0.0, 1.0, 0.0};
+    granulation_granule large = {1e6, 0.0, 0.0}, small = {1e-9, 0.0, 0.0}, none = {0.0, 1.0, 0.0}, airy = {1.0, 0.5, HUGE_VAL};
     assert_int_equal(granulation_balance_add(&b, &large, 1.0), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_balance_add(&b, &small, 1.0), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_balance_add(&b, &none, 1.0), GRANULATION_BAD_ARGUMENT);
+    assert_int_equal(granulation_balance_add(&b, &airy, 1.0), GRANULATION_BAD_ARGUMENT);
     assert_true(granulation_balance_moment(&b, 1.0, 1.0) != 0.0);
     assert_true(granulation_balance_mean(&b, 4, 3) != granulation_balance_mean(&b, 4, 3));
     /* a granule between two pivots keeps number and volumes */
@@ -1313,6 +1314,43 @@ static void test_balance_last_cell(void **state) {
             granulation_balance_run(&b, 1e-3 / (counts[k] > 1.0 ? counts[k] : 1.0)); /* any status, and no write outside */
             granulation_balance_free(&b);
         }
+}
+
+static double one_a_second(const granulation_granule *g, const void *user) {
+    (void)g;
+    (void)user;
+    return 1.0;
+}
+
+/* a half that is the lowest pivot up to round-off is a place: the class breaks, whatever its liquid is rounded to */
+static void test_balance_lowest_halves(void **state) {
+    (void)state;
+    granulation_balance_def def = granulation_balance_default_def();
+    def.kernel = NULL;
+    def.selection = one_a_second;
+    for (int k = 1; k < 200; k++) {
+        int octave = k % 2 ? 1 : 3; /* classes an octave */
+        double pivot[8], edge[9];
+        pivot[0] = k == 2 ? 1.4219599999999999e-15 : 1e-15 * (1.0 + k * 0.00137);
+        for (int i = 1; i < 8; i++) pivot[i] = pivot[i - 1] * (octave == 1 ? 2.0 : 1.2599210498948732);
+        edge[0] = 0.9 * pivot[0];
+        edge[8] = 1.1 * pivot[7];
+        for (int i = 1; i < 8; i++) edge[i] = 0.5 * (pivot[i - 1] + pivot[i]);
+        for (int part = 0; part < 20; part++)
+            for (int components = 1; components <= 2; components++) {
+                granulation_balance b;
+                assert_int_equal(granulation_balance_init(&b, &def, 8, edge, pivot, components == 2 ? 8 : 0, components == 2 ? edge : NULL,
+                                                          components == 2 ? pivot : NULL),
+                                 GRANULATION_OK);
+                granulation_granule g = {pivot[octave], pivot[octave], 0.0};
+                if (components == 1) g.s -= g.l = pivot[octave] * part / 21.0;
+                assert_int_equal(granulation_balance_add(&b, &g, 1.0), GRANULATION_OK);
+                assert_int_equal(granulation_balance_run(&b, 1.0), GRANULATION_OK);
+                near_to("number", granulation_balance_moment(&b, 0.0, 0.0), 2.0 - exp(-1.0), 1e-6);
+                check_balance(&b, 1e-12);
+                granulation_balance_free(&b);
+            }
+    }
 }
 
 /* halves, with coalescence, in one and in two components: books and positivity */
@@ -1549,6 +1587,7 @@ int main(void) {
         cmocka_unit_test(test_pouw),
         cmocka_unit_test(test_balance_statuses),
         cmocka_unit_test(test_balance_last_cell),
+        cmocka_unit_test(test_balance_lowest_halves),
         cmocka_unit_test(test_balance_breakage),
         cmocka_unit_test(test_monte_carlo_against_balance),
         cmocka_unit_test(test_kernels),
