@@ -1124,6 +1124,20 @@ static inline double screen__dong_attempts(const screen_def *def, double d, doub
     return y < 1.0 ? riddle_log(y) / riddle_log1p(-pass) : 0.0;
 }
 
+/* Model 1 of a class one step on from y in (0, 1]; NaN where screen__curves would refuse. */
+static inline double screen__dong_step(const screen_def *def, const double *c, const screen_operation *operation, double d, double rate,
+                                       double y, double dt) {
+    double p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
+    if (p == 0.0) return 1.0; /* the masses stay */
+    double n = screen__dong_attempts(def, d, p, y);
+    if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
+    else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
+        double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
+        if (!(reached >= HUGE_VAL)) n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
+    }
+    return n < HUGE_VAL ? screen__dong_class(def, d, p, n, NULL) : (double)NAN;
+}
+
 /* Curves from coefficients. slopes (may be null; models 0-2) [classes][times][2]: dY/d ln rate, the second of model 1: dY/d beta by length.
    bed [classes]: model 3 only. */
 static inline screen_status screen__curves(const screen_def *def, screen_model model, const double *c, const screen_operation *operation,
@@ -1304,6 +1318,12 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
         screen__log_rates(def, model, c, &terms, log_rate);
         for (int r = 0; r < screen__rates(model); r++)
             if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
+        if (model != SCREEN_DONG) continue;
+        screen_bed *b = &bed[i];
+        double fresh = feed ? feed[i] : 0.0, before = b->top + b->bottom + fresh;
+        if (!(before > 0.0)) continue;
+        b->own.y[0] = screen__dong_step(def, c, operation, def->diameters[i], riddle_exp(log_rate[0]), before / (b->fed + fresh), dt);
+        if (!(b->own.y[0] >= 0.0)) return SCREEN_NOT_FINITE;
     }
     if (model == SCREEN_SOLDINGER) {
         double hint = 0.0;
@@ -1330,16 +1350,7 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
             if (model == SCREEN_FIRST_ORDER) {
                 after = before * screen_first_order(rate, dt);
             } else if (model == SCREEN_DONG) {
-                double p =
-                    screen_passage_probability(def->aperture, def->wire, def->diameters[i], def->continuous ? operation->inclination : 0.0);
-                double d = def->diameters[i], n = screen__dong_attempts(def, d, p, before / b->fed);
-                if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
-                else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
-                    double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
-                    n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
-                }
-                double y = p > 0.0 && n < HUGE_VAL ? screen__dong_class(def, d, p, n, NULL) : (double)NAN;
-                if (y >= 0.0) after = b->fed * y;
+                after = b->fed * b->own.y[0];
             } else {
                 double stay = screen_subasinghe_top(rate, dt), kp = riddle_exp(log_rate[1]);
                 top = b->top * stay;

@@ -548,6 +548,42 @@ static void steps_with_changing_inputs(void **state) {
     assert_int_equal(screen_step(&def, SCREEN_SOLDINGER, p, &operation, 0.5, NULL, bed, NULL), SCREEN_BAD_ARGUMENT);
 }
 
+/* Where screen_predict refuses, the step does too, and no mass has changed. */
+static void steps_refuse_like_curves(void **state) {
+    (void)state;
+    double d[2] = {0.0005, 0.0009}, p[6] = {0.0}, y[2], t = 5.0, passed[2];
+    const double feed[2] = {0.1, 0.2};
+    screen_operation operation = {0.001, 50.6, 0.0, 0.0};
+    screen_bed bed[2], before[2];
+    screen_def def = screen_default_def();
+    def.classes = 2;
+    def.diameters = d;
+    screen_published(SCREEN_DONG, p);
+    assert_int_equal(screen_bed_init(&def, SCREEN_DONG, bed), SCREEN_OK);
+    assert_int_equal(screen_step(&def, SCREEN_DONG, p, &operation, t, feed, bed, passed), SCREEN_OK);
+    assert_true(passed[0] > 0.0);
+    def.ratio = SCREEN_RATIO_GRAIN; /* p times the ratio exceeds 1 */
+    def.ratio_mass = 1e-9;
+    for (int k = 0; k < 2; k++) {
+        if (k == 1) { /* attempts beyond the largest double */
+            def.ratio = SCREEN_RATIO_RETAINED;
+            def.continuous = 1;
+            operation.inclination = 0.2;
+            p[0] = 1000.0;
+            p[1] = p[2] = 0.0;
+            p[3] = -200.0;
+            p[4] = 0.5;
+            t = 50.0;
+        }
+        memcpy(before, bed, sizeof bed);
+        assert_int_equal(screen_predict(&def, SCREEN_DONG, p, &operation, 1, &t, y, NULL, NULL), SCREEN_NOT_FINITE);
+        assert_int_equal(screen_step(&def, SCREEN_DONG, p, &operation, t, feed, bed, passed), SCREEN_NOT_FINITE);
+        for (int i = 0; i < 2; i++)
+            assert_true(bed[i].fed == before[i].fed && bed[i].top == before[i].top && bed[i].bottom == before[i].bottom &&
+                        bed[i].passed == before[i].passed);
+    }
+}
+
 static void partition_and_time(void **state) {
     (void)state;
     screen_def def = batch();
@@ -1203,6 +1239,7 @@ int main(void) {
         cmocka_unit_test(a_continuous_deck),
         cmocka_unit_test(steps_with_constant_inputs_are_the_closed_form),
         cmocka_unit_test(steps_with_changing_inputs),
+        cmocka_unit_test(steps_refuse_like_curves),
         cmocka_unit_test(partition_and_time),
         cmocka_unit_test(bad_configurations_are_named),
         cmocka_unit_test(bad_calls_are_refused),
