@@ -647,12 +647,15 @@ static inline double blocking_curve(double f0, double f_inf, double k, double t)
 }
 
 static inline double blocking_equilibrium(double k1, double k2) {
-    return k1 >= 0.0 && k2 >= 0.0 && k1 + k2 > 0.0 ? k2 / (k1 + k2) : (double)NAN;
+    double k = k1 + k2;
+    if (!(k1 >= 0.0 && k2 >= 0.0 && k > 0.0)) return (double)NAN;
+    return blocking__finite(k) ? k2 / k : 0.5 * k2 / (0.5 * k1 + 0.5 * k2); /* the sum of finite rates may overflow */
 }
 
 static inline double blocking_free_fraction(double f0, double k1, double k2, double t) {
     if (!(blocking__within(f0, 0.0, 1.0) && k1 >= 0.0 && k2 >= 0.0)) return (double)NAN;
     double k = k1 + k2;
+    if (!blocking__finite(k)) return blocking_curve(f0, blocking_equilibrium(k1, k2), 0.5 * k1 + 0.5 * k2, 2.0 * t);
     return blocking_curve(f0, k > 0.0 ? k2 / k : f0, k, t);
 }
 
@@ -690,6 +693,7 @@ static inline double blocking_time_to(double f, double f0, double f_inf, double 
 static inline double blocking_exposure(double f0, double f_inf, double k, double t) {
     double mean = blocking_time_mean(f0, f_inf, k, t);
     if (mean == 0.0 && !blocking__finite(t)) return k > 0.0 ? f0 / k : 0.0;
+    if (k * t > 1e100 && blocking__finite(t)) return f_inf * t + (f0 - f_inf) / k; /* the mean's share of f0 underflows */
     return mean * t;
 }
 

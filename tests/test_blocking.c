@@ -285,6 +285,15 @@ static void degenerate_curves(void **state) {
 
     assert_true(isinf(blocking_time_for_exposure(19.0, 0.9, 0.0, 0.05))); /* 0.9 / 0.05 = 18 s of clean deck is all it gives */
     near(blocking_exposure(0.9, 0.0, 0.05, HUGE_VAL), 18.0, 1e-15);
+    /* k t and k1 + k2 beyond the largest double */
+    for (double t = 1e290; t < HUGE_VAL; t *= 3.0) {
+        close_to(blocking_exposure(1.0, 0.0, 1e10, t), 1e-10, 4e-16);
+        close_to(blocking_exposure(1.0, 0.5, 1e10, t), 0.5 * t, 4e-16);
+    }
+    assert_true(blocking_equilibrium(1e308, 1e308) == 0.5 && blocking_equilibrium(0.0, 1.7e308) == 1.0);
+    assert_true(blocking_free_fraction(1.0, 1e308, 1e308, 1.0) == 0.5);
+    close_to(blocking_free_fraction(1.0, 1e308, 1e308, 5e-309), 0.5 + 0.5 * exp(-1.0), 1e-14);
+    assert_true(isnan(blocking_free_fraction(1.0, HUGE_VAL, 1.0, 1.0)));
     near(blocking_exposure(0.9, 0.0, 0.05, blocking_time_for_exposure(17.0, 0.9, 0.0, 0.05)), 17.0, 1e-14);
     near(blocking_time_for_exposure(3.0, 0.6, 0.6, 0.05), 5.0, 1e-15);
     near(blocking_time_for_exposure(3.0, 0.6, 0.1, 0.0), 5.0, 1e-15);
