@@ -2289,18 +2289,22 @@ GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, d
     double surface = 0.0;
     for (int i = 0; i < sim->n; i++) surface += sim->body[i].diameter * sim->body[i].diameter;
     if (!(surface > 0.0)) return volume > 0.0 ? GRANULATION_BAD_ARGUMENT : GRANULATION_OK;
-    for (int i = 0; i < sim->n; i++) {
-        granulation_granule *g = &sim->body[i].volumes;
-        double more = volume * (sim->body[i].diameter * sim->body[i].diameter / surface), out = displaced * more;
-        out = out < g->a ? out : g->a;
-        g->l += more;
-        g->a -= out;
-        sim->ledger.liquid += more;
-        sim->ledger.air_released += out;
-    }
+    for (int refuse = 1; refuse >= 0; refuse--) /* first only look */
+        for (int i = 0; i < sim->n; i++) {
+            granulation_granule g = sim->body[i].volumes;
+            double more = volume * (sim->body[i].diameter * sim->body[i].diameter / surface), out = displaced * more;
+            out = out < g.a ? out : g.a;
+            g.l += more;
+            g.a -= out;
+            if (refuse) {
+                if (!(granulation_diameter(granulation_volume(&g)) < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+                continue;
+            }
+            sim->body[i].volumes = g;
+            sim->ledger.liquid += more;
+            sim->ledger.air_released += out;
+        }
     granulation__refresh(sim);
-    for (int i = 0; i < sim->n; i++)
-        if (!(sim->body[i].diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
     return GRANULATION_OK;
 }
 

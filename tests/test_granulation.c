@@ -894,7 +894,12 @@ static void test_changes_in_mid_run(void **state) {
     assert_int_equal(granulation_sim_spray(&sim, -1.0, 0.0), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_sim_spray(&sim, NAN, 0.0), GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_sim_spray(&sim, 1e-12, 1.5), GRANULATION_BAD_ARGUMENT);
-    assert_int_equal(granulation_sim_spray(&sim, 1.0, 0.0), GRANULATION_TOO_LARGE);
+    granulation_sim_totals(&sim, &v0, NULL, NULL);
+    double booked = sim.ledger.liquid;
+    assert_int_equal(granulation_sim_spray(&sim, 1.0, 0.5), GRANULATION_TOO_LARGE); /* and nothing sprayed */
+    granulation_sim_totals(&sim, &v1, NULL, NULL);
+    assert_true(v1.l == v0.l && v1.a == v0.a && sim.ledger.liquid == booked);
+    assert_int_equal(granulation_sim_run(&sim, 1), GRANULATION_OK);
     granulation_sim_free(&sim);
     /* other densities: the momentum stays booked; refused definitions change nothing */
     sim = prepared(def, 50);
