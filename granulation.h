@@ -2100,8 +2100,9 @@ static inline granulation_status granulation__handle(granulation_sim *sim, granu
     return known && granulation__predict(sim, w, i, hit.time) ? GRANULATION_OK : GRANULATION_NO_MEMORY;
 }
 
-static inline granulation_status granulation__swept_step(granulation_sim *sim, double path_time) {
-    double left = path_time;
+/* *to_go: the path time left when it stopped */
+static inline granulation_status granulation__swept_step(granulation_sim *sim, double path_time, double *to_go) {
+    double left = *to_go = path_time;
     int64_t budget = sim->def.most_events * (sim->n + (int64_t)1), sweeps = 0;
     granulation_status status = GRANULATION_OK;
     while (left > 0.0 && status == GRANULATION_OK) {
@@ -2132,7 +2133,7 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
         for (int i = 0; i < sim->n; i++)
             if (!motion[i].gone) granulation__bring(sim, i, stop);
         granulation__compact(sim);
-        left = stop < left ? left - stop : 0.0;
+        left = *to_go = stop < left ? left - stop : 0.0;
     }
     return status;
 }
@@ -2223,9 +2224,10 @@ GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int
         if (status != GRANULATION_OK) return status;
         if (sim->def.stirring > 0.0) granulation__stir(sim);
         double path_time = sim->def.step / sim->def.dilation;
-        status =
-            sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, path_time) : granulation__end_of_step(sim, path_time);
-        sim->time += sim->def.step;
+        double to_go = 0.0;
+        status = sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, path_time, &to_go)
+                                                         : granulation__end_of_step(sim, path_time);
+        sim->time += to_go > 0.0 ? sim->def.step * ((path_time - to_go) / path_time) : sim->def.step;
         sim->steps++;
         if (status != GRANULATION_OK) return status;
         for (int i = 0; i < sim->n; i++)

@@ -737,8 +737,13 @@ static void test_stops(void **state) {
     def.most_events = 1;
     def.dilation = 100.0;
     def.consolidation = 0.0;
+    def.on_collision = record;
+    found_count = 0;
     sim = prepared(def, 192);
     assert_int_equal(granulation_sim_run(&sim, 1), GRANULATION_EVENTS);
+    assert_true(found_count == 194 && found[193].time < 0.5 * def.step);
+    near_to("time of the stop", sim.time, found[193].time, 1e-12);
+    def.on_collision = NULL;
     check_books(&sim, 1e-12);
     def.most_events = 1000;
     def.dilation = 1e4;
