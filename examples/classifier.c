@@ -522,7 +522,7 @@ int main(int argc, char **argv) {
         option_string("sizes", "FILE", &sizes, "size distributions: CSV with low_um,high_um,feed,coarse,fine"),
         option_string("measured", "FILE", &points, "measured separation curve: CSV with size_um,t"),
         option_flag("calibrate", &calibrate, "find the gas velocity that gives the measured x50"),
-        option_positive("x50-um", "X", &x50, 1e4, "calibrate to this cut size [um]"),
+        option_double("x50-um", "X", &x50, 0.0, 1e4, "calibrate to this cut size [um]; 0: off"),
     };
     program self = program_start("classifier", "Separation curve of a deflector-wheel classifier, from the rebound of single particles.",
                                  options, (int)(sizeof options / sizeof *options), argc, argv);

@@ -337,7 +337,8 @@ static void report(study *st, double k) {
 
 int main(int argc, char **argv) {
     silo s = {0, 1, 0, 0.005, 0.1, 2500.0, 2.5, 0.0, 2000.0, 0.5, 0.5, 0.0, HUGE_VAL, 2500};
-    double diameter = 5.0, slope = 0.0, height = 1.0, orifice = 40.0, k = 1.4;
+    double diameter = 5.0, slope = 0.0, height = 1.0, orifice = 40.0, k = 1.4, longest = 0.5;
+    int spheres = 2000;
     option options[] = {
         option_choice("scene", &s.dosta, "beverloo|dosta", "several orifices and fills, or one silo of Dosta et al. (2024)"),
         option_positive("diameter", "MM", &diameter, 1e3, "mean diameter of the spheres [mm]"),
@@ -352,8 +353,8 @@ int main(int argc, char **argv) {
         option_double("k", "K", &k, 0.0, 4.0, "of (D - k d)^n [-]"),
         option_positive("orifice", "MM", &orifice, 199.0, "dosta: diameter of the orifice, 40 or 60 [mm]"),
         option_int("material", "N", &s.material, 1, 2, "dosta: M1 or M2"),
-        option_int("spheres", "N", &s.spheres, 100, 10000000, "dosta: number of spheres, 100 000 in the paper"),
-        option_positive("time", "S", &s.time, 1e6, "dosta: longest discharge [s]"),
+        option_int("spheres", "N", &spheres, 100, 10000000, "dosta: number of spheres, 100 000 in the paper"),
+        option_positive("time", "S", &longest, 1e6, "dosta: longest discharge [s]"),
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);
@@ -365,8 +366,8 @@ int main(int argc, char **argv) {
         s.diameter = 0.004, s.spread = 0.0, s.slope = options[5].given ? s.slope : 0.25 * RIDDLE_PI, s.rolling = 0.0;
         s.density = s.material == 2 ? 2000.0 : 2500.0, s.restitution = s.material == 2 ? 0.4 : 0.5;
         s.friction = s.material == 2 ? 0.4 : 0.3;
-        s.spheres = options[13].given ? s.spheres : self.quick ? 300 : 2000;
-        s.time = options[14].given ? s.time : self.quick ? 0.05 : 0.5;
+        s.spheres = self.quick && !options[13].given ? 300 : spheres;
+        s.time = self.quick && !options[14].given ? 0.05 : longest;
         st.run[0].orifice = 1e-3 * orifice, st.run[0].radius = 0.1;
         st.runs = st.orifices = 1;
     } else {

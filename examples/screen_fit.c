@@ -922,12 +922,14 @@ int main(int argc, char **argv) {
         option_flag("synthetic", &synthetic, "curves made from the published parameters of model 2 instead"),
         option_int("starts", "N", &starts, 1, 1000, "random starts of a fit; a tenth of them for model 3"),
         option_double("shrink", "W", &shrink, 0.0, 1.0, "price of large exponents in the fits of predictions; 0: the plain minimum"),
-        option_int("search", "N", &evaluations, 100, 100000000,
-                   "compare with a global search of N evaluations: 1e6 take a minute for model 2, ten for model 1, twenty for 3"),
-        option_int("search-model", "M", &model, 0, GRAIN, "of this model only, 4: model 1 with the grain's mass; default all but 3"),
+        option_int("search", "N", &evaluations, 0, 100000000,
+                   "compare with a global search of N evaluations, 100 or more; 0: off. 1e6 take a minute for model 2, ten for model 1, "
+                   "twenty for 3"),
+        option_int("search-model", "M", &model, -1, GRAIN, "of this model only, 4: model 1 with the grain's mass; -1: all but 3"),
     };
     program self =
         program_start("screen_fit", "Process models of batch screening: evaluated, fitted, and predicting.", options, 6, argc, argv);
+    if (evaluations && evaluations < 100) program_refuse(&self, "search", NULL, "0 or from 100 to 100000000");
     if (model >= 0 && !evaluations) program_refuse(&self, "search-model", NULL, "only with --search");
     if (path && synthetic) program_refuse(&self, "data", path, "not with --synthetic");
     begin_study(&s);

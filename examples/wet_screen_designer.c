@@ -280,7 +280,8 @@ int main(int argc, char **argv) {
     const char *classes = "5,7";
     double A = 1.0, frequency = 50.6, moisture = 0.025, area = 0.02835, feed = 1.41, share = 2.0 / 3.0, coarse = 10.0, opening = 8.0,
            wire = 2.0;
-    double recovery = 0.9, limit = 40.0, k1 = 0.0, k2 = 0.0, f0 = 1.0, rate_error = 0.3, x_h = 0.5;
+    double recovery = 0.9, limit = 40.0, k1 = blocking_k1(.714, .0101), k2 = blocking_k2(.714, .0101), f0 = 1.0, rate_error = 0.3,
+           x_h = 0.5;
     int chosen = 2, shape = 0;
     option options[] = {
         option_positive("amplitude-mm", "A", &A, 10.0, "amplitude of the deck [mm]"),
@@ -296,9 +297,9 @@ int main(int argc, char **argv) {
         option_double("recovery", "R", &recovery, 0.01, 0.9999, "wanted share of the undersize that has passed [-]"),
         option_double("limit-s", "T", &limit, 1.0, 60.0, "longest batch looked at [s]"),
         option_choice("model", &chosen, "dong|subasinghe|soldinger", "model of the map"),
-        option_double("k1", "K1", &k1, 0.0, 1e3, "rate constant of blocking [1/s]"),
-        option_double("k2", "K2", &k2, 0.0, 1e3, "rate constant of unblocking [1/s]"),
-        option_double("f0", "F0", &f0, 0.0, 1.0, "free fraction of the holes at the start [-]"),
+        option_double("k1", "K1", &k1, 0.0, 1e3, "rate constant of blocking [1/s]; default: Table 2, fit 7b"),
+        option_double("k2", "K2", &k2, 0.0, 1e3, "rate constant of unblocking [1/s]; default: Table 2, fit 7b"),
+        option_double("f0", "F0", &f0, 0.0, 1.0, "free fraction of the holes at the start [-]; 0.949 without --k1 and --k2"),
         option_double("rate-error", "S", &rate_error, 0.0, 2.0, "relative standard error of k1 and k2 [-]"),
         option_double("xh", "X", &x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], for Table 3"),
         option_choice("shape", &shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
@@ -331,11 +332,7 @@ int main(int argc, char **argv) {
     if (options[13].given != options[14].given)
         program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
     const bool own = options[13].given;
-    if (!own) { /* Table 2, fit 7b, experiment */
-        k1 = blocking_k1(.714, .0101);
-        k2 = blocking_k2(.714, .0101);
-        if (!options[15].given) f0 = .949;
-    }
+    if (!own && !options[15].given) f0 = .949; /* goes with the default k1 and k2 */
     holes h;
     h.f0 = f0;
     h.k = k1 + k2;
