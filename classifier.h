@@ -2237,6 +2237,30 @@ static inline double classifier__curve_clean_size(const classifier_curve *c, dou
     return classifier_molerus_hoffmann_size(t, c->size, c->slope);
 }
 
+/* The largest gap (least T) between two sizes by golden section, or the first that is not negative */
+static inline double classifier__curve_least(const classifier__curve_goal *goal, double low, double high, double *at) {
+    const double golden = 0.6180339887498949;
+    double a = high - golden * (high - low), b = low + golden * (high - low), gap_a = classifier__curve_gap(a, goal),
+           gap_b = classifier__curve_gap(b, goal);
+    for (int i = 0; i < 40 && gap_a < 0.0 && gap_b < 0.0; i++) {
+        if (gap_a > gap_b) {
+            high = b;
+            b = a;
+            gap_b = gap_a;
+            a = high - golden * (high - low);
+            gap_a = classifier__curve_gap(a, goal);
+        } else {
+            low = a;
+            a = b;
+            gap_a = gap_b;
+            b = low + golden * (high - low);
+            gap_b = classifier__curve_gap(b, goal);
+        }
+    }
+    *at = gap_a > gap_b ? a : b;
+    return gap_a > gap_b ? gap_a : gap_b;
+}
+
 CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t) {
     if (!(curve && t > 0.0 && t < 1.0 && classifier_curve_value(curve, curve->size) >= 0.0)) return classifier__nan();
     double b = curve->bypass;
@@ -2246,12 +2270,27 @@ CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, doubl
     classifier__curve_goal goal;
     goal.curve = curve;
     goal.t = t;
-    /* from the hook's end down in small steps to the first crossing: T may turn back up further left */
-    double ln_high = riddle_log(curve->hook_size), high_gap = classifier__curve_gap(ln_high, &goal);
+    /* from the hook's end down in small steps to the first crossing; where T turns back up, its minimum may lie between two steps */
+    double ln_hook = riddle_log(curve->hook_size), ln_high = ln_hook, high_gap = classifier__curve_gap(ln_high, &goal);
+    if (!(high_gap < 0.0)) return x; /* the hook's end, but for rounding */
+    bool falls = true;
     for (int i = 1; i <= 2000; i++) {
         double ln_low = ln_high - 0.01, low_gap = classifier__curve_gap(ln_low, &goal);
+        bool turns = falls && low_gap < high_gap;
+        if (turns && !(low_gap > 0.0)) {
+            double end = i > 1 ? ln_high + 0.01 : ln_hook, ln_least, gap = classifier__curve_least(&goal, ln_low, end, &ln_least);
+            if (gap > 0.0) {
+                ln_low = ln_least;
+                low_gap = gap;
+                ln_high = end;
+                high_gap = classifier__curve_gap(end, &goal);
+            } else if (gap == 0.0) {
+                return riddle_exp(ln_least);
+            }
+        }
         if ((low_gap > 0.0) != (high_gap > 0.0))
             return riddle_exp(classifier__brent(classifier__curve_gap, &goal, ln_low, low_gap, ln_high, high_gap));
+        falls = !(low_gap < high_gap);
         ln_high = ln_low;
         high_gap = low_gap;
     }
@@ -2552,42 +2591,34 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
 /* >>circuits ================================================================================================================== */
 
 CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
-    double a[CLASSIFIER_STAGES][CLASSIFIER_STAGES], flow[CLASSIFIER_STAGES];
+    double to[CLASSIFIER_STAGES][CLASSIFIER_STAGES], out[CLASSIFIER_STAGES], leaves[CLASSIFIER_STAGES], flow[CLASSIFIER_STAGES];
     if (!(circuit && t && coarse) || circuit->stages < 1 || circuit->stages > CLASSIFIER_STAGES) return CLASSIFIER_BAD_ARGUMENT;
     int n = circuit->stages;
     for (int i = 0; i < n; i++) {
         int to_c = circuit->coarse_to[i], to_f = circuit->fine_to[i];
         if (!(t[i] >= 0.0 && t[i] <= 1.0) || to_c < CLASSIFIER_TO_FINE || to_c >= n || to_f < CLASSIFIER_TO_FINE || to_f >= n)
             return CLASSIFIER_BAD_ARGUMENT;
-        flow[i] = i == 0 ? 1.0 : 0.0;
-        for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 : 0.0;
+        out[i] = 0.0;
+        for (int j = 0; j < n; j++) to[i][j] = 0.0;
+        *(to_c >= 0 ? &to[i][to_c] : &out[i]) += t[i];
+        *(to_f >= 0 ? &to[i][to_f] : &out[i]) += 1.0 - t[i];
     }
-    for (int i = 0; i < n; i++) { /* flow into j = fresh + sum of what i sends there */
-        if (circuit->coarse_to[i] >= 0) a[circuit->coarse_to[i]][i] -= t[i];
-        if (circuit->fine_to[i] >= 0) a[circuit->fine_to[i]][i] -= 1.0 - t[i];
-    }
-    for (int j = 0; j < n; j++) {
-        int pivot = j;
-        for (int i = j + 1; i < n; i++)
-            if (fabs(a[i][j]) > fabs(a[pivot][j])) pivot = i;
-        if (!(fabs(a[pivot][j]) > 1e-12)) return CLASSIFIER_NO_OUTLET;
-        for (int k = 0; k < n; k++) {
-            double swap = a[j][k];
-            a[j][k] = a[pivot][k];
-            a[pivot][k] = swap;
-        }
-        double swap = flow[j];
-        flow[j] = flow[pivot];
-        flow[pivot] = swap;
-        for (int i = j + 1; i < n; i++) {
-            double factor = a[i][j] / a[j][j];
-            for (int k = j; k < n; k++) a[i][k] -= factor * a[j][k];
-            flow[i] -= factor * flow[j];
+    /* From the last stage down each is bridged: what enters it goes on in the shares in which it leaves. Only positive numbers are summed
+       (Grassmann, Taksar and Heyman 1985), so a flow that leaves slowly keeps its digits. */
+    for (int k = n - 1; k >= 0; k--) {
+        leaves[k] = out[k];
+        for (int j = 0; j < k; j++) leaves[k] += to[k][j];
+        for (int i = 0; i < k && leaves[k] > 0.0; i++) {
+            double share = to[i][k] / leaves[k];
+            for (int j = 0; j < k; j++) to[i][j] += share * to[k][j];
+            out[i] += share * out[k];
         }
     }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) flow[i] -= a[i][k] * flow[k];
-        flow[i] /= a[i][i];
+    for (int k = 0; k < n; k++) {
+        double enters = k == 0 ? 1.0 : 0.0;
+        for (int i = 0; i < k; i++) enters += flow[i] * to[i][k];
+        flow[k] = enters > 0.0 ? enters / leaves[k] : 0.0;
+        if (!(flow[k] < HUGE_VAL)) return CLASSIFIER_NO_OUTLET;
     }
     *coarse = 0.0;
     for (int i = 0; i < n; i++) {

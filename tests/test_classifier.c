@@ -728,6 +728,22 @@ static void curves_and_inverses(void **state) {
     near(classifier_curve_value(&hook, x), 0.28, 1e-12);
     assert_true(x > 4e-6);
     assert_true(isnan(classifier_curve_size(&hook, 0.05)));
+    /* just above the minimum, which 1 % steps would jump */
+    double least = 1.0, at = 0.0;
+    hook = classifier_curve_of(CLASSIFIER_PLITT, 20e-6, 2.0);
+    hook.bypass = 0.3;
+    hook.hook_size = 15e-6;
+    for (double size = 5e-6; size < 15e-6; size += 1e-10)
+        if (classifier_curve_value(&hook, size) < least) {
+            at = size;
+            least = classifier_curve_value(&hook, at);
+        }
+    for (double above = 1e-2; above > 1e-9; above *= 0.3) {
+        x = classifier_curve_size(&hook, least + above);
+        near(classifier_curve_value(&hook, x), least + above, 1e-14);
+        assert_true(x > at);
+    }
+    assert_true(isnan(classifier_curve_size(&hook, least - 1e-9)));
     /* mean over a class: exact for polynomials, equal to fine sums for a curve */
     near(classifier_class_mean(falling, NULL, falling, NULL, 0.0, 1.0, 1), (7.0 / 3.0) / 1.5, 1e-14);
     double sum = 0.0;
@@ -912,7 +928,17 @@ static void circuits(void **state) {
         assert_true(coarse == 0.0);
     }
     const double all[2] = {1.0, 1.0}, bad[2] = {nan_, 0.5};
-    double coarse;
+    double coarse, load[2];
+    /* a stage that nothing flows into may be closed; a flow may leave slowly */
+    const double idle[2] = {0.3, 1.0}, slow[2] = {1.0 - ldexp(1.0, -41), 1e-20};
+    classifier_circuit_def unused = {2, {CLASSIFIER_TO_COARSE, 1}, {CLASSIFIER_TO_FINE, CLASSIFIER_TO_FINE}},
+                           back = {2, {0, CLASSIFIER_TO_COARSE}, {1, 0}};
+    assert_int_equal(classifier_circuit(&unused, idle, &coarse, load), CLASSIFIER_OK);
+    assert_true(coarse == 0.3 && load[0] == 1.0 && load[1] == 0.0);
+    assert_int_equal(classifier_circuit(&back, slow, &coarse, load), CLASSIFIER_OK);
+    close_to(coarse, 1.0, 1e-15);
+    close_to(load[1], 1e20, 1e-15);
+    close_to(load[0], ldexp(1e20, 41), 1e-15);
     classifier_circuit_def loop = {1, {0}, {CLASSIFIER_TO_FINE}}, wrong = {2, {1, 2}, {-2, -2}}, closed = {2, {1, 0}, {1, 0}};
     assert_int_equal(classifier_circuit(&loop, all, &coarse, NULL), CLASSIFIER_NO_OUTLET);
     assert_int_equal(classifier_circuit(&closed, all, &coarse, NULL), CLASSIFIER_NO_OUTLET);
