@@ -1419,9 +1419,11 @@ typedef struct granulation__item {
     int id;
 } granulation__item;
 
-/* Within a sweep: the path time to which the position belongs, how often the path has changed, and whether the granule is gone */
+/* Within a sweep: the path time to which the position belongs, the sum of its jumps away from its item, the item, how often the path has
+   changed, and whether the granule is gone */
 typedef struct granulation__motion {
-    double time;
+    double time, jump;
+    int item;
     int stamp;
     int gone;
 } granulation__motion;
@@ -1924,8 +1926,8 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
 
 /* ---- swept: every contact in the order of time ----
    A step is cut into sweeps so short that a granule meets only those in the cells around it. Within a sweep each granule keeps the place of
-   its last event; `fastest` bounds the speed of all relative to the mean, `shift` the distance that granules were pushed, so that a
-   search finds everyone whose place in the cells is out of date. */
+   its last event; `fastest` bounds the speed of all relative to the mean, `shift` how far any was pushed or jumped to a centre of mass, so
+   that a search finds everyone whose place in the cells is out of date. */
 
 /* The paper's reversal can lock three granules that touch into an endless exchange of signs: after so many events in one sweep a
    granule meets nobody until the next. Ordinary ones have two at most. */
@@ -1951,7 +1953,7 @@ static inline bool granulation__predict(granulation_sim *sim, granulation__sweep
     const granulation__item *items = (const granulation__item *)sim->items;
     double box = sim->def.box, radius = 0.5 * sim->body[i].diameter, speed = granulation__frame_speed(sim, w, i), left = w->end - now;
     double x = sim->x[i], y = sim->y[i], z = sim->z[i];
-    double reach = granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + 2.0 * w->shift;
+    double reach = granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + w->shift;
     reach *= 1.0 + 1e-12;
     granulation__walk walk =
         granulation__near(sim, w->cells, granulation__wrap(x - w->mean[0] * now, box), granulation__wrap(y - w->mean[1] * now, box),
@@ -1984,6 +1986,12 @@ static inline void granulation__bring(granulation_sim *sim, int i, double now) {
     m->time = now;
 }
 
+static inline void granulation__jump(granulation_sim *sim, granulation__sweep *w, int i, double distance) {
+    granulation__motion *m = (granulation__motion *)sim->motion + i;
+    m->jump += distance;
+    w->shift = m->jump > w->shift ? m->jump : w->shift;
+}
+
 /* A granule has grown: those that it now overlaps are pushed along the line of centres until they touch, and so on in turn.
    Gives up after 64 pushes; what overlap is left then can only shrink. */
 static inline bool granulation__make_room(granulation_sim *sim, granulation__sweep *w, int first, double now) {
@@ -1995,7 +2003,7 @@ static inline bool granulation__make_room(granulation_sim *sim, granulation__swe
     for (int k = 0; k < length; k++) {
         int i = queue[k];
         double radius = 0.5 * sim->body[i].diameter;
-        double reach = granulation__reach(sim->def.contact, radius, w->widest) + w->fastest * w->end + 2.0 * w->shift;
+        double reach = granulation__reach(sim->def.contact, radius, w->widest) + w->fastest * w->end + w->shift;
         granulation__walk walk = granulation__near(sim, w->cells, granulation__wrap(sim->x[i] - w->mean[0] * now, box),
                                                    granulation__wrap(sim->y[i] - w->mean[1] * now, box),
                                                    granulation__wrap(sim->z[i] - w->mean[2] * now, box), reach * (1.0 + 1e-12));
@@ -2015,7 +2023,7 @@ static inline bool granulation__make_room(granulation_sim *sim, granulation__swe
                 sim->x[j] = granulation__wrap(sim->x[j] + push * dx, box);
                 sim->y[j] = granulation__wrap(sim->y[j] + push * dy, box);
                 sim->z[j] = granulation__wrap(sim->z[j] + push * dz, box);
-                w->shift += push * sqrt(distance2); /* of any granule: the sum bounds each */
+                granulation__jump(sim, w, j, push * sqrt(distance2));
                 motion[j].stamp++;
                 queue[length++] = j;
             }
@@ -2042,7 +2050,7 @@ static inline granulation_status granulation__begin_sweep(granulation_sim *sim, 
         double speed = granulation__frame_speed(sim, w, i), radius = 0.5 * sim->body[i].diameter;
         w->fastest = speed > w->fastest ? speed : w->fastest;
         w->widest = radius > w->widest ? radius : w->widest;
-        motion[i].time = 0.0;
+        motion[i].time = motion[i].jump = 0.0;
         motion[i].stamp = motion[i].gone = 0;
     }
     double room = 0.5 * box - 2.0 * w->widest;
@@ -2054,7 +2062,10 @@ static inline granulation_status granulation__begin_sweep(granulation_sim *sim, 
     if (!(w->end > 0.0)) return GRANULATION_EVENTS;
     w->allowed = 0.5 * room / w->end;
     sim->events = 0;
-    return granulation__sort(sim, &w->cells) ? GRANULATION_OK : GRANULATION_NO_MEMORY;
+    if (!granulation__sort(sim, &w->cells)) return GRANULATION_NO_MEMORY;
+    const granulation__item *items = (const granulation__item *)sim->items;
+    for (int a = 0; a < n; a++) motion[items[a].id].item = a;
+    return GRANULATION_OK;
 }
 
 /* every pair of the sweep's start, once */
@@ -2087,7 +2098,21 @@ static inline granulation_status granulation__handle(granulation_sim *sim, granu
     int i = hit.i, j = hit.j;
     granulation__bring(sim, i, hit.time);
     granulation__bring(sim, j, hit.time);
+    double box = sim->def.box, dx = granulation__nearest(sim->x[i] - sim->x[j], box), dy = granulation__nearest(sim->y[i] - sim->y[j], box),
+           dz = granulation__nearest(sim->z[i] - sim->z[j], box), mi = sim->body[i].mass, mj = sim->body[j].mass;
     bool merged = granulation__meet(sim, i, j, time);
+    if (merged) { /* one granule: it takes the item of the heavier half, from where the jump is shorter */
+        if (mj > mi) {
+            granulation__item *items = (granulation__item *)sim->items;
+            granulation__motion swap = motion[i];
+            items[motion[i].item].id = j;
+            items[motion[j].item].id = i;
+            motion[i].item = motion[j].item;
+            motion[i].jump = motion[j].jump;
+            motion[j].item = swap.item;
+        }
+        granulation__jump(sim, w, i, (mi < mj ? mi : mj) / (mi + mj) * sqrt(dx * dx + dy * dy + dz * dz));
+    }
     motion[i].stamp++;
     motion[j].stamp++;
     double radius = 0.5 * sim->body[i].diameter, speed_i = granulation__frame_speed(sim, w, i);
@@ -2126,7 +2151,7 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
                 continue;
             status = granulation__handle(sim, &w, hit, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
             if (--budget < 0) status = GRANULATION_EVENTS;
-            if (status == GRANULATION_OK && w.fastest <= w.allowed && w.shift <= 0.25 * w.spacing) continue;
+            if (status == GRANULATION_OK && w.fastest <= w.allowed && w.shift <= 0.25 * w.spacing + w.widest) continue;
             stop = hit.time; /* a new sweep with new bounds */
             break;
         }

@@ -701,6 +701,43 @@ static void test_merging(void **state) {
     granulation_sim_free(&sim);
 }
 
+/* a merged granule jumps to the centre of mass, whichever half had the lower index: what stands behind it there meets it */
+static void test_jump_of_a_merger(void **state) {
+    (void)state;
+    for (int turn = 0; turn < 2; turn++) {
+        granulation_def def = granulation_default_def();
+        def.box = 1.0;
+        def.breakage = false;
+        def.consolidation = 0.0;
+        def.step = def.dilation = 1.0;
+        def.laws.limit = GRANULATION_NO_LIMIT;
+        def.laws.viscosity = 1e6;
+        def.on_collision = record;
+        granulation_sim sim;
+        assert_int_equal(granulation_sim_init(&sim, &def), GRANULATION_OK);
+        /* a light one meets a heavy one at 0.01 s; beyond that stands a third, which a fourth sends towards the heavy one */
+        const double x[4] = {0.4999, 0.55001, 0.6045, 0.6075}, radius[4] = {1e-4, 0.05, 1e-3, 1e-3}, v[4] = {0.001, 0.0, 0.0, -0.02};
+        for (int k = 0; k < 1104; k++) { /* the others far off, for a grid of cells */
+            int which = k < 2 && turn ? 1 - k : k, far = k - 4;
+            double volume = granulation_sphere(k < 4 ? 2.0 * radius[which] : 2e-5), wet = k < 2 ? 0.45 * volume : 0.0;
+            granulation_granule g = {volume - wet, wet, 0.0};
+            const double speed[3] = {k < 4 ? v[which] : 0.0, 0.0, 0.0};
+            double centre[3] = {0.02 + 0.085 * (far % 11), 0.02 + 0.085 * (far / 11 % 10), 0.71 + 0.02 * (far / 110)};
+            if (k < 4) centre[0] = x[which], centre[1] = centre[2] = 0.5;
+            assert_int_equal(granulation_sim_put(&sim, &g, centre, speed), GRANULATION_OK);
+        }
+        found_count = 0;
+        assert_int_equal(granulation_sim_run(&sim, 1), GRANULATION_OK);
+        assert_int_equal(found_count, 3);
+        assert_true(found[2].i == 0 && found[2].j == 2);
+        near_to("contact", found[2].time, 0.2245, 1e-3);
+        double overlap;
+        assert_int_equal(granulation_sim_overlap(&sim, &overlap), GRANULATION_OK);
+        assert_true(overlap < 1e-12);
+        granulation_sim_free(&sim);
+    }
+}
+
 /* traps 12 and 16, and the other stops: a status, and a state that can be used on */
 static void test_stops(void **state) {
     (void)state;
@@ -1587,6 +1624,7 @@ int main(void) {
         cmocka_unit_test(test_books_through_a_million_events),
         cmocka_unit_test(test_energy_and_reversal),
         cmocka_unit_test(test_merging),
+        cmocka_unit_test(test_jump_of_a_merger),
         cmocka_unit_test(test_stops),
         cmocka_unit_test(test_placement),
         cmocka_unit_test(test_any_definition),
