@@ -266,8 +266,9 @@ static inline double classifier_radial_velocity(const classifier_wheel *wheel, d
 
 /* The exact straight flight of a particle from the rim to the face of the next paddle, in the inertial frame. */
 typedef struct classifier_impact {
-    bool hit;       /* false: it stays clear of the face inside the wheel for a whole turn (or crosses the inner radius before) */
-    double radius;  /* of the hit [m], at most outer_radius */
+    bool hit;       /* false: it stays clear of the face for a whole turn (or crosses the inner radius before) */
+    double radius;  /* of the hit [m], at most outer_radius: one that has drifted out over the rim again meets the face's plane there and
+                       counts as hit at the edge, not as let through */
     double time;    /* from the entry [s] */
     double speed;   /* relative to the paddle [m/s] */
     double angle;   /* between relative velocity and the face's normal, negative: sliding inward [rad] */
@@ -1623,9 +1624,11 @@ static inline classifier_impact classifier__approach(const classifier_wheel *whe
         double x = px + vx * t, y = py + vy * t, gap = c * y - s * x - face;
         if (hit.iterations > 0 && fabs(gap) < 1e-14 * ra) {
             double r = sqrt(x * x + y * y), wx = vx + angular_speed * y, wy = vy - angular_speed * x;
-            if (r < wheel->inner_radius) return hit;
+            double course = px * vx + py * vy, speed2 = vx * vx + vy * vy, inner2 = wheel->inner_radius * wheel->inner_radius;
+            if (r < wheel->inner_radius || (course < 0.0 && course + speed2 * t > 0.0 && (ra * ra - inner2) * speed2 < course * course))
+                return hit; /* it was inside before: at the hit or at the middle of its chord */
             hit.hit = true;
-            hit.radius = r < ra ? r : ra; /* with almost no inward velocity it meets the edge a few hundredths of a millimetre outside */
+            hit.radius = r < ra ? r : ra; /* outside with almost no inward velocity: in the model as a rule by hundredths of a millimetre */
             hit.time = t;
             if (radius_only) return hit;
             hit.speed = sqrt(wx * wx + wy * wy);

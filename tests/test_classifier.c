@@ -510,6 +510,14 @@ static void impacts(void **state) {
     assert_false(classifier_approach(&wheel, 300.0, 0.2, -8.0, 0.0).hit); /* it runs ahead of the paddle */
     assert_false(classifier_approach(&wheel, 300.0, 0.2, 0.0, 50.0).hit); /* it is inside before the paddle comes */
     assert_false(classifier_approach(&wheel, nan_, 0.2, 0.0, 0.0).hit);
+    /* hardly inward: over the rim again, counted at the edge; across the hollow inside and out to the face: not a hit */
+    classifier_wheel hollow = wheel;
+    hollow.paddles = 2;
+    classifier_impact edge_hit = classifier_approach(&hollow, 300.0, 1.4, 15.0, 0.0);
+    assert_true(edge_hit.hit && edge_hit.radius == hollow.outer_radius);
+    assert_false(classifier_approach(&hollow, 76.47, 2.585, 1.991, 2.492).hit);
+    hollow.inner_radius = 0.0155; /* the chord comes down to 15.6 mm */
+    assert_true(classifier_approach(&hollow, 76.47, 2.585, 1.991, 2.492).hit);
     near(classifier_radial_velocity(&wheel, 75.0 / 3600.0, 0.025), 7.1, 0.01);
     near(classifier_radial_velocity(&wheel, 75.0 / 3600.0, 0.018), 11.9, 0.03);
 }
