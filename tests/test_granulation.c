@@ -138,6 +138,9 @@ static void test_traps_of_the_laws(void **state) {
     wet = granulation_collide(&laws, &soft1, &soft1, 6.0);
     assert_true(dry.coalesces && wet.coalesces);
     near_to("no jump", wet.u3, dry.u3, 1e-6);
+    laws.dry_rule = false; /* dry ones then rebound whatever deep_film says: the jump stays */
+    dry = granulation_collide(&laws, &soft0, &soft0, 6.0);
+    assert_true(dry.u3 == dry.u2 && !dry.coalesces && granulation_collide(&laws, &soft1, &soft1, 6.0).u3 == wet.u3);
     laws = granulation_default_laws();
     laws.limit = GRANULATION_NO_LIMIT;
     /* 3: St_v -> 0: decided before B, no NaN anywhere */
