@@ -412,6 +412,25 @@ static void test_nearly_equal_spheres(void **state) {
                 last = other.gap / R;
             }
         }
+    const double hard[][2] = {
+        {1.0045, 0.6684}, {1.0045, 0.7722}, {1.0045, 0.8241}, {1.011446731, 0.9625}}; /* a long step passed the fold */
+    for (int k = 0; k < 4; k++) {
+        bridge_pair_def def = bridge_pair_default_def();
+        bridge_pair pair;
+        def.radius_j = def.radius_i / hard[k][0];
+        def.angle_i = def.angle_j = hard[k][1];
+        def.volume_max = 0.06;
+        assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    }
+    for (double ratio = 1.0003; ratio < 1.005; ratio += 0.0011)
+        for (double angle = 0.53; angle < 1.05; angle += 0.1) {
+            bridge_pair_def def = bridge_pair_default_def();
+            bridge_pair pair;
+            def.radius_j = def.radius_i / ratio;
+            def.angle_i = def.angle_j = angle;
+            def.volume_max = 0.05;
+            assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+        }
 }
 
 typedef struct errors {
