@@ -1041,7 +1041,7 @@ static inline double classifier_molerus_hoffmann_size(double t, double x50, doub
     if (!(t >= 0.0 && t < 1.0 && classifier__positive(x50) && alpha >= 0.0 && alpha < HUGE_VAL)) return classifier__nan();
     if (t == 0.0) return 0.0;
     double odds = t / (1.0 - t);
-    if (alpha < 1e-12) return x50 * sqrt(odds);
+    if (alpha * (1.0 + odds) < 1e-16) return x50 * sqrt(odds);
     return x50 * sqrt(classifier__lambert_w_exp(riddle_log(alpha) + alpha + riddle_log(odds)) / alpha);
 }
 
@@ -1129,6 +1129,12 @@ static inline double classifier__normal_above(double z) {
     return z > 0.0 ? value : 1.0 - value;
 }
 
+/* P(a < N < b) from the nearer tail */
+static inline double classifier__normal_between(double a, double b) {
+    return b < 0.0 ? classifier__normal_above(-b) - classifier__normal_above(-a)
+                   : classifier__normal_above(a) - classifier__normal_above(b);
+}
+
 /* z with P(N < z) = u, 0 < u < 1: Wichura 1988, algorithm AS 241, 1e-16 */
 static inline double classifier__normal_at(double u) {
     const double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4, 4.5921953931549871457e4,
@@ -1196,11 +1202,11 @@ CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_
     if (d->shape != CLASSIFIER_NORMAL || !(fabs(d->mean) < HUGE_VAL && d->sd >= 0.0 && d->sd < HUGE_VAL && d->low <= d->high))
         return CLASSIFIER_BAD_ARGUMENT;
     if (d->sd == 0.0) return d->mean >= d->low && d->mean <= d->high ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
-    double mass = classifier__normal_above((d->low - d->mean) / d->sd) - classifier__normal_above((d->high - d->mean) / d->sd);
+    double mass = classifier__normal_between((d->low - d->mean) / d->sd, (d->high - d->mean) / d->sd);
     return mass > 1e-9 ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
 }
 
-/* P(X < value) */
+/* P(X < value). normal_low, normal_mass: P(N > low) and P(low < N < high); beyond the mean normal_low is - P(N < low) <= 0, its digits. */
 static inline double classifier__below(const classifier_distribution *d, double value, double normal_low, double normal_mass) {
     if (!(value > d->low)) return value != value ? value : 0.0;
     if (!(value < d->high)) return 1.0;
@@ -1214,6 +1220,7 @@ static inline double classifier__below(const classifier_distribution *d, double 
         return d->cumulative[low] + (d->cumulative[high] - d->cumulative[low]) * (value - d->edge[low]) / (d->edge[high] - d->edge[low]);
     }
     if (d->sd == 0.0) return value > d->mean ? 1.0 : 0.0;
+    if (normal_low <= 0.0) return (classifier__normal_above((d->mean - value) / d->sd) + normal_low) / normal_mass;
     return (normal_low - classifier__normal_above((value - d->mean) / d->sd)) / normal_mass;
 }
 
@@ -1230,11 +1237,11 @@ static inline double classifier__at(const classifier_distribution *d, double u, 
     }
     if (d->sd == 0.0) return d->mean;
     /* from the nearer tail: 1 - u would lose digits */
-    double above = normal_low - u * normal_mass, x = d->mean - d->sd * classifier__normal_at(above);
+    double tail = classifier__normal_at(fabs(normal_low - u * normal_mass)), x = d->mean + (normal_low > 0.0 ? -d->sd : d->sd) * tail;
     return x < d->low ? d->low : x > d->high ? d->high : x;
 }
 
-/* A distribution with the constants of its normal law: P(N > low) and P(low < N < high) before the cut */
+/* A distribution with the constants of its normal law, as classifier__below wants them */
 typedef struct classifier__drawer {
     const classifier_distribution *d;
     double low, mass;
@@ -1244,8 +1251,9 @@ static inline classifier__drawer classifier__drawer_of(const classifier_distribu
     w.d = d;
     w.low = w.mass = 1.0;
     if (d->shape == CLASSIFIER_NORMAL && d->sd > 0.0) {
-        w.low = classifier__normal_above((d->low - d->mean) / d->sd);
-        w.mass = w.low - classifier__normal_above((d->high - d->mean) / d->sd);
+        double a = (d->low - d->mean) / d->sd, b = (d->high - d->mean) / d->sd;
+        w.low = b < 0.0 ? -classifier__normal_above(-a) : classifier__normal_above(a);
+        w.mass = classifier__normal_between(a, b);
     }
     return w;
 }
@@ -1275,7 +1283,7 @@ CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution
     }
     if (d->sd == 0.0) return d->mean;
     double a = (d->low - d->mean) / d->sd, b = (d->high - d->mean) / d->sd;
-    double mass = classifier__normal_above(a) - classifier__normal_above(b);
+    double mass = classifier__normal_between(a, b);
     double density = (a > -HUGE_VAL ? riddle_exp(-0.5 * a * a) : 0.0) - (b < HUGE_VAL ? riddle_exp(-0.5 * b * b) : 0.0);
     return d->mean + d->sd * 0.39894228040143268 * density / mass;
 }
@@ -1912,14 +1920,16 @@ static inline void classifier__evaluate(const classifier_model *m, double x, dou
     }
 }
 
-/* Student's t for 97.5 %, n - 1 degrees of freedom: expansion of Hill 1970 type around the normal quantile, 0.5 % from 3 on; exact for 1
-   and 2 */
+/* Student's t for 97.5 %, n - 1 degrees of freedom: exact up to 6, above by the expansion around the normal quantile (Abramowitz and Stegun
+   26.7.5), within 2.1e-5 */
 static inline double classifier__student(int n) {
+    const double exact[6] = {12.706204736174705, 4.302652729749464,  3.1824463052837096,
+                             2.7764451051977944, 2.5705818356363155, 2.44691185114497};
     double v = n - 1.0, z = 1.959963984540054, z2 = z * z;
-    if (n == 2) return 12.706204736432095;
-    if (n == 3) return 4.302652729911275;
+    if (n >= 2 && n <= 7) return exact[n - 2];
     return z * (1.0 + ((z2 + 1.0) / 4.0 + ((5.0 * z2 + 16.0) * z2 + 3.0) / (96.0 * v) +
-                       (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * v * v)) /
+                       (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * v * v) +
+                       ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / (92160.0 * v * v * v)) /
                           v);
 }
 

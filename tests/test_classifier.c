@@ -526,6 +526,9 @@ static void impacts(void **state) {
 
 static void error_bars_cover(void **state) {
     (void)state;
+    const double student[] = {12.7062, 4.30265, 3.18245, 2.77645, 2.57058, 2.44691, 2.36462, 2.30600, 2.26216}; /* tables */
+    for (int n = 2; n <= 10; n++) close_to(classifier__student(n), student[n - 2], 3e-5);
+    close_to(classifier__student(64), 1.9983405425, 1e-9);
     classifier_def def = paper_def(CLASSIFIER_LIMESTONE, 3000.0);
     def.points = 16384;
     def.shifts = 32;
@@ -712,6 +715,10 @@ static void curves_and_inverses(void **state) {
     for (int i = 0; i < LENGTH(alpha); i++)
         close_to(classifier_molerus_hoffmann_size(0.25, 1.0, alpha[i]) / classifier_molerus_hoffmann_size(0.75, 1.0, alpha[i]), mh[i],
                  2e-14);
+    for (double small = 1e-20; small < 1e-8; small *= 7.0) { /* alpha x^2 counts where T is near 1 */
+        double y = classifier_molerus_hoffmann_size(1.0 - ldexp(1.0, -45), 1.0, small);
+        close_to(y * y / exp(small * (1.0 - y * y)), ldexp(1.0, 45) - 1.0, 1e-11);
+    }
     assert_true(fabs(classifier_plitt(7e-6, 7e-6, 2.3) - 0.5) < 1e-15); /* 0.693 in place of ln 2 would give 0.49993 */
     for (int law = 0; law < 3; law++)
         for (double t = 0.001; t < 1.0; t += 0.0371)
@@ -968,6 +975,15 @@ static void distributions(void **state) {
     classifier_distribution far = classifier_normal(-5.0, 1.0, 0.0, HUGE_VAL); /* a tail: 3e-7 of its mass is left */
     near(classifier_distribution_mean(&far), 0.186503967125846, 1e-9);
     for (double u = 0.01; u < 1.0; u += 0.03) near(classifier_distribution_above(&far, classifier_distribution_at(&far, u)), 1.0 - u, 1e-9);
+    for (double z = 3.0; z < 5.5; z += 0.6) { /* cut far below the mean: as good as its mirror image */
+        classifier_distribution low = classifier_normal(1.0 + z * 0.2, 0.2, 0.0, 1.0), up = classifier_normal(0.0 - z * 0.2, 0.2, 0.0, 1.0);
+        near(classifier_distribution_mean(&low), 1.0 - classifier_distribution_mean(&up), 1e-14);
+        for (double u = 0.01; u < 1.0; u += 0.03) {
+            double at = classifier_distribution_at(&low, u);
+            near(at, 1.0 - classifier_distribution_at(&up, 1.0 - u), 1e-14);
+            near(classifier_distribution_above(&low, at), 1.0 - u, 1e-14);
+        }
+    }
     const double edge[] = {0.0, 0.1, 0.3, 0.6}, share[] = {0.25, 0.5, 0.25};
     assert_int_equal(classifier_histogram(edge, share, 3, &h), CLASSIFIER_OK);
     near(classifier_distribution_mean(&h), 0.25 * 0.05 + 0.5 * 0.2 + 0.25 * 0.45, 1e-15);
