@@ -238,9 +238,9 @@ typedef struct granulation_laws {
     granulation_pair_yield pair_yield; /* default MEAN */
     bool elastic_rule;                 /* an elastic contact (deformation <= 0) may be held by (23); false: it rebounds; default false */
     bool dry_rule;                     /* dry surfaces may be held by (25); false: they rebound; default false */
-    bool deep_film; /* separation starts from a film max(h0, deformation); no jump at h0 = ha if dry_rule is set too; default false */
-    granulation_limit limit; /* default LIMIT_MOISTURE */
-    double limit_diameter;   /* [m] with LIMIT_MOISTURE, A1 [m Pa^(a1/2)] with LIMIT_PRINTED, > 0; 2.30e-4 (fitted) */
+    bool deep_film;                    /* separation from a film max(h0, deformation): with dry_rule no jump at h0 = ha; default false */
+    granulation_limit limit;           /* default LIMIT_MOISTURE */
+    double limit_diameter;             /* [m] with LIMIT_MOISTURE, A1 [m Pa^(a1/2)] with LIMIT_PRINTED, > 0; 2.30e-4 (fitted) */
     double limit_moisture;   /* moisture l / s of limit_diameter [-], > 0; 33/52; with LIMIT_PRINTED: A1 (w / limit_moisture)^(1/4) */
     double limit_exponent;   /* a1 of (39) [-], > 0; 0.5; used with LIMIT_PRINTED */
     bool limit_type_one;     /* the limit also holds for Type I; default false */
@@ -2520,8 +2520,8 @@ static inline granulation__place_of granulation__share(const granulation_balance
     return p;
 }
 
-/* Mean key of what is born in cell `at` along key k. All sums in it lie between the cell's edges and not beyond the last pivot; round-off of
-   a mean of thousands may, and over- or underflow of its terms. */
+/* Mean key of what is born in cell `at` along key k. All sums in it lie between the cell's edges and not beyond the last pivot; round-off
+   of a mean of thousands may, and over- or underflow of its terms. */
 static inline double granulation__mean_key(const granulation_balance *b, int k, int at, double sum, double count) {
     double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1], mean = sum / count;
     low = low > first ? low : first;
