@@ -922,7 +922,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
-   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 4 ulp unless
+   Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
