@@ -3187,7 +3187,8 @@ DEM_INLINE int dem__awaits(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* A contact with a place of a wall. Of a cone, which is touched from both sides and at its rims, it keeps the curvature of its beginning. */
+/* A contact with a place of a wall. That of a cone, which is touched from both sides and at its rims, keeps the curvature of its
+   beginning. */
 static inline int dem__bear_at_wall(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     if (!dem__bear(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
@@ -3333,7 +3334,9 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
         const int flat = (wall->kind == DEM_PLANE || wall->kind == DEM_EXIT) && along == 0.0,
                   tube = wall->kind == DEM_CYLINDER && along == 1.0;
         if (!w->def.periodic[a] || (wall->spin_bound == 0.0 && (flat || tube))) continue;
-        least = fmin(least, fmin(at - dem_axis(w->def.low, a), dem_axis(w->def.high, a) - at));
+        const double below = at - dem_axis(w->def.low, a), above = dem_axis(w->def.high, a) - at;
+        least = below < least ? below : least;
+        least = above < least ? above : least;
     }
     return least;
 }

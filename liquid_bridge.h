@@ -277,8 +277,8 @@ static inline double bridge_printed_drag_spin(double viscous_gap, double reduced
 BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
 /* BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
-/* Solves and tabulates one kind of pair (a few milliseconds; nearly equal spheres over 30 degrees a hundred). BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no
-   bridge in contact; *pair is then unusable. */
+/* Solves and tabulates one kind of pair (a few milliseconds; nearly equal spheres with angles over 30 degrees up to a hundred).
+   BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact; *pair is then unusable. */
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
 
 /* Young-Laplace, solved: bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative error
