@@ -3160,13 +3160,18 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
+/* After link k in particle i's list; -1 at its end. */
+DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
+    return w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k];
+}
+
 /* The link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     int32_t k = w->link_head__[i];
     while (k >= 0) {
         const int first = w->link_i__[k] == i;
         if ((first ? w->link_j__[k] : w->link_i__[k]) == j && (j >= 0 || w->link_element__[k] == element)) return k;
-        k = first ? w->link_next_i__[k] : w->link_next_j__[k];
+        k = dem__next_link(w, k, i);
     }
     return -1;
 }
@@ -4811,14 +4816,13 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     int32_t *at = &w->link_head__[i];
     while (*at != k) at = w->link_i__[*at] == i ? &w->link_next_i__[*at] : &w->link_next_j__[*at];
-    *at = replacement >= 0 ? replacement : w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k];
+    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
 /* The last of a particle's links by slot: the order of its list depends on what has happened. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
-    for (int32_t k = w->link_head__[i]; k >= 0; k = w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k])
-        last = k > last ? k : last;
+    for (int32_t k = w->link_head__[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
