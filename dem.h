@@ -3310,14 +3310,12 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
 /* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
    only on this course. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
-                                         int found) {
+                                         int found, double others) {
     const double stray = 2.0 * w->course__[i].ball, near = w->link_near__ + w->blur__, radius = w->particle[i].radius;
     const dem_vec u = dem__sub(v, wall->velocity), g = w->def.gravity;
     double a = w->fall__ + wall->acceleration_bound, least = HUGE_VAL;
     if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
-    if (wall->kind == DEM_SCREEN) {
-        least = dem__time_to_close(dem__other_bars(w, wall, radius, touch, found) - near, dem__length(u) + stray, a);
-    }
+    if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
     if (wall->kind == DEM_CYLINDER) {
         const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
         a = sqrt(fabs(dem__dot(g, g) - along * along)) + wall->side_bound;
@@ -3354,7 +3352,7 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
-    double tau = (double)(step - w->particle[i].origin) * w->dt__, least;
+    double tau = (double)(step - w->particle[i].origin) * w->dt__, least, others = w->reach__;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->has_periodic__) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
     dem__touch touch[DEM__TOUCHES];
@@ -3365,7 +3363,8 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
             return;
         }
     } else if (found > 0) {
-        least = wall->kind == DEM_SCREEN ? dem__other_bars(w, wall, w->particle[i].radius, touch, found) : w->reach__;
+        if (wall->kind == DEM_SCREEN) others = dem__other_bars(w, wall, w->particle[i].radius, touch, found);
+        least = others;
         for (int q = 0; q < found; q++) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
             const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
@@ -3390,7 +3389,8 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
     }
     const int sure = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__)), steps = sure < most ? sure : most;
     int better = 0;
-    if (steps < DEM__OFTEN / 4 && crossing == HUGE_VAL) better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found));
+    if (steps < DEM__OFTEN / 4 && crossing == HUGE_VAL)
+        better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found, others));
     w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
 }

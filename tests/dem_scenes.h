@@ -77,6 +77,14 @@ static inline dem_status scene_fill(dem_world *w, scene_random *r, int nx, int n
     return DEM_OK;
 }
 
+/* A law for links: springs between surfaces, that tear at a gap. */
+enum { STIFFNESS, LIMIT, DRAG, SPRING_STATES }; /* state: [N/m], [m], [kg/s] */
+DEM_INLINE void scene_spring_force(const dem_contact *c, double *state, dem_response *r) {
+    r->normal = -state[STIFFNESS] * c->gap + state[DRAG] * c->closing;
+    for (int a = 0; a < 3; a++) r->tangential[a] = -state[DRAG] * c->slip[a];
+    r->ended = c->gap > state[LIMIT] ? 1.0 : 0.0;
+}
+
 static inline void scene_box(dem_world *w, double half, double low, double high) {
     dem_add_plane(w, 1, dem_vec3(-half, 0, 0), dem_vec3(1, 0, 0));
     dem_add_plane(w, 1, dem_vec3(half, 0, 0), dem_vec3(-1, 0, 0));

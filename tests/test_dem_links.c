@@ -13,24 +13,14 @@
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 
-/* ---- a law of the test: springs between surfaces, that tear at a gap ---- */
-
-enum { STIFFNESS, LIMIT, DRAG, SPRING_STATES };
-
-DEM_INLINE void spring_force(const dem_contact *c, double *state, dem_response *r) {
-    r->normal = -state[STIFFNESS] * c->gap + state[DRAG] * c->closing;
-    for (int a = 0; a < 3; a++) r->tangential[a] = -state[DRAG] * c->slip[a];
-    r->ended = c->gap > state[LIMIT] ? 1.0 : 0.0;
-}
-
 static void spring_ended(dem_world *w, int32_t slot, void *user) {
     assert_true(dem_get_link(w, slot).i >= 0);
     if (user) (*(long *)user)++;
 }
 
-static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, spring_force, NULL, spring_ended};
+static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, spring_ended};
 DEM_LINK_KERNEL(spring_kernel, spring)
-static const dem_law other = {"other", 1, SPRING_STATES + 1, 0, 0, 0, NULL, spring_force, NULL, NULL};
+static const dem_law other = {"other", 1, SPRING_STATES + 1, 0, 0, 0, NULL, scene_spring_force, NULL, NULL};
 DEM_LINK_KERNEL(other_kernel, other)
 
 static const double SIZE = 5e-3, NEAR = 2e-6;

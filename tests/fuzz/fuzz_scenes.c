@@ -4,15 +4,7 @@
 
 #include "dem_scenes.h"
 
-/* ---- a link: a spring between surfaces, that tears ---- */
-
-enum { STIFFNESS, LIMIT, DRAG, SPRING_STATES };
-DEM_INLINE void spring_force(const dem_contact *c, double *state, dem_response *r) {
-    r->normal = -state[STIFFNESS] * c->gap + state[DRAG] * c->closing;
-    for (int a = 0; a < 3; a++) r->tangential[a] = -state[DRAG] * c->slip[a];
-    r->ended = c->gap > state[LIMIT] ? 1.0 : 0.0;
-}
-static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, spring_force, NULL, NULL};
+static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, NULL};
 DEM_LINK_KERNEL(spring_kernel, spring)
 
 /* ---- a scene ---- */
