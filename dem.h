@@ -6445,7 +6445,7 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
         return 1;
     }
     dem_wall frame;
-    dem__frame(&frame, r->axis, dem_vec3(1.0, 0.0, 0.0));
+    if (!dem__frame(&frame, r->axis, dem_vec3(1.0, 0.0, 0.0))) return 0;
     u[2] = r->length > 0.0 ? radius + length * dem__uniform(random) : 0.0;
     *x = dem__add(dem__add(r->low, dem__scale(room * u[0], frame.axis[0])),
                   dem__add(dem__scale(room * u[1], frame.axis[1]), dem__scale(u[2], frame.axis[2])));

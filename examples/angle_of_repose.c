@@ -68,7 +68,7 @@ static int write_stl(const char *folder, const char *name, const dem_mesh *m) {
 static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
     for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
-        double *l = dem_axis_of(low, k % 3), *h = dem_axis_of(high, k % 3);
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3));
         *l = fmin(*l, m->vertex[k]), *h = fmax(*h, m->vertex[k]);
     }
 }

@@ -616,7 +616,7 @@ static void test_screen_geometry(void **state) {
    sphere that floats from the flat side to the round one gets no energy. */
 static void test_ends_of_bars(void **state) {
     (void)state;
-    const double radius = 1e-3;
+    const double grain = 1e-3;
     scene_random r = {31};
     for (int profile = 0; profile < 2; profile++) {
         dem_world w;
@@ -633,23 +633,23 @@ static void test_ends_of_bars(void **state) {
             const dem_vec x =
                 v3(0.02 + scene_between(&r, -2e-3, 3e-3), 0.005 + scene_between(&r, -3e-3, 3e-3), scene_between(&r, -2e-3, 2e-3));
             const dem_vec way = scene_vector(&r, k & 1 ? 1e-3 : 1e-6);
-            dem__touch_element(&w.wall[deck], x, radius, 2, &touch[0]);
-            dem__touch_element(&w.wall[deck], dem__add(x, way), radius, 2, &touch[1]);
-            if (touch[0].gap < -radius || touch[1].gap < -radius || x.z * (x.z + way.z) < 0.0) continue;
+            dem__touch_element(&w.wall[deck], x, grain, 2, &touch[0]);
+            dem__touch_element(&w.wall[deck], dem__add(x, way), grain, 2, &touch[1]);
+            if (touch[0].gap < -grain || touch[1].gap < -grain || x.z * (x.z + way.z) < 0.0) continue;
             near_absolute(touch[1].gap - touch[0].gap, 0.0, dem__length(way) + 1e-15, "change of a gap");
             near_absolute(dem__length(touch[0].normal), 1.0, 1e-12, "length of a normal");
-            if (!(k & 1) && touch[0].gap > -0.9 * radius)
+            if (!(k & 1) && touch[0].gap > -0.9 * grain)
                 near_absolute(touch[1].gap - touch[0].gap, dem__dot(way, touch[0].normal), 1e-7, "change along the normal");
             compared++;
         }
         assert_true(compared > 50000);
         for (int k = 0; k < 100; k++) { /* through the plane of the deck */
-            const dem_vec x = v3(0.02 + 1.2 * radius + scene_between(&r, 0.0, 0.9e-3), 0.005 + scene_between(&r, -1e-3, 1e-3), 0.0);
-            dem__touch_element(&w.wall[deck], x, radius, 2, &touch[0]);
-            dem__touch_element(&w.wall[deck], dem__add(x, v3(0, 0, -1e-12)), radius, 2, &touch[1]);
+            const dem_vec x = v3(0.02 + 1.2 * grain + scene_between(&r, 0.0, 0.9e-3), 0.005 + scene_between(&r, -1e-3, 1e-3), 0.0);
+            dem__touch_element(&w.wall[deck], x, grain, 2, &touch[0]);
+            dem__touch_element(&w.wall[deck], dem__add(x, v3(0, 0, -1e-12)), grain, 2, &touch[1]);
             near_absolute(touch[1].gap, touch[0].gap, 1e-11, "gap on either side of the plane");
         }
-        add(&w, v3(0.02 + radius + 1.2e-3, 0.005, -0.5e-3), 2.0 * radius);
+        add(&w, v3(0.02 + grain + 1.2e-3, 0.005, -0.5e-3), 2.0 * grain);
         move(&w, 0, v3(-0.05, 0, 0.1), zero);
         run(&w, 0.02, DEM_LINEAR | DEM_ENERGY);
         assert_true(w.contact_steps > 5);
