@@ -18,7 +18,10 @@
      SCREEN_DONG         1  Y = (1 - p Y)^N, eq 25 in two readings; p eq 23, 24; N eq 28, 26         k alpha gamma [beta delta]
      SCREEN_SUBASINGHE   2  stratification, then passage: two first-order steps, eq 31, 34, 35      k_s alpha gamma k_p beta delta
      SCREEN_SOLDINGER    3  stratification that slows as fines leave, bottom layer, eq 36-43        k_s alpha gamma k_p beta delta
-   Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) ratio), ratio 1, d/d_av or d/a: screen_rate().
+   Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio): screen_rate(). The size_ratio is d/a in
+   model 0, 1 in model 1, and d/d_av for k_s, d/a for k_p in models 2 and 3. d: size of the class, a: aperture, d_av: mean size.
+   Exponent and moisture_exponent are alpha, gamma for k and k_s, and beta, delta for k_p. Beta, delta of model 1 are those of eq 26, for
+   a deck only: screen_attempts_deck().
 
    What is in it
      >>laws        pure functions of scalars
@@ -29,6 +32,8 @@
      >>separation  d50, imperfection, misplaced fractions
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
+   Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says otherwise; laws
+   return NaN outside their domain.
    Memory: only screen_predict of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any, through the hook
    def.memory, and give it back before they return.
    Threads: no state outside the arguments; calls on different objects may run at the same time.
@@ -170,8 +175,8 @@ SCREEN_API screen_status screen_check_operation(const screen_operation *operatio
 SCREEN_API int screen_parameter_count(screen_model model, int continuous);
 /* "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
 SCREEN_API const char *screen_parameter_name(screen_model model, int index);
-/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS]. SCREEN_BAD_MODEL for model 0, which has
-   none there. */
+/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer.
+   SCREEN_BAD_MODEL for model 0, which has none there. */
 SCREEN_API screen_status screen_published(screen_model model, double *parameters);
 
 /* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
@@ -182,7 +187,7 @@ SCREEN_API screen_status screen_published(screen_model model, double *parameters
      retained    out [classes][times] Y, mass still on the screen over initial mass of the class, eq 21 [-]
      stratified  out [classes][times] S/S_inf, what has ever reached the bottom layer (models 0, 1: 1) [-]; may be null
      bottom      out [classes][times] B/S_inf, what lies in the bottom layer now (models 0, 1: Y) [-]; may be null
-   Y = bottom + 1 - stratified. Errors: as the statuses; the outputs are then undefined. */
+   Y = bottom + 1 - stratified. Errors: as the statuses. */
 SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
                                         const screen_operation *operation, int times, const double *time, double *retained,
                                         double *stratified, double *bottom);
@@ -303,7 +308,7 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
    Model 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
    in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases,
    exponents when A f and d are) are held at 0, or at options->start, or the nearest bound.
-   options may be null (defaults). Errors: as the statuses; result->where is set for bad data. */
+   options may be null (defaults). Errors: as the statuses; result->where is set for bad data, result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
 
@@ -508,16 +513,17 @@ static inline double riddle_asin(double x) {
 
 /* >>laws. NaN outside the domain that each comment gives. */
 
-/* Screen velocity, dimensionless: x = A f (1-M)^moisture_exponent / (sqrt(d g) ratio) raised to exponent, times k. The rate of every model:
-   ratio 1 in eqs 27, 28 [-]; d/d_av in eqs 32, 34, 43 [1/s]; d/aperture in eqs 33, 35, 40 [1/s].
-   k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2], ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
+/* Screen velocity, dimensionless: x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to exponent, times k. The rate of every
+   model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43 (k_s of models 2, 3) [1/s]; d/aperture in eqs 33, 35, 40 (k_p
+   of models 2, 3, and k of model 0, which has their form) [1/s]. def.ratio is another one, of masses.
+   k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2], size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
 static inline double screen_rate(double k, double exponent, double moisture_exponent, double amplitude, double frequency, double moisture,
-                                 double d, double ratio, double g) {
-    if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 && ratio > 0.0 && g > 0.0))
+                                 double d, double size_ratio, double g) {
+    if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 && size_ratio > 0.0 && g > 0.0))
         return (double)NAN;
     /* one logarithm of each factor: their product may leave the range of a double though the power does not */
     double log_x = riddle_log(amplitude) + riddle_log(frequency) + moisture_exponent * riddle_log1p(-moisture) -
-                   0.5 * (riddle_log(d) + riddle_log(g)) - riddle_log(ratio);
+                   0.5 * (riddle_log(d) + riddle_log(g)) - riddle_log(size_ratio);
     return k > 0.0 ? riddle_exp(riddle_log(k) + exponent * log_x) : 0.0;
 }
 
@@ -530,7 +536,7 @@ static inline double screen_passage_probability(double aperture, double wire, do
     return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
 }
 
-/* Attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with ratio 1. time >= 0, duration > 0. */
+/* Attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0, duration > 0. */
 static inline double screen_attempts_batch(double rate, double time, double duration) {
     return rate >= 0.0 && time >= 0.0 && duration > 0.0 ? rate * (time / duration) : (double)NAN;
 }
@@ -666,6 +672,17 @@ SCREEN_API const char *screen_status_text(screen_status status) {
 #define SCREEN__DEF_COOKIE 0x73637231u
 #define SCREEN__FIT_COOKIE 0x73637232u
 
+/* Numbers in an output [classes][times]; 0 where that cannot be known. */
+static inline size_t screen__size(const screen_def *def, int times) {
+    return def && def->cookie == SCREEN__DEF_COOKIE && def->classes > 0 && times > 0 ? (size_t)def->classes * (size_t)times : 0;
+}
+
+/* Passes a status on; a failure leaves NaN in out [n] (may be null), so that nobody takes it for a result. */
+static inline screen_status screen__leave(screen_status status, size_t n, double *out) {
+    for (size_t k = 0; status && out && k < n; k++) out[k] = (double)NAN;
+    return status;
+}
+
 SCREEN_API screen_def screen_default_def(void) {
     screen_def def;
     def.aperture = 0.008;
@@ -786,7 +803,7 @@ SCREEN_API screen_status screen_published(screen_model model, double *parameters
     if (model == SCREEN_DONG) screen__set(parameters, 1142.6444, -0.0193, -161.2886, 0.0, 0.0, 0.0);
     else if (model == SCREEN_SUBASINGHE) screen__set(parameters, 1.3883, 0.8288, 2.2026, 0.0542, -5.5913, 0.4581);
     else if (model == SCREEN_SOLDINGER) screen__set(parameters, 5.3935, -9.3318, 9.6818, 5.0896, 0.7160, 2.4247);
-    else return SCREEN_BAD_MODEL;
+    else return screen__leave(SCREEN_BAD_MODEL, SCREEN_MAX_PARAMETERS, parameters);
     return SCREEN_OK;
 }
 
@@ -1210,16 +1227,17 @@ SCREEN_API screen_status screen_predict(const screen_def *def, screen_model mode
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (!status) status = screen__check_times(times, time);
     if (!status && !retained) status = SCREEN_BAD_POINTER;
-    if (status) return status;
     screen_bed *bed = NULL;
-    size_t n = (size_t)def->classes;
-    if (model == SCREEN_SOLDINGER) {
+    size_t n = screen__size(def, 1), points = screen__size(def, times);
+    if (!status && model == SCREEN_SOLDINGER) {
         bed = (screen_bed *)screen__take(&def->memory, n, sizeof *bed);
-        if (!bed) return SCREEN_NO_MEMORY;
+        if (!bed) status = SCREEN_NO_MEMORY;
     }
-    status = screen__curves(def, model, c, operation, times, time, retained, stratified, bottom, NULL, bed);
-    screen__release(&def->memory, bed, n, sizeof *bed);
-    return status;
+    if (!status) status = screen__curves(def, model, c, operation, times, time, retained, stratified, bottom, NULL, bed);
+    if (bed) screen__release(&def->memory, bed, n, sizeof *bed);
+    screen__leave(status, points, stratified);
+    screen__leave(status, points, bottom);
+    return screen__leave(status, points, retained);
 }
 
 SCREEN_API double screen_deviation(int points, const double *model, const double *data) {
@@ -1238,29 +1256,30 @@ SCREEN_API screen_status screen_partition(const screen_def *def, screen_model mo
     if (!status && (!diameters || !partition)) status = SCREEN_BAD_POINTER;
     if (!status) status = screen__check_times(1, &time);
     if (!status && n < 1) status = SCREEN_BAD_ARGUMENT;
-    if (status) return status;
+    for (int i = 0; i < n && !status; i++)
+        if (!screen__positive(diameters[i])) status = SCREEN_BAD_ARGUMENT;
+    if (status) return screen__leave(status, n > 0 ? (size_t)n : 0, partition);
     screen_def one = *def; /* one class at a time; d_av stays that of the whole feed */
     one.average_diameter = screen__average(def);
     one.average = SCREEN_AVERAGE_GIVEN;
     one.classes = 1;
     one.shares = NULL;
-    for (int i = 0; i < n; i++) {
-        if (!screen__positive(diameters[i])) return SCREEN_BAD_ARGUMENT;
+    for (int i = 0; i < n && !status; i++) {
         partition[i] = 1.0;
         if (!(diameters[i] < def->aperture)) continue;
         one.diameters = &diameters[i];
         status = screen__curves(&one, model, c, operation, 1, &time, &partition[i], NULL, NULL, NULL, NULL);
-        if (status) return status;
     }
-    return SCREEN_OK;
+    return screen__leave(status, (size_t)n, partition);
 }
 
 SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
                                         const screen_operation *operation, double recovery, double limit, double *time) {
     double c[SCREEN_MAX_PARAMETERS];
+    if (!time) return SCREEN_BAD_POINTER;
+    *time = (double)NAN;
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (status) return status;
-    if (!time) return SCREEN_BAD_POINTER;
     if (!(recovery >= 0.0 && recovery < 1.0) || !screen__positive(limit)) return SCREEN_BAD_ARGUMENT;
     size_t n = (size_t)def->classes;
     screen_bed *bed = (screen_bed *)screen__take(&def->memory, n, sizeof *bed);
@@ -1276,7 +1295,7 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
         else low = at;
         at = 0.5 * (low + high);
     }
-    *time = recovery > 0.0 ? high : 0.0;
+    if (!status) *time = recovery > 0.0 ? high : 0.0;
     screen__release(&def->memory, bed, n, sizeof *bed);
     screen__release(&def->memory, y, n, sizeof *y);
     return status;
@@ -1284,8 +1303,9 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
 
 SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed) {
     screen_status status = screen_check_def(def, NULL);
+    if (!bed) return status ? status : SCREEN_BAD_POINTER;
+    for (size_t i = 0; status && i < screen__size(def, 1); i++) bed[i].fed = bed[i].top = bed[i].bottom = bed[i].passed = (double)NAN;
     if (status) return status;
-    if (!bed) return SCREEN_BAD_POINTER;
     for (int i = 0; i < def->classes; i++) {
         double mass = def->undersize_mass * screen__share(def, i);
         bed[i].fed = mass;
@@ -1296,8 +1316,9 @@ SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model mod
     return SCREEN_OK;
 }
 
-SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                     double dt, const double *feed, screen_bed *bed, double *passed) {
+static inline screen_status screen__step(const screen_def *def, screen_model model, const double *parameters,
+                                         const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
+                                         double *passed) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (status) return status;
@@ -1365,6 +1386,11 @@ SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, 
         if (passed) passed[i] = before - after;
     }
     return SCREEN_OK;
+}
+
+SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
+                                     double dt, const double *feed, screen_bed *bed, double *passed) {
+    return screen__leave(screen__step(def, model, parameters, operation, dt, feed, bed, passed), screen__size(def, 1), passed);
 }
 
 /* >>fit
@@ -1999,6 +2025,21 @@ static inline screen_status screen__check_fit(const screen_def *def, screen_mode
     return points < free_ones ? SCREEN_TOO_FEW_POINTS : SCREEN_OK;
 }
 
+/* All of a result but where, numbers as given */
+static inline void screen__blank(screen_fit_result *result, screen_model model, int parameters, double value) {
+    for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
+        result->parameter[j] = result->error[j] = result->low[j] = result->high[j] = result->coefficient[j] = value;
+        result->determined[j] = result->at_bound[j] = 0;
+        for (int k = 0; k < SCREEN_MAX_PARAMETERS; k++) result->correlation[j][k] = result->factor[j][k] = value;
+    }
+    for (int k = 0; k < 4; k++) result->centre[k] = value;
+    result->deviation = result->rms = value;
+    result->model = model;
+    result->parameters = parameters;
+    result->undetermined = result->starts = result->starts_at_best = 0;
+    result->evaluations = 0;
+}
+
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result) {
     const double rounding[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6};
@@ -2008,7 +2049,10 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
     if (!options) options = &defaults;
     result->where.index = result->where.klass = result->where.time = -1;
     screen_status status = screen__check_fit(def, model, cases, data, options, &result->where);
-    if (status) return status;
+    if (status) {
+        screen__blank(result, model, 0, (double)NAN);
+        return status;
+    }
     status = screen__pose(&p, def, model, cases, data, options);
     double *seen = status ? NULL : (double *)screen__take(&def->memory, 2 * (size_t)options->starts, sizeof(double));
     if (!status && !seen) status = SCREEN_NO_MEMORY;
@@ -2052,19 +2096,12 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
         }
     }
     if (!status && !(best < HUGE_VAL)) status = SCREEN_NOT_FINITE;
+    screen__blank(result, model, status ? 0 : n, status ? (double)NAN : 0.0);
     if (!status) {
-        for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
-            result->parameter[j] = result->error[j] = result->low[j] = result->high[j] = result->coefficient[j] = 0.0;
-            result->determined[j] = result->at_bound[j] = 0;
-            for (int k = 0; k < SCREEN_MAX_PARAMETERS; k++) result->correlation[j][k] = result->factor[j][k] = 0.0;
-        }
-        result->model = model;
-        result->parameters = n;
         int left = model == SCREEN_SOLDINGER ? 12 : 40;
         p.def.tolerance = def->tolerance;
         screen__descend(&p, best_q, rounding[options->loss == SCREEN_LOSS_SQUARES ? 0 : stages - 1], left, &left);
         result->starts = options->starts;
-        result->starts_at_best = 0;
         for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
         for (int k = 0; k < 4; k++) result->centre[k] = p.centre[k];
         screen__tidy(&p, best_q);
@@ -2081,6 +2118,7 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
     screen__problem p;
     screen_where where;
     if (!result || !low || !high) return SCREEN_BAD_POINTER;
+    *low = *high = (double)NAN;
     screen_fit_options defaults = screen_default_fit_options(result->model);
     if (!options) options = &defaults;
     screen_status status = screen__check_fit(def, result->model, cases, data, options, &where);
@@ -2136,10 +2174,12 @@ SCREEN_API screen_status screen_sample(const screen_fit_result *result, const sc
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];
     int parameters = result->parameters;
     if (!options) options = &defaults;
-    if (n < 1 || parameters < 1 || parameters > SCREEN_MAX_PARAMETERS) return SCREEN_BAD_ARGUMENT;
+    if (n < 1) return SCREEN_BAD_ARGUMENT;
+    size_t numbers = (size_t)n * SCREEN_MAX_PARAMETERS;
+    if (parameters < 1 || parameters > SCREEN_MAX_PARAMETERS) return screen__leave(SCREEN_BAD_ARGUMENT, numbers, sets);
     for (int j = 0; j < parameters; j++) {
         if (!(options->low[j] <= options->high[j]) || (screen__is_rate(result->model, j) && !(options->low[j] > 0.0)))
-            return SCREEN_BAD_BOUNDS;
+            return screen__leave(SCREEN_BAD_BOUNDS, numbers, sets);
         low[j] = screen__to_q(result->model, j, options->low[j]);
         high[j] = screen__to_q(result->model, j, options->high[j]);
     }
@@ -2184,13 +2224,14 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
     if (!status) status = screen__check_times(times, time);
     if (!status && !sets) status = SCREEN_BAD_POINTER;
     if (!status && (n < 2 || !(scatter >= 0.0 && scatter < HUGE_VAL) || !(level > 0.0 && level < 1.0))) status = SCREEN_BAD_ARGUMENT;
-    if (status) return status;
-    size_t points = (size_t)def->classes * (size_t)times, rows = (size_t)n;
-    double *curve = (double *)screen__take(&def->memory, points, sizeof(double));
-    double *value =
-        points > (size_t)-1 / rows ? NULL : (double *)screen__take(&def->memory, points * rows, sizeof(double)); /* [points][n] */
+    size_t points = screen__size(def, times), rows = n > 0 ? (size_t)n : 1;
+    double *curve = NULL, *value = NULL; /* [points][n] */
     int good = 0;
-    if (!curve || !value) status = SCREEN_NO_MEMORY;
+    if (!status) {
+        curve = (double *)screen__take(&def->memory, points, sizeof(double));
+        if (points <= (size_t)-1 / rows) value = (double *)screen__take(&def->memory, points * rows, sizeof(double));
+        if (!curve || !value) status = SCREEN_NO_MEMORY;
+    }
     for (int s = 0; s < n && !status; s++) {
         screen_status one = screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
         if (one == SCREEN_NO_MEMORY || one == SCREEN_BAD_MODEL) status = one;
@@ -2213,9 +2254,12 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
         if (low) low[k] = screen__quantile(x, good, 0.5 * (1.0 - level));
         if (high) high[k] = screen__quantile(x, good, 0.5 * (1.0 + level));
     }
-    screen__release(&def->memory, curve, points, sizeof(double));
-    screen__release(&def->memory, value, points * rows, sizeof(double));
-    return status;
+    if (curve) screen__release(&def->memory, curve, points, sizeof(double));
+    if (value) screen__release(&def->memory, value, points * rows, sizeof(double));
+    screen__leave(status, points, mean);
+    screen__leave(status, points, spread);
+    screen__leave(status, points, low);
+    return screen__leave(status, points, high);
 }
 
 /* >>separation */
@@ -2229,7 +2273,10 @@ static inline double screen__crossing(int n, const double *d, const double *y, d
 
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
                                         screen_separation *out) {
-    if (!diameters || !feed || !partition || !out) return SCREEN_BAD_POINTER;
+    if (!out) return SCREEN_BAD_POINTER;
+    out->d25 = out->d50 = out->d75 = out->ecart = out->imperfection = out->recovery = out->oversize_loss = (double)NAN;
+    out->misplaced_overflow = out->misplaced_underflow = out->efficiency = out->yield = (double)NAN;
+    if (!diameters || !feed || !partition) return SCREEN_BAD_POINTER;
     if (n < 1 || !screen__positive(cut)) return SCREEN_BAD_ARGUMENT;
     double fine = 0.0, coarse = 0.0, fine_stays = 0.0, coarse_stays = 0.0;
     for (int i = 0; i < n; i++) {

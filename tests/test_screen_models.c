@@ -4,6 +4,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -1184,6 +1185,88 @@ static void separation_of_a_known_curve(void **state) {
     assert_int_equal(screen_measure(5, d, feed, stays, 0.006, NULL), SCREEN_BAD_POINTER);
 }
 
+/* ---- what a failed call leaves ------------------------------------------------------------------------------------------------------ */
+
+static bool all_nan(const double *x, int n) {
+    bool all = true;
+    for (int i = 0; i < n; i++) all = all && isnan(x[i]);
+    return all;
+}
+
+static void a_failed_call_leaves_nan(void **state) {
+    (void)state;
+    screen_def def = batch(), worn = def, foreign = def;
+    screen_operation initial = running(0.001, 50.6, 0.0), still = running(0.0, 50.6, 0.0);
+    const double time[] = {5.0, 10.0}, falling[] = {10.0, 5.0}, steep[] = {1.0, -450.0, 0.0}, feed[] = {-1.0, 0.0};
+    double p[SCREEN_MAX_PARAMETERS], y[4], stratified[4], bottom[4], sets[2][SCREEN_MAX_PARAMETERS], low, high;
+    worn.wire = -1.0;
+    foreign.cookie = 0;
+    for (int call = 0; call < 5; call++) {
+        const screen_def *d = call == 0 ? &worn : &def;
+        const double *t = call == 1 ? falling : time;
+        screen_published(SCREEN_SUBASINGHE, p);
+        if (call == 2) p[0] = -1.0;
+        if (call == 3) memcpy(p, steep, sizeof steep); /* the second class overflows when the first is done */
+        screen_model model = call == 3 ? SCREEN_FIRST_ORDER : SCREEN_SUBASINGHE;
+        const screen_operation *o = call == 4 ? &still : &initial;
+        for (int i = 0; i < 4; i++) y[i] = stratified[i] = bottom[i] = 7.0;
+        assert_int_not_equal(screen_predict(d, model, p, o, 2, t, y, stratified, bottom), SCREEN_OK);
+        assert_true(all_nan(y, 4) && all_nan(stratified, 4) && all_nan(bottom, 4));
+        memcpy(sets, p, sizeof p);
+        memcpy(sets[1], p, sizeof p);
+        assert_int_not_equal(screen_band(d, model, 2, &sets[0][0], o, 2, t, 0.0, 1, 0.9, y, stratified, bottom, NULL), SCREEN_OK);
+        assert_true(all_nan(y, 4) && all_nan(stratified, 4) && all_nan(bottom, 4));
+        if (call == 1) continue;
+        double part[] = {7.0, 7.0}, passed[] = {7.0, 7.0}, at = 7.0;
+        screen_bed bed[2];
+        assert_int_not_equal(screen_partition(d, model, p, o, 5.0, 2, diameters, part), SCREEN_OK);
+        assert_int_not_equal(screen_time_to(d, model, p, o, 0.5, 100.0, &at), SCREEN_OK);
+        assert_int_equal(screen_bed_init(d, model, bed), call == 0 ? SCREEN_BAD_DEF : SCREEN_OK);
+        assert_true(call != 0 || (isnan(bed[0].fed) && isnan(bed[1].passed)));
+        assert_int_not_equal(screen_step(d, model, p, o, 1.0, NULL, bed, passed), SCREEN_OK);
+        assert_true(all_nan(part, 2) && all_nan(passed, 2) && isnan(at));
+    }
+    screen_published(SCREEN_SUBASINGHE, p);
+    /* nothing is written where the size of the arrays is not known */
+    y[0] = 7.0;
+    assert_int_equal(screen_predict(&foreign, SCREEN_SUBASINGHE, p, &initial, 2, time, y, NULL, NULL), SCREEN_BAD_DEF);
+    assert_int_equal(screen_predict(NULL, SCREEN_SUBASINGHE, p, &initial, 2, time, y, NULL, NULL), SCREEN_BAD_DEF);
+    assert_int_equal(screen_predict(&def, SCREEN_SUBASINGHE, p, &initial, -2, time, y, NULL, NULL), SCREEN_BAD_TIMES);
+    assert_int_equal(screen_band(NULL, SCREEN_SUBASINGHE, 2, p, &initial, 2, time, 0.0, 1, 0.9, y, y, y, y), SCREEN_BAD_DEF);
+    assert_int_equal(screen_step(NULL, SCREEN_SUBASINGHE, p, &initial, 1.0, NULL, NULL, y), SCREEN_BAD_DEF);
+    close_to(y[0], 7.0, 0.0);
+    screen_bed bed[2];
+    assert_int_equal(screen_bed_init(&def, SCREEN_SUBASINGHE, bed), SCREEN_OK);
+    assert_int_equal(screen_step(&def, SCREEN_SUBASINGHE, p, &initial, 1.0, feed, bed, y), SCREEN_BAD_ARGUMENT);
+    assert_true(all_nan(y, 2) && bed[0].top > 0.0);
+
+    double when;
+    assert_int_equal(screen_time_to(&def, SCREEN_SUBASINGHE, p, &initial, 0.99, 1e-6, &when), SCREEN_NOT_REACHED);
+    assert_true(isnan(when));
+    assert_int_equal(screen_published(SCREEN_FIRST_ORDER, p), SCREEN_BAD_MODEL);
+    assert_true(all_nan(p, SCREEN_MAX_PARAMETERS));
+
+    screen_fit_result fit;
+    screen_case rising = {initial, 2, time, NULL};
+    const double up[] = {0.2, 0.9, 0.2, 0.9};
+    memset(&fit, 1, sizeof fit);
+    rising.retained = up;
+    assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 1, &rising, NULL, &fit), SCREEN_DATA_NOT_MONOTONE);
+    assert_true(all_nan(fit.parameter, SCREEN_MAX_PARAMETERS) && all_nan(fit.low, SCREEN_MAX_PARAMETERS) && isnan(fit.deviation));
+    assert_true(isnan(fit.rms) && isnan(fit.correlation[1][0]) && fit.parameters == 0 && fit.starts == 0 && fit.where.time == 1);
+    assert_int_equal(screen_profile(&def, 1, &rising, NULL, &fit, 0, 0.1, &low, &high), SCREEN_DATA_NOT_MONOTONE);
+    assert_true(isnan(low) && isnan(high));
+    assert_int_equal(screen_sample(&fit, NULL, 1, 2, &sets[0][0]), SCREEN_BAD_ARGUMENT); /* such a result is none to draw from */
+    assert_true(all_nan(&sets[0][0], SCREEN_MAX_PARAMETERS) && all_nan(&sets[1][0], SCREEN_MAX_PARAMETERS));
+
+    screen_separation m;
+    memset(&m, 1, sizeof m);
+    assert_int_equal(screen_measure(2, diameters, up, up, nan_, &m), SCREEN_BAD_ARGUMENT);
+    assert_true(isnan(m.d25) && isnan(m.d50) && isnan(m.d75) && isnan(m.ecart) && isnan(m.imperfection) && isnan(m.recovery));
+    assert_true(isnan(m.oversize_loss) && isnan(m.misplaced_overflow) && isnan(m.misplaced_underflow) && isnan(m.efficiency));
+    assert_true(isnan(m.yield));
+}
+
 /* ---- memory ------------------------------------------------------------------------------------------------------------------------- */
 
 static void memory_may_run_out_anywhere(void **state) {
@@ -1215,6 +1298,7 @@ static void memory_may_run_out_anywhere(void **state) {
                                      NULL, NULL);
             assert_int_equal(failing_live(&memory), 0);
             assert_int_equal(status, memory.has_failed ? SCREEN_NO_MEMORY : SCREEN_OK);
+            assert_int_equal(isnan(call == 1 ? at : call == 2 ? fit.rms : call == 3 ? low + high : y[POINTS - 1]) != 0, memory.has_failed);
             if (!memory.has_failed) {
                 assert_true(k > 0);
                 break;
@@ -1255,6 +1339,7 @@ int main(void) {
         cmocka_unit_test(profiles),
         cmocka_unit_test(bands_cover),
         cmocka_unit_test(separation_of_a_known_curve),
+        cmocka_unit_test(a_failed_call_leaves_nan),
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
