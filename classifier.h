@@ -29,6 +29,8 @@
    Units    SI, angles [rad]; rotor speed [1/min], as every machine shows it. Size x [m]: diameter of the sphere of equal volume.
    Signs    radial velocity of gas and entering particles inward; tangential velocity of an entering particle against the wheel, after the
             hit with it. T is the share that is rejected to the coarse product.
+   Errors   a function that returns a status leaves NaN in its outputs if that is not CLASSIFIER_OK; but a distribution
+            (classifier_histogram) or a definition (classifier_calibrate) then stays as it was.
    Memory   one block a model (1 MB by default), made in classifier_init through a hook, freed in classifier_free. Nothing else allocates.
    Threads  no globals; a model that nobody changes may be read by any number of threads.
    Bits     + - * / sqrt and the portable block below: the same on every machine with -ffp-contract=off. Random shifts come from def.seed.
@@ -363,8 +365,8 @@ typedef struct classifier_result {
 CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
                                                      classifier_result *result);
 
-/* Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated is def with it.
-   CLASSIFIER_OUTSIDE if a factor of 1e-3 .. 1e3 cannot reach it. */
+/* Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated is def with it,
+   and may be def itself. CLASSIFIER_OUTSIDE if 1e-3 .. 1e3 times def's factor cannot reach it. */
 CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
                                                       classifier_def *calibrated);
 /* The air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. The same
@@ -635,6 +637,12 @@ static inline const char *classifier_status_text(classifier_status status) {
 
 static inline bool classifier__positive(double v) { return v > 0.0 && v < HUGE_VAL; }
 static inline double classifier__nan(void) { return (double)NAN; }
+
+/* Passes a status on; a failure leaves NaN in out [n] (may be NULL), so that nobody takes it for a result. */
+static inline classifier_status classifier__leave(classifier_status status, int n, double *out) {
+    for (int i = 0; status != CLASSIFIER_OK && out && i < n; i++) out[i] = classifier__nan();
+    return status;
+}
 
 static inline double classifier_newton_factor(double psi) {
     if (!(psi > 0.0 && psi <= 1.0 + 1e-12)) return classifier__nan();
@@ -1289,6 +1297,7 @@ CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution
 }
 
 CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_contacts *c, classifier_weights *weights) {
+    if (weights) *weights = classifier__weights_nan();
     if (!c || !weights) return CLASSIFIER_BAD_ARGUMENT;
     if (c->law == CLASSIFIER_COUNTED) {
         if (c->counts > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
@@ -1999,10 +2008,12 @@ CLASSIFIER_API double classifier_quantile(const classifier_model *model, double 
 
 CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
                                                      classifier_result *result) {
-    if (!(model && model->data && result && n >= 0 && (n == 0 || (x && t)))) return CLASSIFIER_BAD_ARGUMENT;
-    for (int i = 0; i < n; i++)
-        if (!classifier__positive(x[i])) return CLASSIFIER_BAD_ARGUMENT;
-    classifier_result r;
+    const double nan = classifier__nan();
+    classifier_result r = {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan, {nan, nan, nan}, nan, nan, 0};
+    bool fine = model && model->data && result && n >= 0 && (n == 0 || (x && t));
+    for (int i = 0; i < n && fine; i++) fine = classifier__positive(x[i]);
+    if (result) *result = r;
+    if (!fine) return classifier__leave(CLASSIFIER_BAD_ARGUMENT, n, t);
     const classifier_def *d = &model->def;
     double error, cut[3], wanted[] = {0.25, 0.5, 0.75};
     r.t_error = 0.0;
@@ -2011,7 +2022,6 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
         if (error > r.t_error) r.t_error = error;
     }
     r.flags = model->flags;
-    r.x50_error = classifier__nan();
     for (int k = 0; k < 3; k++) {
         cut[k] = classifier_quantile(model, wanted[k]);
         if (!(cut[k] > 0.0)) {
@@ -2072,7 +2082,7 @@ CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *d
     if (!air_flow) return CLASSIFIER_BAD_ARGUMENT;
     classifier_status status = classifier_calibrate(def, x50, memory, &calibrated); /* flow and factor only occur as a product */
     if (status == CLASSIFIER_OK) *air_flow = def->air_flow * (calibrated.radial_factor / def->radial_factor);
-    return status;
+    return classifier__leave(status, 1, air_flow);
 }
 
 typedef struct classifier__speed_goal {
@@ -2095,14 +2105,13 @@ static inline double classifier__speed_gap(double ln_rpm, const void *user) {
 
 CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm) {
     classifier_status status = classifier_check_def(def, NULL);
-    if (status != CLASSIFIER_OK) return status;
-    if (!(rpm && classifier__positive(x50))) return CLASSIFIER_BAD_ARGUMENT;
+    if (status == CLASSIFIER_OK && !(rpm && classifier__positive(x50))) status = CLASSIFIER_BAD_ARGUMENT;
+    if (status != CLASSIFIER_OK) return classifier__leave(status, 1, rpm);
     classifier__speed_goal goal = {def, memory, x50, &status};
     double found = classifier__find(classifier__speed_gap, &goal, 1.0, 1e6, def->rpm, 0.2);
-    if (status != CLASSIFIER_OK) return status;
-    if (!(found > 0.0)) return CLASSIFIER_OUTSIDE;
-    *rpm = found;
-    return CLASSIFIER_OK;
+    if (status == CLASSIFIER_OK && !(found > 0.0)) status = CLASSIFIER_OUTSIDE;
+    if (status == CLASSIFIER_OK) *rpm = found;
+    return classifier__leave(status, 1, rpm);
 }
 
 /* >>trajectory ================================================================================================================ */
@@ -2196,6 +2205,8 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
 CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
                                                              double *error) {
     classifier_status status = classifier_check_def(def, NULL);
+    if (t) *t = classifier__nan();
+    if (error) *error = classifier__nan();
     if (status != CLASSIFIER_OK) return status;
     if (!(t && classifier__positive(x))) return CLASSIFIER_BAD_ARGUMENT;
     classifier_weights w;
@@ -2386,7 +2397,12 @@ static inline double classifier__fit_squares(const classifier_curve *like, const
 
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result) {
-    if (!(x && t && result && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
+    if (!result) return CLASSIFIER_BAD_ARGUMENT;
+    result->curve = classifier_curve_of(law, classifier__nan(), classifier__nan());
+    result->curve.bypass = result->curve.hook_size = result->rms = classifier__nan();
+    result->size_sd = result->slope_sd = result->bypass_sd = result->hook_sd = classifier__nan();
+    result->iterations = 0;
+    if (!(x && t && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
     int free[4] = {0, 1, 2, 3}, n_free = 2;
     bool bypass = (free_parameters & (CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK)) != 0,
          hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0;
@@ -2533,7 +2549,7 @@ static inline double classifier__balance_slope(double c, const void *user) {
     return slope;
 }
 
-CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
+static inline classifier_status classifier__reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result) {
     if (!(data && result && data->feed && data->coarse && data->fine && data->feed_sd && data->coarse_sd && data->fine_sd))
         return CLASSIFIER_BAD_ARGUMENT;
@@ -2601,9 +2617,21 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
     return CLASSIFIER_OK;
 }
 
+CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
+                                                      double *coarse, double *fine, classifier_balance_result *result) {
+    if (result) {
+        result->coarse_share = result->coarse_share_sd = result->chi_squared = classifier__nan();
+        result->freedom = 0;
+    }
+    classifier_status status = classifier__reconcile(data, t, t_sd, feed, coarse, fine, result);
+    double *const outputs[5] = {t, t_sd, feed, coarse, fine};
+    for (int k = 0; k < 5; k++) classifier__leave(status, data ? data->classes : 0, outputs[k]);
+    return status;
+}
+
 /* >>circuits ================================================================================================================== */
 
-CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
+static inline classifier_status classifier__circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
     double to[CLASSIFIER_STAGES][CLASSIFIER_STAGES], out[CLASSIFIER_STAGES], leaves[CLASSIFIER_STAGES], flow[CLASSIFIER_STAGES];
     if (!(circuit && t && coarse) || circuit->stages < 1 || circuit->stages > CLASSIFIER_STAGES) return CLASSIFIER_BAD_ARGUMENT;
     int n = circuit->stages;
@@ -2640,6 +2668,12 @@ CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def
         if (load) load[i] = flow[i];
     }
     return CLASSIFIER_OK;
+}
+
+CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
+    classifier_status status = classifier__circuit(circuit, t, coarse, load);
+    classifier__leave(status, circuit && circuit->stages <= CLASSIFIER_STAGES ? circuit->stages : 0, load);
+    return classifier__leave(status, 1, coarse);
 }
 
 #endif /* CLASSIFIER__BODIES */

@@ -1194,6 +1194,71 @@ static void bad_definitions(void **state) {
     assert_int_equal(classifier_init(NULL, &good, NULL), CLASSIFIER_BAD_ARGUMENT);
 }
 
+static void a_failed_call_leaves_nan(void **state) {
+    (void)state;
+    classifier_def def = classifier_default_def();
+    def.points = 16;
+    classifier_model model = model_of(def);
+    classifier_result r;
+    memset(&r, 1, sizeof r);
+    double x[] = {1e-6, nan_, 1e-4}, t[] = {7.0, 7.0, 7.0}, flow = 7.0, rpm = 7.0, one = 7.0, error = 7.0;
+    assert_int_equal(classifier_separate(&model, x, t, 3, &r), CLASSIFIER_BAD_ARGUMENT);
+    for (int i = 0; i < 3; i++) assert_true(isnan(t[i]));
+    assert_true(isnan(r.x25) && isnan(r.x50) && isnan(r.x75) && isnan(r.sharpness) && isnan(r.ecart_probable) && isnan(r.x50_error));
+    assert_true(isnan(r.t_error) && isnan(r.re25) && isnan(r.re50) && isnan(r.re75) && isnan(r.weights.clean) && isnan(r.weights.again));
+    assert_true(isnan(r.clamped) && isnan(r.missed) && r.flags == 0);
+    classifier_free(&model);
+
+    classifier_weights w = {7.0, 7.0, 7.0};
+    classifier_contacts contacts = def.contacts;
+    contacts.mean = -1.0;
+    assert_int_equal(classifier_contact_weights(&contacts, &w), CLASSIFIER_BAD_ARGUMENT);
+    assert_true(isnan(w.clean) && isnan(w.thrown) && isnan(w.again));
+
+    assert_int_equal(classifier_air_flow_for(&def, 1e6, NULL, &flow), CLASSIFIER_OUTSIDE);
+    assert_int_equal(classifier_rpm_for(&def, 1e-9, NULL, &rpm), CLASSIFIER_OUTSIDE);
+    assert_true(isnan(flow) && isnan(rpm));
+    flow = rpm = 7.0;
+    assert_int_equal(classifier_air_flow_for(&def, nan_, NULL, &flow), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_rpm_for(&def, nan_, NULL, &rpm), CLASSIFIER_BAD_ARGUMENT);
+    assert_true(isnan(flow) && isnan(rpm));
+    assert_int_equal(classifier_trajectory_tromp(&def, nan_, CLASSIFIER_FULL_SLIP, &one, &error), CLASSIFIER_BAD_ARGUMENT);
+    assert_true(isnan(one) && isnan(error));
+    /* in place: a definition that cannot be calibrated stays */
+    double factor = def.radial_factor;
+    assert_int_equal(classifier_calibrate(&def, 1e6, NULL, &def), CLASSIFIER_OUTSIDE);
+    assert_true(def.radial_factor == factor);
+    assert_int_equal(classifier_calibrate(&def, 45e-6, NULL, &def), CLASSIFIER_OK);
+    assert_true(def.radial_factor > 0.0 && def.radial_factor != factor);
+
+    classifier_fit_result fit;
+    const double low[] = {0.1, 0.2, 0.3}, sizes[] = {1e-6, 2e-6, 3e-6};
+    memset(&fit, 1, sizeof fit);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, sizes, low, NULL, 3, &fit), CLASSIFIER_OUTSIDE);
+    assert_true(isnan(fit.curve.size) && isnan(fit.curve.slope) && isnan(fit.curve.bypass) && isnan(fit.curve.hook_size));
+    assert_true(isnan(fit.size_sd) && isnan(fit.slope_sd) && isnan(fit.bypass_sd) && isnan(fit.hook_sd) && isnan(fit.rms));
+    assert_true(fit.iterations == 0 && isnan(classifier_curve_value(&fit.curve, 1e-6)) && isnan(classifier_curve_size(&fit.curve, 0.5)));
+
+    const double share[] = {0.5, 0.5}, sd[] = {0.01, 0.01};
+    double out[5][2] = {{7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}};
+    classifier_balance_data data = {2, share, share, share, sd, sd, sd, nan_, nan_};
+    classifier_balance_result balance;
+    memset(&balance, 1, sizeof balance);
+    assert_int_equal(classifier_reconcile(&data, out[0], out[1], out[2], out[3], out[4], &balance), CLASSIFIER_OUTSIDE);
+    for (int k = 0; k < 5; k++) assert_true(isnan(out[k][0]) && isnan(out[k][1]));
+    assert_true(isnan(balance.coarse_share) && isnan(balance.coarse_share_sd) && isnan(balance.chi_squared) && balance.freedom == 0);
+
+    const double all[] = {1.0, 1.0};
+    double coarse = 7.0, load[] = {7.0, 7.0, 7.0};
+    classifier_circuit_def closed = {2, {1, 0}, {1, 0}}, many = {CLASSIFIER_STAGES + 1, {0}, {0}};
+    assert_int_equal(classifier_circuit(&closed, all, &coarse, load), CLASSIFIER_NO_OUTLET);
+    assert_true(isnan(coarse) && isnan(load[0]) && isnan(load[1]) && load[2] == 7.0);
+    load[0] = 7.0;
+    assert_int_equal(classifier_circuit(&many, all, &coarse, load), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_circuit(NULL, all, &coarse, load), CLASSIFIER_BAD_ARGUMENT);
+    assert_true(load[0] == 7.0); /* how many there are is not known */
+}
+
 static void memory_runs_out(void **state) {
     (void)state;
     classifier_def def = classifier_default_def(), fitted;
@@ -1251,6 +1316,7 @@ int main(void) {
         cmocka_unit_test(contacts_counted),
         cmocka_unit_test(laws_outside_their_domain),
         cmocka_unit_test(bad_definitions),
+        cmocka_unit_test(a_failed_call_leaves_nan),
         cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
