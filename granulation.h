@@ -464,16 +464,21 @@ static inline granulation_estimate granulation_estimate_of(const double *values,
 /* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. */
 typedef double (*granulation_kernel)(const granulation_granule *i, const granulation_granule *j, const void *user);
 
-/* What the kernels below read; every one is multiplied by rate (>= 0). Size u, v: whole volumes [m3]. */
+/* What the kernels below read: their `data`, def.kernel_user of a balance. Get one from granulation_default_kernel_data(). A kernel without
+   a number that it needs is NaN, which a run answers with GRANULATION_KERNEL. */
 typedef struct granulation_kernel_data {
-    double rate;                  /* 1 */
-    double a, b;                  /* exponents of Kapur; CLASS: b1 and b2, shares of Type I or elastic Type II, and plastic Type II */
-    double limit;                 /* CUTOFF, SATURATION: no coalescence above this diameter [m] of the granule formed (infinite: none) */
-    double speed;                 /* CLASS, COLLISIONS: relative speed [m/s] */
-    const granulation_laws *laws; /* CLASS, SATURATION (critical_saturation) */
-    granulation_kernel inner;     /* CLASS, CUTOFF, SATURATION: times this kernel of the same data; NULL: 1 */
+    double rate;  /* factor of every kernel, >= 0; its unit makes the kernel [m3/s]; default 1 */
+    double a, b;  /* Kapur: exponents [-]; class: b1, b2 [-], >= 0, of Type I or elastic Type II, and of the other Type
+                                     II; default NaN: must be set for these two */
+    double limit; /* cutoff, saturation: no coalescence above this diameter of the granule formed [m]; default infinite: none */
+    double speed; /* class, collision: relative speed [m/s], >= 0; default NaN: must be set for these two */
+    const granulation_laws *laws; /* class; saturation (critical_saturation); default NULL: must be set for these two; not owned */
+    granulation_kernel inner;     /* class, cutoff, saturation: times this kernel of the same data; default NULL: the rate alone */
 } granulation_kernel_data;
 
+GRANULATION_API granulation_kernel_data granulation_default_kernel_data(void);
+
+/* u, v: whole volumes of the two [m3]; D1, D2: their diameters [m]. */
 static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
 static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);     /* u + v */
 static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j, const void *data); /* u v */
@@ -501,7 +506,7 @@ typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM } g
 typedef struct granulation_balance_def {
     granulation_scheme scheme; /* default CELL_AVERAGE; breakage is fixed pivot in both */
     granulation_kernel kernel; /* NULL: no coalescence; default constant */
-    const void *kernel_user;   /* default NULL: rate 1 for the kernels above that need nothing else */
+    const void *kernel_user;   /* data of the kernel; default NULL: rate 1, for the kernels above that need no more. Not owned */
     bool kernel_changes;       /* it depends on the composition: evaluated anew before each step; default false */
     double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none; default NULL */
     const void *selection_user;
@@ -1211,6 +1216,7 @@ static inline double granulation_cutoff_kernel(const granulation_granule *i, con
 }
 static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    if (!k->laws) return (double)NAN;
     double critical = k->laws->critical_saturation;
     if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) || granulation__beyond(i, j, k->limit))
         return 0.0;
@@ -1218,6 +1224,7 @@ static inline double granulation_saturation_kernel(const granulation_granule *i,
 }
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    if (!(k->laws && k->speed >= 0.0)) return (double)NAN;
     granulation_body p = granulation_body_of(k->laws, i), q = granulation_body_of(k->laws, j);
     granulation_collision c = granulation_collide(k->laws, &p, &q, k->speed);
     if (!c.coalesces) return 0.0;
@@ -2449,6 +2456,16 @@ GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim,
 
 /* ==== >>balance ==== */
 #define GRANULATION__BALANCE_COOKIE UINT64_C(0x6772616e756c6532)
+
+GRANULATION_API granulation_kernel_data granulation_default_kernel_data(void) {
+    granulation_kernel_data k;
+    k.rate = 1.0;
+    k.a = k.b = k.speed = (double)NAN;
+    k.limit = HUGE_VAL;
+    k.laws = NULL;
+    k.inner = NULL;
+    return k;
+}
 
 GRANULATION_API granulation_balance_def granulation_balance_default_def(void) {
     granulation_balance_def d;

@@ -561,8 +561,7 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     found_pairs pairs = found_pairs_of(&c);
     granulation_status status = balance_curve(&laws, &c, found_kernel, &pairs, edges, steps);
     if (status != GRANULATION_OK) common_fail("population balance: %s", granulation_status_text(status));
-    granulation_kernel_data data;
-    memset(&data, 0, sizeof data);
+    granulation_kernel_data data = granulation_default_kernel_data();
     data.limit = 2.75e-4; /* as large as granules get in the discrete simulation */
     data.laws = &c.def.laws;
     double left = over(&e, e.records[0].number + steps).mean;

@@ -1191,8 +1191,7 @@ static void check_balance(const granulation_balance *b, double tolerance) {
 static void test_pouw(void **state) {
     (void)state;
     granulation_laws laws = granulation_default_laws();
-    granulation_kernel_data data;
-    memset(&data, 0, sizeof data);
+    granulation_kernel_data data = granulation_default_kernel_data();
     data.rate = 1e-3;
     data.limit = 2.9e-4;
     data.laws = &laws;
@@ -1247,9 +1246,7 @@ static void test_balance_statuses(void **state) {
     granulation_balance b;
     /* the product kernel gels at t = 1 / M2(0); a status, the volume lost reported, and the state can be used on */
     def.kernel = granulation_product_kernel;
-    granulation_kernel_data wet; /* keys are wet volumes, the kernel sees whole ones: no air here */
-    memset(&wet, 0, sizeof wet);
-    wet.rate = 1.0;
+    granulation_kernel_data wet = granulation_default_kernel_data(); /* keys are wet volumes, the kernel sees whole ones: no air here */
     def.kernel_user = &wet;
     one.a = 0.0;
     assert_int_equal(granulation_balance_init(&b, &def, 200, edges, NULL, 0, NULL, NULL), GRANULATION_OK);
@@ -1443,8 +1440,7 @@ static void test_monte_carlo_against_balance(void **state) {
     double edges[121];
     for (int i = 0; i <= 120; i++) edges[i] = 1e-3 * pow(3e5, i / 120.0);
     for (int k = 0; k < 4; k++) {
-        granulation_kernel_data data;
-        memset(&data, 0, sizeof data);
+        granulation_kernel_data data = granulation_default_kernel_data();
         data.rate = k == 2 ? 0.1 : 0.5;
         data.a = 0.5;
         data.b = 0.3;
@@ -1482,14 +1478,12 @@ static void test_monte_carlo_against_balance(void **state) {
 static void test_kernels(void **state) {
     (void)state;
     granulation_laws laws = granulation_default_laws();
-    granulation_kernel_data d;
-    memset(&d, 0, sizeof d);
+    granulation_kernel_data d = granulation_default_kernel_data();
     d.rate = 2.0;
     d.a = 1.0;
     d.b = 0.25;
     d.speed = 3.0;
     d.laws = &laws;
-    d.limit = HUGE_VAL;
     granulation_granule u = {8.0, 0.0, 0.0}, v = {27.0, 0.0, 0.0};
     near_to("constant", granulation_constant_kernel(&u, &v, &d), 2.0, 0.0);
     near_to("constant", granulation_constant_kernel(&u, &v, NULL), 1.0, 0.0);
@@ -1520,6 +1514,20 @@ static void test_kernels(void **state) {
     d.speed = 3.0;
     near_to("Type II", granulation_class_kernel(&wet, &wet, &d), 6.0, 1e-15);
     assert_true(granulation_class_kernel(&wet, &dry, &d) == granulation_class_kernel(&dry, &wet, &d));
+    /* the defaults: factor 1, no limit; what must be set makes a kernel NaN until it is */
+    d = granulation_default_kernel_data();
+    near_to("default", granulation_sum_kernel(&u, &v, &d), 35.0, 1e-15);
+    assert_true(granulation_cutoff_kernel(&u, &v, &d) == 1.0);
+    assert_true(isnan(granulation_kapur_kernel(&u, &v, &d)) && isnan(granulation_collision_kernel(&u, &v, &d)));
+    assert_true(isnan(granulation_saturation_kernel(&wet, &wet, &d)) && isnan(granulation_class_kernel(&wet, &wet, &d)));
+    d.laws = &laws;
+    assert_true(granulation_saturation_kernel(&wet, &wet, &d) == 1.0 && isnan(granulation_class_kernel(&wet, &wet, &d)));
+    d.speed = 3.0;
+    assert_true(isnan(granulation_class_kernel(&wet, &wet, &d)));
+    d.a = d.b = 1.0;
+    assert_true(granulation_class_kernel(&wet, &wet, &d) == 1.0);
+    d.speed = 0.0;
+    assert_true(granulation_class_kernel(&wet, &wet, &d) == 0.0);
 }
 
 static void test_monte_carlo_statuses(void **state) {
@@ -1533,8 +1541,8 @@ static void test_monte_carlo_statuses(void **state) {
                      GRANULATION_BAD_ARGUMENT);
     assert_int_equal(granulation_montecarlo_init(&mc, sample, 3, 1.0, not_a_number, NULL, 1, NULL), GRANULATION_KERNEL);
     granulation_montecarlo_free(&mc);
-    granulation_kernel_data none;
-    memset(&none, 0, sizeof none); /* rate 0 */
+    granulation_kernel_data none = granulation_default_kernel_data();
+    none.rate = 0.0;
     assert_int_equal(granulation_montecarlo_init(&mc, sample, 3, 1.0, granulation_constant_kernel, &none, 1, NULL), GRANULATION_OK);
     assert_int_equal(granulation_montecarlo_run(&mc, 1e9), GRANULATION_OK);
     assert_true(mc.time == 1e9 && mc.events == 0);
