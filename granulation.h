@@ -467,11 +467,10 @@ typedef double (*granulation_kernel)(const granulation_granule *i, const granula
 /* What the kernels below read: their `data`, def.kernel_user of a balance. Get one from granulation_default_kernel_data(). A kernel without
    a number that it needs is NaN, which a run answers with GRANULATION_KERNEL. */
 typedef struct granulation_kernel_data {
-    double rate;  /* factor of every kernel, >= 0; its unit makes the kernel [m3/s]; default 1 */
-    double a, b;  /* Kapur: exponents [-]; class: b1, b2 [-], >= 0, of Type I or elastic Type II, and of the other Type
-                                     II; default NaN: must be set for these two */
-    double limit; /* cutoff, saturation: no coalescence above this diameter of the granule formed [m]; default infinite: none */
-    double speed; /* class, collision: relative speed [m/s], >= 0; default NaN: must be set for these two */
+    double rate;                  /* factor of every kernel, >= 0; its unit makes the kernel [m3/s]; default 1 */
+    double a, b;                  /* exponents of Kapur [-]. Class: factors b1, b2 [-], >= 0. Default NaN: must be set for these two */
+    double limit;                 /* cutoff, saturation: no coalescence above this diameter of the granule formed [m]; default infinite */
+    double speed;                 /* class, collision: relative speed [m/s], >= 0; default NaN: must be set for these two */
     const granulation_laws *laws; /* class; saturation (critical_saturation); default NULL: must be set for these two; not owned */
     granulation_kernel inner;     /* class, cutoff, saturation: times this kernel of the same data; default NULL: the rate alone */
 } granulation_kernel_data;
@@ -496,7 +495,7 @@ static inline double granulation_collision_kernel(const granulation_granule *i, 
 static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
 /* Pouw et al. (2002): inner where both saturations have reached the critical one, 0 above the limit */
 static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
-/* Liu and Litster (2002): a inner for Type I and elastic Type II, b inner for plastic and dry Type II, 0 for rebound */
+/* Liu and Litster (2002): a inner for Type I and elastic Type II, b inner for plastic and dry Type II, 0 for rebound; their b1, b2 */
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
 
 typedef enum granulation_scheme { GRANULATION_CELL_AVERAGE, GRANULATION_FIXED_PIVOT } granulation_scheme;
