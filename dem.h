@@ -165,7 +165,8 @@ extern "C" {
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
     X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
-    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present")                              \
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
+                        "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -375,7 +376,8 @@ typedef struct dem_contact {
     const void *user;        /* world->user */
 } dem_contact;
 
-/* What it answers: forces on i. */
+/* What it answers: forces on i. It comes empty: a law fills normal, contact and ended, tangential with DEM_FRICTION, rolling with
+   DEM_ROLLING, the rest with DEM_ENERGY; of a link normal, tangential and ended. */
 typedef struct dem_response {
     double normal;        /* along n, positive repels [N] */
     double contact;       /* the part of it that the overlap makes; 0 where there is none [N] */
@@ -417,10 +419,14 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_contact() and dem_set_slot_state() read and write them. */
+       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_slot_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
+
+/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0, 0,
+   0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (tests/dem_user_law.c). */
+enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- the world ---- */
 
@@ -775,7 +781,8 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
    (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* The same with a law of your own and the kernel that DEM_KERNEL made from it. */
+/* The same with a law of your own and the kernel that DEM_KERNEL made from it. features: those that DEM_KERNEL was given; without DEM_FRICTION
+   or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or the kernel of another law: DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
 
 /* Changes the time step [s] > 0 from now on. */
@@ -1088,7 +1095,7 @@ enum {
     DEM__FLOOR,   /* 0 clipped, -inf naive [N] */
     DEM__KT,      /* k_t [N/m] */
     DEM__MU,      /* Coulomb coefficient [-] */
-    DEM__GAMMA_T, /* tangential dashpot [kg/s] */
+    DEM__RELAX,   /* tangential dashpot over k_t [s] */
     DEM__ROLL,    /* lever arm [m] */
     DEM__ROLL_CAP /* I_red/2 [kg m2]: more would reverse the spin within a step */
 };
@@ -1123,19 +1130,23 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double xi[3], t[3];
+    double xi[3], t[3], kept[3], along = 0.0;
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
-        t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
+        t[a] = p[DEM__KT] * (xi[a] + p[DEM__RELAX] * c->slip[a]);
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
+    for (int a = 0; a < 3; a++) { /* sliding, the spring holds what the dashpot leaves of the limit, if anything */
+        kept[a] = scale * xi[a] - (1.0 - scale) * p[DEM__RELAX] * c->slip[a];
+        along += kept[a] * t[a];
+    }
     for (int a = 0; a < 3; a++) {
-        double kept = scale * xi[a]; /* the dashpot's share of a sliding force is not stored: it relaxes within the contact */
-        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force on the way slid */
-        r->elastic += 0.5 * p[DEM__KT] * kept * kept;
-        r->rolling_power += scale * p[DEM__GAMMA_T] * c->slip[a] * c->slip[a];
-        state[DEM__XI + a] = kept;
+        kept[a] = along < 0.0 ? 0.0 : kept[a];
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept[a]) * (xi[a] - kept[a]); /* work of the mean force on the way slid */
+        r->elastic += 0.5 * p[DEM__KT] * kept[a] * kept[a];
+        r->rolling_power += (scale * t[a] - p[DEM__KT] * kept[a]) * c->slip[a];
+        state[DEM__XI + a] = kept[a];
         r->tangential[a] = -scale * t[a];
     }
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__ROLL], p[DEM__ROLL_CAP], r);
@@ -1148,9 +1159,9 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     constants[DEM__K] = k;
     constants[DEM__GAMMA] = gamma;
     constants[DEM__FLOOR] = pair->mode == DEM_CLIPPED ? 0.0 : -HUGE_VAL;
-    constants[DEM__KT] = k * pair->tangential_ratio;
+    constants[DEM__KT] = k * pair->tangential_ratio + 1e-300; /* the dashpot may act alone */
     constants[DEM__MU] = b->features & DEM_FRICTION ? pair->friction : 0.0;
-    constants[DEM__GAMMA_T] = gamma * pair->tangential_damping;
+    constants[DEM__RELAX] = gamma * pair->tangential_damping / constants[DEM__KT];
     constants[DEM__ROLL] = b->features & DEM_ROLLING ? pair->rolling : 0.0;
     constants[DEM__ROLL_CAP] = 0.5 * b->inertia;
     return k;
@@ -1188,20 +1199,24 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__HERTZ_MU] * push;
     double kt = p[DEM__HERTZ_G] * area, before = state[DEM__AREA];
     double follow = area / (before + 1e-300); /* at birth the force is zero */
-    double t[3], f[3], old = 0.0, work = 0.0, now = 0.0;
+    double t[3], f[3], kept[3], old = 0.0, work = 0.0, now = 0.0, along = 0.0, dashpot = damping * p[DEM__HERTZ_GAMMA_T];
     for (int a = 0; a < 3; a++) {
         old += state[DEM__FT + a] * state[DEM__FT + a];
         f[a] = follow * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
-        t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
+        t[a] = f[a] + dashpot * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
+    for (int a = 0; a < 3; a++) { /* as above */
+        kept[a] = scale * f[a] - (1.0 - scale) * dashpot * c->slip[a];
+        along += kept[a] * t[a];
+    }
     for (int a = 0; a < 3; a++) {
-        double kept = scale * f[a];
-        work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
-        now += kept * kept;
-        r->rolling_power += scale * damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a] * c->slip[a];
-        state[DEM__FT + a] = kept;
+        kept[a] = along < 0.0 ? 0.0 : kept[a];
+        work += 0.5 * (state[DEM__FT + a] + kept[a]) * c->slip[a] * c->dt;
+        now += kept[a] * kept[a];
+        r->rolling_power += (scale * t[a] - kept[a]) * c->slip[a];
+        state[DEM__FT + a] = kept[a];
         r->tangential[a] = -scale * t[a];
     }
     double stored = 0.5 * now / (kt + 1e-300);
@@ -1420,7 +1435,8 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
-    if (along > 0.0 && along < 1.0) { /* from the side's own normal, which does not lose its figures near the surface */
+    const int on_rim = !(along > 0.0 && along < 1.0);
+    if (!on_rim) { /* from the side's own normal, which does not lose its figures near the surface */
         const double side = (rho - w->radius) * nx + up * ny;
         distance = fabs(side);
         if (side < 0.0) nx = -nx, ny = -ny;
@@ -1428,8 +1444,8 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* half way up: one kind of contact wherever it begins */
-    out[0].curvature = (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
+    /* half way up: one kind of contact wherever it begins; balls wider than the ring lie on a rim */
+    out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
 
@@ -1875,7 +1891,7 @@ static const char *dem__bad_field(const dem_def *def) {
     for (int a = 0; a < 3; a++) {
         const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
         if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
-        if (def->periodic[a] && !(dem__finite(low) && dem__finite(high) && high > low)) return "high";
+        if (def->periodic[a] && !(dem__finite(low) && dem__finite(high) && high > low && dem__finite(high - low))) return "high";
     }
     if (!def->allocator.fn) return "allocator.fn";
     for (int a = 0; a < def->materials; a++) {
@@ -1930,8 +1946,9 @@ DEM_API void dem_free(dem_world *world) {
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->dt__; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
-    const double length = high - low;
-    return v >= low && v < high ? v : v - length * floor((v - low) / length);
+    if (v >= low && v < high) return v;
+    const double length = high - low, x = v - length * floor((v - low) / length);
+    return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
 }
 
 /* Position on the parabola at tau after the origin step. */
@@ -2033,17 +2050,25 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(w->load__[i]));
 }
 
+DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
+    const double d = 2.0 * radius;
+    return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
+}
+
+/* A diameter whose mass and inertia are numbers. */
+static inline int dem__is_size(const dem_world *w, int material, double d) {
+    return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
+}
+
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__positive(diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) ||
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) ||
             !dem__finite(centres[3 * k + 2]))
             return DEM_BAD_ARGUMENT;
-        double volume = RIDDLE_PI / 6.0 * diameters[k] * diameters[k] * diameters[k];
-        if (!dem__positive(volume * w->def.material[material].density * diameters[k] * diameters[k])) return DEM_BAD_ARGUMENT;
     }
     if (w->count + n + 1 > w->capacity__) {
         dem__array list[DEM__ARRAYS_MAX];
@@ -2260,15 +2285,17 @@ DEM_API dem_screen dem_default_screen(void) {
     return s;
 }
 
+/* Has a screen lengths, and no more bars and apertures than integers count? */
+static inline int dem__is_deck(const dem_wall *w) {
+    const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
+    return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+}
+
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||
         !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (!dem__positive(screen->aperture) || !dem__positive(screen->wire) || !dem__positive(screen->half_x)) return -(int)DEM_BAD_ARGUMENT;
-    if (!screen->circular && !dem__positive(screen->half_y)) return -(int)DEM_BAD_ARGUMENT;
-    if (!(screen->half_x / (screen->aperture + screen->wire) < 1e5) || !(screen->half_y / (screen->aperture + screen->wire) < 1e5))
         return -(int)DEM_BAD_ARGUMENT;
     if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
@@ -2281,6 +2308,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     wall.circular = screen->circular != 0;
     wall.half_x = screen->half_x;
     wall.half_y = screen->circular ? screen->half_x : screen->half_y;
+    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
     return dem__add_wall(world, &wall);
 }
 
@@ -3707,7 +3735,7 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     for (;; size *= 1.26) {
         double cells = 1.0;
         for (int a = 0; a < 3; a++) cells *= floor(span[a] / size) + 1.0;
-        if (cells <= 4.0 * (double)g->count + 64.0) break;
+        if (!(cells > 4.0 * (double)g->count + 64.0)) break; /* NaN: an infinite span has one cell */
     }
     for (int a = 0; a < 3; a++) {
         const double n = floor(span[a] / size);
@@ -3724,7 +3752,7 @@ DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach,
         const double low = floor(from), high = floor(to);
         *first = 0;
         if (!(high - low < last)) return g->n[a];
-        *first = (int32_t)low; /* v itself is in the box, or by rounding at its upper end */
+        *first = (int32_t)low; /* v itself is in the box, or at its upper end */
         *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
         return (int32_t)(high - low) + 1;
     }
@@ -4698,9 +4726,18 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
     }
 }
 
+/* Is a kernel of these features the one for a run with those? The arrays of the ledger must be there, or not. */
+DEM_INLINE int dem__serves(int features, int run) {
+    return (features & DEM_ENERGY) == (run & DEM_ENERGY) && !(run & ~features & (DEM_FRICTION | DEM_ROLLING));
+}
+
 /* The contacts of sections first .. end-1, by one thread. */
 DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__mend_fn *mend, int features) {
     dem__traits traits;
+    if (!dem__serves(features, w->features__) || law->states != w->law__->states || law->constants != w->law__->constants) {
+        w->status = DEM_BAD_ARGUMENT;
+        return;
+    }
     for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         w->section__[q].marked = w->section__[q].deferred = 0;
@@ -5905,6 +5942,18 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     return w->status == DEM_OK;
 }
 
+/* A kernel says so of no contacts if it is not for this law and these features. */
+static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+    const dem_law *old_law = w->law__;
+    const int old_features = w->features__;
+    w->law__ = law, w->features__ = features;
+    kernel(w, 0, 0);
+    const int fits = w->status == DEM_OK;
+    w->law__ = old_law, w->features__ = old_features;
+    w->status = DEM_OK;
+    return fits;
+}
+
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
@@ -5915,6 +5964,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     double remaining = (w->target__ + duration - w->time) / w->dt__;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
+    if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
     }
@@ -5939,24 +5989,26 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
             w->live_capacity__ = old_capacity;
             return DEM_OUT_OF_MEMORY;
         }
+        for (int a = w->states__; a < DEM_STATE_MAX; a++) w->live_state__[a] = NULL; /* not in the block */
     }
     if (!dem__prepare_run(w, law, kernel, features)) return w->status;
     w->target__ += duration;
-    for (int64_t n = (int64_t)floor(remaining + 0.5); n > 0; n--) {
+    for (int64_t n = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0; n > 0; n--) {
         if (!dem__step(w, law, kernel, features, n == 1)) return w->status;
     }
     return DEM_OK;
 }
 
 /* name, version, states, history, vectors, constants, prepare, force, born, ended */
-static const dem_law dem_law_linear = {"linear", 1, 0, 0, 0, 8, dem_prepare_linear, dem_force_linear, NULL, NULL};
-static const dem_law dem_law_linear_friction = {"linear, friction",        1,    3,   3, 1, 8, dem_prepare_linear,
+static const dem_law dem_law_linear = {"linear", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL, NULL};
+static const dem_law dem_law_linear_friction = {"linear, friction",        1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
                                                 dem_force_linear_friction, NULL, NULL};
-static const dem_law dem_law_linear_rolling = {"linear, friction, rolling", 1,    3,   3, 1, 8, dem_prepare_linear,
+static const dem_law dem_law_linear_rolling = {"linear, friction, rolling", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
                                                dem_force_linear_rolling,    NULL, NULL};
-static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 0, 8, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
-static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin", 1, 4, 4, 1, 8, dem_prepare_hertz, dem_force_hertz_friction, NULL, NULL};
-static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin, rolling", 1,    4,   4, 1, 8, dem_prepare_hertz,
+static const dem_law dem_law_hertz = {"Hertz", 1, 0, 0, 0, DEM_HERTZ_CONSTANTS, dem_prepare_hertz, dem_force_hertz, NULL, NULL};
+static const dem_law dem_law_hertz_friction = {"Hertz-Mindlin",          1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
+                                               dem_force_hertz_friction, NULL, NULL};
+static const dem_law dem_law_hertz_rolling = {"Hertz-Mindlin, rolling", 1,    4,   4, 1, DEM_HERTZ_CONSTANTS, dem_prepare_hertz,
                                               dem_force_hertz_rolling,  NULL, NULL};
 
 DEM_KERNEL(dem__kernel_linear, dem_law_linear, DEM_LINEAR)
@@ -6473,11 +6525,6 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     }
 }
 
-DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
-    const double d = 2.0 * radius;
-    return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
-}
-
 /* How many spheres are due, at most `most`, drawn one after the other; their radii, if there is an array for them. The first that is
    not due waits: to leave it out would favour the small ones. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
@@ -6522,6 +6569,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
         int found = 0;
         for (int tries = 0; tries < feed->tries && !found; tries++) {
             if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
+            x = dem__in_box(w, x); /* as dem_add_spheres will */
             found = dem__is_free(w, &room, x, radius[k]);
         }
         if (!found) {
@@ -6568,14 +6616,12 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 || f->tries > 1000000)
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
-    /* every size must be one that dem_add_spheres takes */
-    if (!dem__positive(dem__sphere_mass(w, f->material, 0.5 * smallest) * smallest * smallest) ||
-        !dem__positive(dem__sphere_mass(w, f->material, 0.5 * largest) * largest * largest))
-        return 0;
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__finite_vec(f->velocity) || !dem__not_negative(f->scatter.x) || !dem__not_negative(f->scatter.y) ||
         !dem__not_negative(f->scatter.z))
         return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__not_negative(f->waiting);
+    return dem__finite(f->due) && dem__finite(f->due_mass);
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
@@ -6854,7 +6900,7 @@ static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first,
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
     const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
-    *first = (int)dem__clamp(from, 0.0, most), *last = (int)dem__clamp(to, 0.0, most);
+    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* NaN too */
     return 1;
 }
 
@@ -7216,6 +7262,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
     dem__u64(s, &w->next_id__);
     dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    const int64_t counts[] = {w->step, w->start_step__, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
     int *flags[] = {&w->walls,      &w->fresh__,  &w->ledger_on__, &w->ledger_started__,
                     &w->loads_on__, &w->states__, &w->links_on__,  &w->link_states__};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
@@ -7335,7 +7383,7 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *a = &w->wall[k];
         if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
-        if (a->kind == DEM_SCREEN && !(a->aperture > 0.0 && a->wire > 0.0)) return 0;
+        if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
         if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
         if (a->drive < DEM_KINEMATIC || a->drive > DEM_TORQUE_CONTROLLED || (a->drive == DEM_PRESCRIBED && !(a->interval > 0.0))) return 0;
         if (a->drive >= DEM_FORCE_CONTROLLED && !(a->inertia > 0.0)) return 0;

@@ -142,8 +142,13 @@ static inline double contact_jkr_sticking_speed(double radius, double modulus, d
 
 /* ---- rolling and twisting ---- */
 
-enum { CONTACT_ROLL = 8, CONTACT_ROLL_DAMPING, CONTACT_TWIST, CONTACT_EPSD_CONSTANTS }; /* behind the eight of the shipped laws */
-enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES };     /* [rad], [rad], contact radius of Hertz [m] */
+enum {
+    CONTACT_ROLL = DEM_LINEAR_CONSTANTS,
+    CONTACT_ROLL_DAMPING,
+    CONTACT_TWIST,
+    CONTACT_EPSD_CONSTANTS
+};                                                                                  /* behind those of the shipped laws */
+enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES }; /* [rad], [rad], contact radius of Hertz [m] */
 
 /* A spring of stiffness k [N m/rad] (before: in the last step) that yields at a torque `most`, and a dashpot while it does not. rate: of
    turning [rad/s]; angle: of the spring. Adds to torque, energy and losses. */
@@ -258,7 +263,7 @@ static const dem_law contact_epsd_hertz = {"Hertz-Mindlin, EPSD rolling, twistin
 
 /* ---- cohesion ---- */
 
-enum { CONTACT_PULL = 8, CONTACT_JKR_G, CONTACT_JKR_LEAST, CONTACT_JKR_TOUCHED, CONTACT_JKR_WORK, CONTACT_JKR_CONSTANTS };
+enum { CONTACT_PULL = DEM_HERTZ_CONSTANTS, CONTACT_JKR_G, CONTACT_JKR_LEAST, CONTACT_JKR_TOUCHED, CONTACT_JKR_WORK, CONTACT_JKR_CONSTANTS };
 
 /* Hertz and a constant pull 2 pi w R* while surfaces overlap. The pull is a part of `contact`: it begins and ends with the overlap, and so
    has a share in the cut first and last step. Friction counts the repulsion of the solids. */
@@ -314,7 +319,16 @@ static const dem_law contact_jkr = {"JKR", 1, 4, 4, 1, CONTACT_JKR_CONSTANTS, co
 /* Constants: stiffness of stretching, shearing [N/m], bending, twisting [N m/rad]; damping time [s]; 1/area and 1/section modulus over the
    strengths, so that a bond breaks at 1. State: friction history, way sheared [m], angles bent and twisted [rad], 1 whole (2 new, 0 none),
    gap at birth [m]. */
-enum { CONTACT_STRETCH = 8, CONTACT_SHEAR, CONTACT_BEND, CONTACT_TORSION, CONTACT_LAG, CONTACT_TENSILE, CONTACT_SHEARED, CONTACT_FAR };
+enum {
+    CONTACT_STRETCH = DEM_LINEAR_CONSTANTS,
+    CONTACT_SHEAR,
+    CONTACT_BEND,
+    CONTACT_TORSION,
+    CONTACT_LAG,
+    CONTACT_TENSILE,
+    CONTACT_SHEARED,
+    CONTACT_FAR
+};
 enum { CONTACT_WAY = 3, CONTACT_BENT = 6, CONTACT_TURNED = 9, CONTACT_WHOLE, CONTACT_REST, CONTACT_BOND_STATES };
 
 DEM_INLINE double contact__size(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }

@@ -2,14 +2,14 @@
 #include "dem.h"
 
 static double prepare_magnet(const dem_birth *birth, double *constants) {
-    constants[8] = 1e-3; /* [N] */
+    constants[DEM_LINEAR_CONSTANTS] = 1e-3; /* [N] */
     return dem_prepare_linear(birth, constants);
 }
 DEM_INLINE void force_magnet(const dem_contact *contact, double *state, dem_response *response) {
     dem_force_linear_friction(contact, state, response);
-    response->normal -= contact->constants[8];
+    response->normal -= contact->constants[DEM_LINEAR_CONSTANTS];
 }
-static const dem_law magnet = {"linear with attraction", 1, 3, 3, 1, 9, prepare_magnet, force_magnet, NULL, NULL};
+static const dem_law magnet = {"linear with attraction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS + 1, prepare_magnet, force_magnet, NULL, NULL};
 DEM_KERNEL(dem__kernel_magnet, magnet, DEM_LINEAR | DEM_FRICTION)
 
 int main(int argc, char **argv) {

@@ -239,6 +239,31 @@ static void test_rolling_resistance(void **state) {
 
 /* The plane turns about an axis through the sphere's centre, and the load with it: a stuck contact, pulled sideways, goes round with
    its tangential spring, whose length stays and whose direction follows. */
+/* A hit that slides and sticks: what the dashpot does to the spring does not depend on the number of steps. Limits from t_c/5120. */
+static void test_tangential_dashpot(void **state) {
+    (void)state;
+    const double limit[2] = {1.06335, 1.03492}, sliding[2] = {0.0021, 0.0053}, steps[2] = {20.0, 80.0};
+    for (int k = 0; k < 4; k++) {
+        const int hertz = k / 2, features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | DEM_ENERGY;
+        const double mass = mass_of(diameter), start_energy = 0.5 * mass * 3.25;
+        dem_world w;
+        dem_def def = one_material(0.5, 0.3, 0.0);
+        dem_pair(&def, 0, 0)->tangential_damping = 1.0;
+        def.material[0].poisson_ratio = 0.3;
+        const double contact = hertz ? dem_hertz_contact_time(1e8 / 1.82, radius, mass, 1.0)
+                                     : dem_contact_time(1e5, mass, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED);
+        def.gravity = zero, def.dt = contact / steps[k % 2];
+        start(&w, &def);
+        dem_add_plane(&w, 0, zero, up);
+        add(&w, v3(0, 0, 1.001 * radius), diameter);
+        move(&w, 0, v3(1.5, 0, -1), zero);
+        run(&w, 1e-3, features);
+        near_absolute(dem_velocity(&w, 0).x, limit[hertz], hertz ? 3e-3 : 1e-3, "tangential velocity");
+        near_absolute(dem_energy(&w).sliding_loss / start_energy, sliding[hertz], 0.2 / steps[k % 2] + 1e-3, "sliding loss");
+        dem_free(&w);
+    }
+}
+
 static void test_history_turns_with_the_contact(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {
@@ -282,12 +307,12 @@ static void test_history_turns_with_the_contact(void **state) {
 
 /* A law of one's own: linear spring and dashpot, friction as shipped, and a constant attraction. */
 static double prepare_sticky(const dem_birth *b, double *constants) {
-    constants[8] = 2e-2; /* [N], after the eight of the linear law */
+    constants[DEM_LINEAR_CONSTANTS] = 2e-2; /* [N] */
     return dem_prepare_linear(b, constants);
 }
 DEM_INLINE void force_sticky(const dem_contact *c, double *state, dem_response *r) {
     dem_force_linear_friction(c, state, r);
-    r->normal -= c->constants[8]; /* the pull holds the pair together; friction counts the contact's part alone */
+    r->normal -= c->constants[DEM_LINEAR_CONSTANTS]; /* the pull holds the pair together; friction counts the contact's part alone */
 }
 static const dem_law law_sticky = {"linear with attraction", 1, 3, 3, 1, 9, prepare_sticky, force_sticky, NULL, NULL};
 DEM_KERNEL(kernel_sticky, law_sticky, DEM_LINEAR | DEM_FRICTION)
@@ -854,6 +879,28 @@ static void test_narrow_box(void **state) {
 
 /* Where spheres are fast, the margin of the list is wider, up to three times, so that lists last 100 steps; how fast all of them are
    together, and that they fall together, is no reason for a new one. */
+/* Wherever a sphere is put, it is in the box: so far out that nothing else is known of its place. */
+static void test_far_outside_a_box(void **state) {
+    (void)state;
+    const double far_out[] = {1.0, -7.03, 1e9, 9.3032915081612809e+52, -1e300};
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    def.periodic[0] = 1, def.low.x = 0.0, def.high.x = 0.06;
+    for (int k = 0; k < 5; k++) {
+        dem_world w;
+        start(&w, &def);
+        add(&w, v3(far_out[k], 0, 0), diameter);
+        add(&w, v3(0.01, 0.1, 0), diameter);
+        run(&w, 1e-3, DEM_LINEAR);
+        assert_true(dem_position(&w, 0).x >= 0.0 && dem_position(&w, 0).x <= 0.06);
+        dem_free(&w);
+    }
+    dem_world w;
+    const char *field = NULL;
+    def.low.x = -1e308, def.high.x = 1e308;
+    assert_int_equal(dem_init(&w, &def, &field), DEM_BAD_DEFINITION);
+    assert_string_equal(field, "high");
+}
+
 static void test_lists_last(void **state) {
     (void)state;
     static const struct {
@@ -1342,6 +1389,10 @@ static void test_damaged_saves(void **state) {
     run(&w, 0.06, scene_features(SCENE_SCREEN));
     assert_true(w.passed_count > 0 && dem_contact_count(&w) > 5);
     unsigned char *bytes = saved(&w, &size), *bad = malloc(size + 16);
+    dem_world old = w; /* a count that cannot go on */
+    old.particle_steps = INT64_MAX;
+    assert_int_equal(dem_save(&old, bad, size), size);
+    assert_int_equal(dem_load(&copy, bad, size, NULL), DEM_BAD_DATA);
     for (size_t cut = 0; cut < size; cut += cut < 4000 ? 1 : 97) assert_int_equal(dem_load(&copy, bytes, cut, NULL), DEM_BAD_DATA);
     memcpy(bad, bytes, size), memset(bad + size, 0, 16);
     assert_int_equal(dem_load(&copy, bad, size + 8, NULL), DEM_BAD_DATA);
@@ -1510,7 +1561,7 @@ static void test_hostile_calls(void **state) {
         s = dem_default_screen(), s.circular = 0, s.half_y = bad[k];
         assert_true(dem_add_screen(&w, 0, &s) < 0);
     }
-    TRY(aperture, 0.0), TRY(wire, -1.0), TRY(half_x, 1e300), TRY(profile, (dem_profile)5), TRY(normal, zero);
+    TRY(aperture, 0.0), TRY(wire, -1.0), TRY(half_x, 1e300), TRY(half_x, 200.0), TRY(profile, (dem_profile)5), TRY(normal, zero);
 #undef TRY
     int p = dem_add_plane(&w, 0, zero, up), n = 0;
     assert_true(p == 0);
@@ -1569,6 +1620,33 @@ static void test_law_mismatch(void **state) {
     move(&w, 0, v3(0, 0, 5), zero);
     run(&w, 1e-3, DEM_LINEAR);
     run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION); /* in flight there is no history to lose */
+    run(&w, 1e-4, DEM_LINEAR);
+    for (int a = 0; a < 3; a++) assert_null(w.live_state__[a]); /* nothing of a block that is gone */
+    run(&w, 1e-4, DEM_HERTZ | DEM_FRICTION);
+    dem_free(&w);
+}
+
+/* A kernel with other features, or made from another law. */
+static const dem_law law_plain = {"as shipped", 1,   3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction,
+                                  NULL,         NULL};
+DEM_KERNEL(kernel_plain, law_plain, DEM_LINEAR | DEM_FRICTION)
+DEM_KERNEL(kernel_plain_energy, law_plain, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY)
+
+static void test_kernel_mismatch(void **state) {
+    (void)state;
+    const int rubs = DEM_LINEAR | DEM_FRICTION, counts = rubs | DEM_ENERGY;
+    dem_world w;
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    on_plane(&w, &def, 0.0);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain_energy, rubs), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain, counts), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain, rubs | DEM_ROLLING), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_sticky, kernel_plain, rubs), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-4, &dem_law_linear, kernel_plain, DEM_LINEAR), DEM_BAD_ARGUMENT);
+    assert_true(w.status == DEM_OK && w.step == 0); /* the world is as it was */
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain, rubs), DEM_OK);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain_energy, counts), DEM_OK);
+    assert_int_equal(dem_run_law(&w, 1e-4, &law_plain, kernel_plain, DEM_LINEAR), DEM_OK); /* friction left out */
     dem_free(&w);
 }
 
@@ -1755,6 +1833,7 @@ int main(void) {
         cmocka_unit_test(test_bowled_ball),
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_rolling_resistance),
+        cmocka_unit_test(test_tangential_dashpot),
         cmocka_unit_test(test_history_turns_with_the_contact),
         cmocka_unit_test(test_rigid_rotation_is_no_slip),
         cmocka_unit_test(test_binary_collisions_keep_momentum),
@@ -1770,6 +1849,7 @@ int main(void) {
         cmocka_unit_test(test_periodic),
         cmocka_unit_test(test_walls_of_a_periodic_box),
         cmocka_unit_test(test_narrow_box),
+        cmocka_unit_test(test_far_outside_a_box),
         cmocka_unit_test(test_lists_last),
         cmocka_unit_test(test_exits),
         cmocka_unit_test(test_exit_in_contact),
@@ -1788,6 +1868,7 @@ int main(void) {
         cmocka_unit_test(test_bad_definitions),
         cmocka_unit_test(test_hostile_calls),
         cmocka_unit_test(test_law_mismatch),
+        cmocka_unit_test(test_kernel_mismatch),
         cmocka_unit_test(test_failures_name_the_particle),
         cmocka_unit_test(test_memory_running_out),
         cmocka_unit_test(test_several_worlds_and_laws),

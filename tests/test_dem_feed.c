@@ -550,7 +550,7 @@ static void test_bad_feeds(void **state) {
     assert_int_equal(dem_feed_number(&w, &feed, 1e200, 1e200), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_remove_region(NULL, &feed.region), -(int)DEM_BAD_ARGUMENT);
     assert_int_equal(dem_remove_region(&w, NULL), -(int)DEM_BAD_ARGUMENT);
-    for (int k = 0; k < 9; k++) {
+    for (int k = 0; k < 10; k++) {
         f = feed;
         if (k == 0) f.material = 1;
         if (k == 1) f.material = -1;
@@ -561,6 +561,7 @@ static void test_bad_feeds(void **state) {
         if (k == 6) f.sizes.kind = (dem_size_kind)9;
         if (k == 7) f.region.kind = (dem_region_kind)9;
         if (k == 8) f.waiting = nan_;
+        if (k == 9) f.waiting = 5e-324;
         assert_int_equal(dem_fill(&w, &f, 1), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_feed_number(&w, &f, 1.0, 1.0), DEM_BAD_ARGUMENT);
     }
@@ -573,7 +574,31 @@ static void test_bad_feeds(void **state) {
     assert_int_equal(dem_fill(&w, &f, 0), DEM_OK);
     assert_int_equal(dem_fill_mass(&w, &f, 0.0), DEM_OK);
     assert_int_equal(w.count, 10);
+    f = feed;
+    f.region = dem_box_region(v3(-1e308, 0, 0), v3(1e308, 1, 1)); /* its length is no number */
+    dem_fill(&w, &f, 1);
     dem_free(&w);
+}
+
+/* A region may lie boxes away from a periodic box. */
+static void test_fill_outside_a_box(void **state) {
+    (void)state;
+    const double at[] = {0.0, 0.25, -50.0};
+    for (int k = 0; k < 3; k++) {
+        dem_world w;
+        dem_def def = plain_def(NULL);
+        dem_feed feed = dem_default_feed();
+        def.periodic[0] = 1, def.high = v3(0.1, 1, 1);
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        feed.region = dem_box_region(v3(at[k], 0, 0), v3(at[k] + 0.05, 0.1, 0.1));
+        feed.sizes = dem_one_size(4e-3);
+        assert_int_equal(dem_fill(&w, &feed, 200), DEM_OK);
+        assert_int_equal(w.count, 200);
+        for (ptrdiff_t i = 0; i < w.count; i++) {
+            for (ptrdiff_t j = 0; j < i; j++) assert_true(closest_gap(&w, i, j) > -1e-12);
+        }
+        dem_free(&w);
+    }
 }
 
 static void test_memory(void **state) {
@@ -684,6 +709,7 @@ int main(void) {
         cmocka_unit_test(test_fill),
         cmocka_unit_test(test_fill_among_others),
         cmocka_unit_test(test_fill_tells_what_it_missed),
+        cmocka_unit_test(test_fill_outside_a_box),
         cmocka_unit_test(test_feed_in_time),
         cmocka_unit_test(test_feed_waits),
         cmocka_unit_test(test_feed_restarts),

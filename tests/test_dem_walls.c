@@ -863,6 +863,20 @@ static void test_rim(void **state) {
     }
     assert_true(hash[0] == hash[1]);
     near_absolute(speed[2], speed[0], 1e-9, "speed after a sphere was added");
+
+    for (int k = 0; k < 2; k++) { /* a ball wider than the ring on which it falls */
+        dem_world w;
+        dem_def def = one_material(0.3, 0.3);
+        dem_cone cone = dem_default_cone();
+        const double r = k ? 0.015 : 0.1;
+        cone.low_radius = k ? 0.004 : 0.02, cone.high_radius = k ? 0.006 : 0.02, cone.high.z = k ? 0.005 : 0.05;
+        start(&w, &def);
+        assert_int_equal(dem_add_cone(&w, 0, &cone), 0);
+        add(&w, v3(0, 1e-6, cone.high.z + sqrt(r * r - cone.high_radius * cone.high_radius)), 2.0 * r);
+        run(&w, 0.02, DEM_HERTZ | DEM_FRICTION);
+        assert_true(w.contact_steps > 0);
+        dem_free(&w);
+    }
 }
 
 static void test_out_of_memory(void **state) {

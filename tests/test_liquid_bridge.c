@@ -357,7 +357,7 @@ static void test_young_laplace_refuses(void **state) {
     (void)state;
     bridge_pair_def def = bridge_pair_default_def();
     bridge_shape shape, rupture;
-    double fold = 0.0, R3 = 2.5e-3 * 2.5e-3 * 2.5e-3;
+    double fold = 0.0, not_found = 0.0, R3 = 2.5e-3 * 2.5e-3 * 2.5e-3;
     const double bad[] = {nan_value, -1e-10, 0.0};
     for (int k = 0; k < 3; k++) assert_int_equal(bridge_young_laplace(&def, bad[k], 0.0, &shape), BRIDGE_INVALID);
     assert_int_equal(bridge_young_laplace(&def, 1e-10, nan_value, &shape), BRIDGE_INVALID);
@@ -371,6 +371,10 @@ static void test_young_laplace_refuses(void **state) {
     near_relative(fold, rupture.gap, 1e-12, "15 degrees: the fold is first");
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, fold * (1.0 - 1e-9), &shape), BRIDGE_OK);
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, fold * (1.0 + 1e-9), &shape), BRIDGE_RUPTURED);
+    assert_true(isnan(shape.force) && isnan(shape.pressure) && isnan(shape.gap) && isnan(shape.neck) && isnan(shape.ring_i));
+    assert_true(isnan(shape.ring_j) && isnan(shape.filling_i) && isnan(shape.filling_j) && isnan(shape.share_i) && isnan(shape.energy));
+    assert_int_equal(bridge_young_laplace_rupture(&def, 10.0, &rupture, &not_found), BRIDGE_NO_SOLUTION);
+    assert_true(isnan(rupture.force) && isnan(rupture.gap) && isnan(not_found));
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, 1e300, &shape), BRIDGE_RUPTURED);
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, 1e-300, &shape), BRIDGE_OK);
     /* equal spheres at 40 degrees: unstable between the first instability and the fold */
