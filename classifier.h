@@ -229,7 +229,7 @@ typedef enum { CLASSIFIER_NORMAL, CLASSIFIER_HISTOGRAM } classifier_shape;
    histogram. Owns no memory. */
 typedef struct classifier_distribution {
     classifier_shape shape;
-    double mean, sd, low, high;
+    double mean, sd, low, high;             /* in the unit of the quantity; of a histogram sd is 0 and not read */
     int bins;                               /* histogram: 1 .. CLASSIFIER_BINS */
     double edge[CLASSIFIER_BINS + 1];       /* increasing */
     double cumulative[CLASSIFIER_BINS + 1]; /* 0 .. 1 */
@@ -258,9 +258,9 @@ CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_con
 /* ====================================================== separation model ====================================================== */
 
 typedef struct classifier_wheel {
-    double outer_radius, inner_radius, height; /* [m] */
-    int paddles;
-    double thickness; /* of a paddle [m] >= 0 */
+    double outer_radius, inner_radius, height; /* [m], outer > inner > 0, height > 0 */
+    int paddles;                               /* >= 1 */
+    double thickness;                          /* of a paddle [m] >= 0; all of them less than the inner circumference */
 } classifier_wheel;
 
 /* Undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness)). */
@@ -310,9 +310,9 @@ typedef struct classifier_def {
     bool buoyancy;                         /* false */
     double size_low, size_high;            /* [m] where cut sizes are looked for; 1e-7, 1e-2 */
     classifier_sampler sampler;            /* CLASSIFIER_LATTICE */
-    bool preintegrate; /* true: the last restitution is integrated in closed form; false: drawn, and rejected particles counted */
-    int points;        /* a shift; a power of two from 16 to 2^20 */
-    int shifts;        /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS */
+    bool preintegrate; /* true (default): the last restitution is integrated in closed form; false: drawn, rejected particles counted */
+    int points;        /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
+    int shifts;        /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
     uint64_t seed;     /* of the shifts; 1 */
 } classifier_def;
 
@@ -423,7 +423,7 @@ typedef double (*classifier_function)(double x, const void *user);
 CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
                                             double low, double high, int pieces);
 
-enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* size and slope are always free */
+enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* bits; 0: size and slope, always free, alone. HOOK frees the bypass too */
 typedef struct classifier_fit_result {
     classifier_curve curve;
     /* standard deviations from the curvature, 0 where not free; with sd NULL scaled by the residuals */
@@ -461,8 +461,8 @@ typedef struct classifier_circuit_def {
     int coarse_to[CLASSIFIER_STAGES];
     int fine_to[CLASSIFIER_STAGES];
 } classifier_circuit_def;
-/* One size class: t[stages] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each stage /
-   fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
+/* One size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each
+   stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
 CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
 
 /* clang-format off */

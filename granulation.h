@@ -331,7 +331,7 @@ typedef struct granulation_def {
     granulation_laws laws;
     double box;                      /* edge [m], > 0; 2e-3 */
     double step;                     /* [s], > 0; 1 */
-    double dilation;                 /* path = velocity step / dilation [-], > 0; 1e4 */
+    double dilation;                 /* path of a step = velocity step / dilation [-], > 0; 1e4: 1 s of process is 0.1 ms of flight */
     double velocity_mean[3];         /* of new granules [m/s]; 3, 3, 3 */
     double velocity_deviation[3];    /* [m/s], >= 0; 1, 1, 1 */
     granulation_signs signs;         /* default SAME_SIGNS */
@@ -574,8 +574,8 @@ typedef struct granulation_montecarlo {
     int n;
     granulation_granule *granules; /* [n] */
     double volume;                 /* that the sample stands for [m3] */
-    double time;
-    int64_t events, raised; /* coalescences; times the bound of the kernel was found too small (a bias, if often) */
+    double time;                   /* [s] */
+    int64_t events, raised;        /* coalescences; times the bound of the kernel was found too small (a bias, if often) */
     granulation_kernel kernel;
     const void *user;
     granulation_random random;
@@ -589,8 +589,9 @@ GRANULATION_API granulation_status granulation_montecarlo_init(granulation_monte
                                                                double volume, granulation_kernel kernel, const void *user, uint64_t seed,
                                                                const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
+/* To the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP. */
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
-/* Moment sum V^p / volume. */
+/* Moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
 
 /* clang-format off */

@@ -282,7 +282,7 @@ BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
 
 /* Young-Laplace, solved: bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative error
-   about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. */
+   about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. *shape is NaN after any failure, as below. */
 BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape);
 /* The last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold, whichever comes first.
    *fold_gap (may be NULL) gets the fold [m]. */
@@ -367,7 +367,8 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
 static inline double bridge_split_volume(const bridge *b, double quantum);
 /* Rupture: the liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad index. */
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
-/* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film; returns what was added. NaN and nothing done for a bad amount. */
+/* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k]; returns what was added.
+   NaN and nothing done for a bad amount. */
 BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount);
 /* Takes `amount` >= 0 [m3] (rounded down), at most all, from a film; returns what was taken. */
 BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount);
@@ -1187,7 +1188,15 @@ static inline bridge_status bridge__open(const bridge__problem *problem, double 
     return bridge__newton(problem, m, BRIDGE__AT_GAP, gap) ? BRIDGE_OK : BRIDGE_NO_SOLUTION;
 }
 
+/* What a failed solution leaves, so that nobody takes it for one */
+static inline void bridge__no_shape(bridge_shape *shape) {
+    shape->force = shape->pressure = shape->gap = shape->neck = shape->ring_i = shape->ring_j = (double)NAN;
+    shape->filling_i = shape->filling_j = shape->share_i = shape->energy = (double)NAN;
+    shape->stable = 0;
+}
+
 BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
+    bridge__no_shape(shape);
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
     double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
     bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
@@ -1205,6 +1214,8 @@ BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double
 }
 
 BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap) {
+    bridge__no_shape(shape);
+    if (fold_gap) *fold_gap = (double)NAN;
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0)) return BRIDGE_INVALID;
     double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
     bridge__problem problem = bridge__problem_of(def, volume / R / R / R);

@@ -159,7 +159,7 @@ typedef struct screen_def {
 
 /* How the deck runs. All four are checked by every driver. */
 typedef struct screen_operation {
-    double amplitude;   /* A [m], (0, 0.1] */
+    double amplitude;   /* A, half the stroke [m], (0, 0.1] */
     double frequency;   /* f [Hz], (0, 1e4] */
     double moisture;    /* M, liquid mass over particle mass [-], [0, 1) */
     double inclination; /* tau [rad], [0, pi/2); read by model 1 on a continuous deck only, where > 0 is needed */
@@ -294,7 +294,7 @@ typedef struct screen_fit_result {
     double
         coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
     double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the coefficients' covariance */
-    double centre[4];
+    double centre[4]; /* mean log speed and log (1 - M) of the data, for each rate; read by screen_sample */
 } screen_fit_result;
 
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
@@ -324,8 +324,10 @@ SCREEN_API screen_status screen_sample(const screen_fit_result *result, const sc
 
 /* Mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
      sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
+     times    rising from >= 0 [s] or [m], as in screen_predict
      scatter  spread of single measurements about the model to be added [-], >= 0: 0 for the band of the curve, result.rms for that of
               new data
+     seed     any; read with scatter > 0
      level    share of the distribution inside the band, (0, 1), as 0.95
      mean, spread, low, high  out [classes][times] [-]; each may be null */
 SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets,
