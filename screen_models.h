@@ -883,6 +883,7 @@ static inline int screen__rate_ok(double log_rate) { return log_rate < 600.0 && 
 static inline screen_status screen__check_call(const screen_def *def, screen_model model, const double *parameters,
                                                const screen_operation *operation, double *c) {
     screen_status status = screen_check_def(def, NULL);
+    for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) c[j] = 0.0; /* not read after a failure, which gcc does not see */
     if (!status) status = screen_check_operation(operation);
     if (!status) status = screen__coefficients(def, model, parameters, c);
     if (!status && model == SCREEN_DONG && def->continuous && !(operation->inclination > 0.0)) status = SCREEN_BAD_OPERATION;

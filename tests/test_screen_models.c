@@ -1274,7 +1274,7 @@ static void memory_may_run_out_anywhere(void **state) {
     static study s;
     static double sets[8][SCREEN_MAX_PARAMETERS];
     screen_def def = batch();
-    double p[SCREEN_MAX_PARAMETERS], y[POINTS], at, low, high;
+    double p[SCREEN_MAX_PARAMETERS], y[POINTS], at = 0.0, low = 0.0, high = 0.0;
     failing_allocator memory;
     screen_published(SCREEN_SOLDINGER, p);
     make_study(&s, &def, SCREEN_SOLDINGER, p);
