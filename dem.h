@@ -1102,6 +1102,11 @@ enum {
 /* State: DEM__XI.. tangential displacement [m], rotated with the contact by the kernel. */
 enum { DEM__XI };
 
+/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k m/h^2
+   and a dashpot of c m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
+   2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
+DEM_INLINE double dem__prediction(double k, double c) { return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0; }
+
 /* Resistance to rolling, relative and capped: at most the torque that stops the relative spin in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
     const double *n = c->normal, *w = c->spin;
@@ -1130,23 +1135,20 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double xi[3], t[3], kept[3], along = 0.0;
+    double xi[3], both[3], t[3];
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
-        t[a] = p[DEM__KT] * (xi[a] + p[DEM__RELAX] * c->slip[a]);
+        both[a] = xi[a] + p[DEM__RELAX] * c->slip[a];
+        t[a] = p[DEM__KT] * both[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
-    for (int a = 0; a < 3; a++) { /* sliding, the spring holds what the dashpot leaves of the limit, if anything */
-        kept[a] = scale * xi[a] - (1.0 - scale) * p[DEM__RELAX] * c->slip[a];
-        along += kept[a] * t[a];
-    }
     for (int a = 0; a < 3; a++) {
-        kept[a] = along < 0.0 ? 0.0 : kept[a];
-        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept[a]) * (xi[a] - kept[a]); /* work of the mean force on the way slid */
-        r->elastic += 0.5 * p[DEM__KT] * kept[a] * kept[a];
-        r->rolling_power += (scale * t[a] - p[DEM__KT] * kept[a]) * c->slip[a];
-        state[DEM__XI + a] = kept[a];
+        double kept = size > limit ? scale * both[a] : xi[a];                             /* sliding, the spring holds the whole force */
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force on the way slid */
+        r->elastic += 0.5 * p[DEM__KT] * kept * kept;
+        r->rolling_power += (scale * t[a] - p[DEM__KT] * kept) * c->slip[a];
+        state[DEM__XI + a] = kept;
         r->tangential[a] = -scale * t[a];
     }
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__ROLL], p[DEM__ROLL_CAP], r);
@@ -1187,11 +1189,12 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
-    double force = spring + damping * c->closing;
+    double step = c->dt / c->mass, k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of the spring as stiff as it is now */
+    double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
     r->elastic = 0.4 * spring * overlap;
-    r->normal_power = damping * c->closing * c->closing;
+    r->normal_power = (1.0 - k / 24.0) * damping * closing * c->closing; /* see the kernel */
     r->slide_loss = 0.0;
     r->rolling_power = 0.0;
     if (!(features & DEM_FRICTION)) return;
@@ -1199,24 +1202,20 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__HERTZ_MU] * push;
     double kt = p[DEM__HERTZ_G] * area, before = state[DEM__AREA];
     double follow = area / (before + 1e-300); /* at birth the force is zero */
-    double t[3], f[3], kept[3], old = 0.0, work = 0.0, now = 0.0, along = 0.0, dashpot = damping * p[DEM__HERTZ_GAMMA_T];
+    double t[3], f[3], old = 0.0, work = 0.0, now = 0.0;
     for (int a = 0; a < 3; a++) {
         old += state[DEM__FT + a] * state[DEM__FT + a];
         f[a] = follow * state[DEM__FT + a] + kt * c->slip[a] * c->dt;
-        t[a] = f[a] + dashpot * c->slip[a];
+        t[a] = f[a] + damping * p[DEM__HERTZ_GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
-    for (int a = 0; a < 3; a++) { /* as above */
-        kept[a] = scale * f[a] - (1.0 - scale) * dashpot * c->slip[a];
-        along += kept[a] * t[a];
-    }
     for (int a = 0; a < 3; a++) {
-        kept[a] = along < 0.0 ? 0.0 : kept[a];
-        work += 0.5 * (state[DEM__FT + a] + kept[a]) * c->slip[a] * c->dt;
-        now += kept[a] * kept[a];
-        r->rolling_power += (scale * t[a] - kept[a]) * c->slip[a];
-        state[DEM__FT + a] = kept[a];
+        double kept = size > limit ? scale * t[a] : f[a];
+        work += 0.5 * (state[DEM__FT + a] + kept) * c->slip[a] * c->dt;
+        now += kept * kept;
+        r->rolling_power += (scale * t[a] - kept) * c->slip[a];
+        state[DEM__FT + a] = kept;
         r->tangential[a] = -scale * t[a];
     }
     double stored = 0.5 * now / (kt + 1e-300);
@@ -5078,14 +5077,6 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     w->active__[w->active_count__++] = (int32_t)i;
 }
 
-/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k m/h^2
-   and a dashpot of c m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
-   2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
-DEM_INLINE double dem__prediction(double k, double damping_ratio) {
-    const double c = 2.0 * damping_ratio * sqrt(k);
-    return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
-}
-
 static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     dem_birth b;
     dem__kind kind;
@@ -5119,7 +5110,8 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    kind.predict = dem__prediction(stiffness * w->dt__ * w->dt__ / b.mass, b.damping_ratio);
+    const double k = stiffness * w->dt__ * w->dt__ / b.mass;
+    kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM_KINDS_MAX) {
         w->live_kind__[c] = same;
