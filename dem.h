@@ -40,6 +40,7 @@
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
+   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file, which alone has DEM_KERNEL.
    Not here  non-spherical particles, fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -252,7 +253,7 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x, 0: rectangle; default 1 */
-    double half_x;       /* radius, or half length along x [m] > 0; default 0.095 */
+    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. (n + 1/2) pitches: a bar along the edge */
     double half_y;       /* half length along y [m] > 0 if rectangular */
     dem_vec centre;      /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
     dem_vec normal;      /* up; default (0, 0, 1) */
@@ -345,14 +346,14 @@ typedef struct dem_wall {
     double acceleration_bound;                /* kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
     double side_bound;                        /* the same perpendicular to axis[2] */
     struct dem__tree *tree;                   /* mesh: the triangles, owned */
-    dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m] */
+    dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m]; means: by impulse */
     dem_vec impulse;                          /* time integral of the force [N s] */
 } dem_wall;
 
 /* What passed an exit. Owned by the world, in the order of passing. */
 typedef struct dem_passed {
     double time;     /* [s] end of the step in which the centre crossed */
-    double diameter; /* [m] */
+    double diameter; /* [m]; mass: density pi/6 diameter^3, of several materials told apart by group */
     dem_vec position, velocity;
     uint64_t id;
     int32_t group, exit; /* the number given to dem_add_spheres; wall index of the exit */
@@ -424,8 +425,8 @@ typedef struct dem_law {
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
 
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0, 0,
-   0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (tests/dem_user_law.c). */
+/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
+   0, 0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- the world ---- */
@@ -781,14 +782,14 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
    (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* The same with a law of your own and the kernel that DEM_KERNEL made from it. features: those that DEM_KERNEL was given; without DEM_FRICTION
-   or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or the kernel of another law: DEM_BAD_ARGUMENT. */
+/* The same with a law of your own and the kernel that DEM_KERNEL made from it. features: those that DEM_KERNEL was given; without
+   DEM_FRICTION or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or another law's kernel: DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
 
 /* Changes the time step [s] > 0 from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
-/* The time steps [s] that the smallest and stiffest pair present asks for; infinite where nothing limits. */
+/* The time steps [s] that the smallest and stiffest pair present asks for; infinite where nothing limits, as before the first feed. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */

@@ -358,6 +358,26 @@ static void test_restitution_phases(void **state) {
     }
 }
 
+/* Hertz' dashpot gives its restitution whatever the phase of the first step. */
+static void test_hertz_phases(void **state) {
+    (void)state;
+    static const double restitution[] = {0.1, 0.3, 0.5, 0.7, 0.9, 1.0};
+    double worst_bias = 0.0, worst = 0.0;
+    for (int k = 0; k < 6; k++) {
+        double bias = 0.0;
+        for (int q = 0; q < 40; q++) {
+            impact a = plane_impact(2.5e-3, 0.5, 5e7, 0.2, 2500.0, restitution[k], 0.0);
+            a.steps = 20.0, a.phase = (q + 0.5) / 40.0;
+            const double e = run_impact(&a).vn / 0.5 - restitution[k];
+            bias += e / 40.0;
+            worst = fmax(worst, fabs(e));
+        }
+        worst_bias = fmax(worst_bias, fabs(bias));
+    }
+    print_message("Hertz restitution at t_c/20, e = 0.1 .. 1, 40 phases: bias at most %.1e, largest deviation %.1e\n", worst_bias, worst);
+    assert_true(worst_bias < 2e-4 && worst < 1.6e-3);
+}
+
 /* Oblique hits, linear law with friction and sticking: velocities after against a fine step; second order in the step. */
 static double oblique_error(double steps, double slip, const double *exact, double *result) {
     double worst = 0.0;
@@ -854,6 +874,7 @@ int main(void) {
         cmocka_unit_test(test_chung_ooi_7_opposite_spins),
         cmocka_unit_test(test_chung_ooi_8_unequal),
         cmocka_unit_test(test_restitution_phases),
+        cmocka_unit_test(test_hertz_phases),
         cmocka_unit_test(test_oblique_order),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_elastic_energy),
