@@ -1096,7 +1096,7 @@ enum {
     DEM__FLOOR,   /* 0 clipped, -inf naive [N] */
     DEM__KT,      /* k_t [N/m] */
     DEM__MU,      /* Coulomb coefficient [-] */
-    DEM__RELAX,   /* tangential dashpot over k_t [s] */
+    DEM__GAMMA_T, /* tangential dashpot [kg/s] */
     DEM__ROLL,    /* lever arm [m] */
     DEM__ROLL_CAP /* I_red/2 [kg m2]: more would reverse the spin within a step */
 };
@@ -1136,16 +1136,15 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double xi[3], both[3], t[3];
+    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3], t[3]; /* [s]; without a spring any */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
-        both[a] = xi[a] + p[DEM__RELAX] * c->slip[a];
-        t[a] = p[DEM__KT] * both[a];
+        t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
     for (int a = 0; a < 3; a++) {
-        double kept = size > limit ? scale * both[a] : xi[a];                             /* sliding, the spring holds the whole force */
+        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding, the spring holds the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force on the way slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
         r->rolling_power += (scale * t[a] - p[DEM__KT] * kept) * c->slip[a];
@@ -1162,9 +1161,9 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     constants[DEM__K] = k;
     constants[DEM__GAMMA] = gamma;
     constants[DEM__FLOOR] = pair->mode == DEM_CLIPPED ? 0.0 : -HUGE_VAL;
-    constants[DEM__KT] = k * pair->tangential_ratio + 1e-300; /* the dashpot may act alone */
+    constants[DEM__KT] = k * pair->tangential_ratio;
     constants[DEM__MU] = b->features & DEM_FRICTION ? pair->friction : 0.0;
-    constants[DEM__RELAX] = gamma * pair->tangential_damping / constants[DEM__KT];
+    constants[DEM__GAMMA_T] = gamma * pair->tangential_damping;
     constants[DEM__ROLL] = b->features & DEM_ROLLING ? pair->rolling : 0.0;
     constants[DEM__ROLL_CAP] = 0.5 * b->inertia;
     return k;

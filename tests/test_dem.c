@@ -263,6 +263,18 @@ static void test_tangential_dashpot(void **state) {
         near_absolute(dem_energy(&w).error / start_energy, 0.0, (hertz ? 1.2 : 0.15) / (steps[k % 2] * steps[k % 2]), "ledger");
         dem_free(&w);
     }
+
+    dem_world w; /* the dashpot alone: it stores nothing that would act after sliding */
+    dem_def def = one_material(0.5, 0.3, 0.0);
+    dem_pair(&def, 0, 0)->tangential_damping = 1.0;
+    dem_pair(&def, 0, 0)->tangential_ratio = 0.0;
+    on_plane(&w, &def, 0.0);
+    move(&w, 0, v3(0.5, 0, 0), zero);
+    run(&w, 0.2, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
+    near_relative(dem_velocity(&w, 0).x, 0.5 * 5.0 / 7.0, 1e-3, "rolling");
+    near_absolute(dem_get_contact(&w, 0).force.x, 0.0, 1e-6, "force on what rolls");
+    near_absolute(dem_energy(&w).error, 0.0, 1e-3 * mass_of(diameter) * 0.125, "ledger");
+    dem_free(&w);
 }
 
 static void test_history_turns_with_the_contact(void **state) {
