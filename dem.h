@@ -1890,7 +1890,7 @@ static const char *dem__bad_field(const dem_def *def) {
     for (int a = 0; a < 3; a++) {
         const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
         if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
-        if (def->periodic[a] && !(dem__finite(low) && dem__finite(high) && high > low && dem__finite(high - low))) return "high";
+        if (def->periodic[a] && !dem__positive(high - low)) return "high";
     }
     if (!def->allocator.fn) return "allocator.fn";
     for (int a = 0; a < def->materials; a++) {

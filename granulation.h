@@ -2111,12 +2111,12 @@ static inline granulation_status granulation__handle(granulation_sim *sim, granu
     if (merged) { /* one granule: it takes the item of the heavier half, from where the jump is shorter */
         if (mj > mi) {
             granulation__item *items = (granulation__item *)sim->items;
-            granulation__motion swap = motion[i];
+            const int item = motion[i].item;
             items[motion[i].item].id = j;
             items[motion[j].item].id = i;
             motion[i].item = motion[j].item;
             motion[i].jump = motion[j].jump;
-            motion[j].item = swap.item;
+            motion[j].item = item;
         }
         granulation__jump(sim, w, i, (mi < mj ? mi : mj) / (mi + mj) * sqrt(dx * dx + dy * dy + dz * dz));
     }

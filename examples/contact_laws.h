@@ -142,12 +142,8 @@ static inline double contact_jkr_sticking_speed(double radius, double modulus, d
 
 /* ---- rolling and twisting ---- */
 
-enum {
-    CONTACT_ROLL = DEM_LINEAR_CONSTANTS,
-    CONTACT_ROLL_DAMPING,
-    CONTACT_TWIST,
-    CONTACT_EPSD_CONSTANTS
-};                                                                                  /* behind those of the shipped laws */
+/* Constants stand behind those of the shipped laws. */
+enum { CONTACT_ROLL = DEM_LINEAR_CONSTANTS, CONTACT_ROLL_DAMPING, CONTACT_TWIST, CONTACT_EPSD_CONSTANTS };
 enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES }; /* [rad], [rad], contact radius of Hertz [m] */
 
 /* A spring of stiffness k [N m/rad] (before: in the last step) that yields at a torque `most`, and a dashpot while it does not. rate: of
