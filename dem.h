@@ -109,12 +109,15 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* What is new of a block of contacts goes straight to the world, as gcc can be told that no iteration reads what another writes. Clang
-   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. */
+   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. A
+   short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
+#define DEM__ROLLED _Pragma("GCC unroll 1")
 #define DEM__IN_ROWS 0
 #else
 #define DEM__INDEPENDENT
+#define DEM__ROLLED
 #define DEM__IN_ROWS 1
 #endif
 
@@ -445,11 +448,11 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
-/* Private: what timers know of a particle. In a frame that falls since the list was built it moves from x with u, and strays from
-   that velocity by less than ball until it is given another course. One cache line. */
+/* Private: what timers know of a particle. In a frame that falls since the list was built its surface is within `off` of x and moves with
+   u, from which it strays by less than ball until it is given another course. One cache line. */
 typedef struct dem__course {
-    double x, y, z, ux, uy, uz; /* [m], [m/s] */
-    double ball, since;         /* [m/s], [s] */
+    double x, y, z, off;     /* [m] */
+    double ux, uy, uz, ball; /* [m/s] */
 } dem__course;
 
 typedef double dem__six[6]; /* private: force [N] and torque [N m], or place [m] and spin [rad/s] */
@@ -2995,24 +2998,31 @@ DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
 DEM_INLINE void dem__set_timer(dem__timers *t, int32_t e, int64_t step) { dem__set_due(t, e, (int32_t)(step - t->from)); }
 DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__STOPPED; }
 
+DEM_INLINE int32_t dem__earliest(const int32_t *due) {
+    int32_t earliest = DEM__STOPPED;
+    DEM__ROLLED
+    for (int k = 0; k < DEM__BUNCH; k++) earliest = due[k] < earliest ? due[k] : earliest;
+    return earliest;
+}
+
 /* Those of bunch b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
 DEM_INLINE ptrdiff_t dem__open_bunch(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
-    int32_t *due = t->due + b * DEM__BUNCH, earliest = DEM__STOPPED;
+    int32_t *due = t->due + b * DEM__BUNCH;
+    t->earliest[b] = dem__earliest(due);
+    if (t->earliest[b] > now) return n; /* those it was have been set anew */
     for (int k = 0; k < DEM__BUNCH; k++) {
         list[n] = (int32_t)(b * DEM__BUNCH) + k;
         n += due[k] <= now;
     }
-    for (int k = 0; k < DEM__BUNCH; k++) {
-        due[k] = due[k] <= now ? then : due[k];
-        earliest = due[k] < earliest ? due[k] : earliest;
-    }
-    t->earliest[b] = earliest;
+    DEM__ROLLED
+    for (int k = 0; k < DEM__BUNCH; k++) due[k] = due[k] <= now ? then : due[k];
+    t->earliest[b] = dem__earliest(due);
     return n;
 }
 
 /* Lists the timers in sheaves first .. end-1 that are due at a step, from list[first * DEM__SHEAF] on, and sets them to `then`; how
    many. */
-static inline ptrdiff_t dem__list_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
+DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__SHEAF;
     ptrdiff_t n = 0;
@@ -3021,6 +3031,7 @@ static inline ptrdiff_t dem__list_due(dem__timers *t, ptrdiff_t first, ptrdiff_t
     for (ptrdiff_t s = first; s < end; s++) {
         const int32_t *earliest = &t->earliest[s * DEM__BUNCH];
         int any = 0;
+        DEM__ROLLED
         for (int k = 0; k < DEM__BUNCH; k++) any |= earliest[k] <= now;
         for (int k = 0; k < DEM__BUNCH && any; k++) {
             if (earliest[k] > now) continue;
@@ -3033,6 +3044,8 @@ static inline ptrdiff_t dem__list_due(dem__timers *t, ptrdiff_t first, ptrdiff_t
     }
     return n;
 }
+DEM__TWICE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
+           (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
 /* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
@@ -3067,7 +3080,7 @@ typedef double dem__row[DEM_BLOCK];
 
 /* Pairs whose timers are to be set; and what looks have found. */
 typedef struct dem__waits {
-    dem__row x, y, z, ux, uy, uz, sum, stray; /* from the centre of one to the other's; relative velocity, known to within stray */
+    dem__course apart[DEM_BLOCK]; /* of one relative to the other: they touch within `off` */
     int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
     int n;
     int32_t *found; /* of a look: pairs that touch */
@@ -3080,9 +3093,11 @@ DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = NULL, q->tou
 /* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most DEM__FAR - 1. */
 DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
     for (int k = 0; k < q->n; k++) {
-        const double x = q->x[k], y = q->y[k], z = q->z[k], ux = q->ux[k], uy = q->uy[k], uz = q->uz[k], sum = q->sum[k];
-        const double a = ux * ux + uy * uy + uz * uz - q->stray[k] * q->stray[k], b = x * ux + y * uy + z * uz - sum * q->stray[k];
-        const double c = x * x + y * y + z * z - sum * sum, root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
+        const dem__course *r = &q->apart[k];
+        const double a = r->ux * r->ux + r->uy * r->uy + r->uz * r->uz - r->ball * r->ball;
+        const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->off * r->ball;
+        const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->off * r->off;
+        const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
         const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM__FAR - 2) ? n : (double)(DEM__FAR - 2);
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + turns : 0.0;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
@@ -3097,23 +3112,40 @@ static inline void dem__set_waits(dem_world *w, dem__waits *q, int64_t step) {
     q->n = 0;
 }
 
-/* Pair p, at a step at which its centres are d apart, d known to within `blur`. */
-DEM_INLINE void dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b,
-                                   dem_vec d, double blur) {
-    if (q->n == DEM_BLOCK) dem__set_waits(w, q, step);
-    const int k = q->n++;
-    q->pair[k] = p;
-    q->x[k] = d.x, q->y[k] = d.y, q->z[k] = d.z;
-    q->ux[k] = a->ux - b->ux, q->uy[k] = a->uy - b->uy, q->uz[k] = a->uz - b->uz;
-    q->sum[k] = w->near__[p].distance + 2.0 * w->blur__ + blur;
-    q->stray[k] = a->ball + b->ball;
+/* Time on the courses [s]. */
+DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) { return (double)(step - w->listed__) * w->dt__; }
+
+/* Where a course has led by t [s]. */
+DEM_INLINE dem__course dem__course_at(const dem__course *c, double t) {
+    dem__course now = *c;
+    now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.off += t * c->ball;
+    return now;
 }
 
-/* The same for a pair whose centres nobody has computed. */
-DEM_INLINE void dem__wait_on_course(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
-    const double t = (double)(step - w->listed__) * w->dt__;
-    const dem_vec d = dem_vec3(a->x - b->x + t * (a->ux - b->ux), a->y - b->y + t * (a->uy - b->uy), a->z - b->z + t * (a->uz - b->uz));
-    dem__wait_for_pair(w, q, p, step, a, b, dem__apart(w, d), a->ball * (t - a->since) + b->ball * (t - b->since));
+/* A place for pair p and two courses, one relative to the other. */
+DEM_INLINE dem__course *dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a,
+                                           const dem__course *b) {
+    if (q->n == DEM_BLOCK) dem__set_waits(w, q, step);
+    dem__course *r = &q->apart[q->n];
+    q->pair[q->n++] = p;
+    r->x = a->x - b->x, r->y = a->y - b->y, r->z = a->z - b->z, r->off = a->off + b->off;
+    r->ux = a->ux - b->ux, r->uy = a->uy - b->uy, r->uz = a->uz - b->uz, r->ball = a->ball + b->ball;
+    return r;
+}
+
+/* Pair p, linked or not, by where its courses have led at a step. */
+DEM_INLINE void dem__wait_on_courses(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
+    dem__course *r = dem__wait_for_pair(w, q, p, step, a, b);
+    if (!w->has_periodic__) return;
+    const dem_vec d = dem__apart(w, dem_vec3(r->x, r->y, r->z));
+    r->x = d.x, r->y = d.y, r->z = d.z;
+}
+
+/* Pair p, whose centres are known to be d apart at a step. */
+DEM_INLINE void dem__wait_from(dem_world *w, dem__waits *q, int32_t p, int64_t step, dem_vec d) {
+    const dem__near *pair = &w->near__[p];
+    dem__course *r = dem__wait_for_pair(w, q, p, step, &w->course__[pair->i], &w->course__[pair->j]);
+    r->x = d.x, r->y = d.y, r->z = d.z, r->off = pair->distance + 2.0 * w->blur__;
 }
 
 /* Every contact: DEM__EACH(w, c) { .. slot c .. }; break leaves a section only. */
@@ -3169,7 +3201,7 @@ static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p,
     const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
     waits->looks++;
     if (dem__dot(d, d) < q->distance * q->distance) waits->found[waits->touch++] = p;
-    else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_for_pair(w, waits, p, step, &w->course__[q->i], &w->course__[q->j], d, 0.0);
+    else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_from(w, waits, p, step, d);
 }
 
 /* Makes contacts of what looks have found. */
@@ -3435,19 +3467,18 @@ DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].room__ = w->course__[i].ball - strayed - dem__way(w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
-/* A new course for particle i, with a ball that holds 16 steps of the present force and a little more: in flight very little, as nothing
-   turns it from its course before a contact does, and small balls let neighbours alone for long. */
-static inline void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
-    const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau), g = w->def.gravity;
-    const dem_vec a = dem__sub(w->particle[i].a, g);
+/* A new course for particle i, which is at x and has v at a step, with a ball that holds 16 steps of the present force and a little more:
+   in flight very little, as nothing turns it from its course before a contact does, and small balls let neighbours alone for long. */
+DEM_INLINE void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
+    const double t = dem__since_listed(w, step);
+    const dem_vec g = w->def.gravity, a = dem__sub(w->particle[i].a, g);
     dem__course *c = &w->course__[i];
     c->ux = v.x - t * g.x, c->uy = v.y - t * g.y, c->uz = v.z - t * g.z;
     c->x = x.x - t * (v.x - 0.5 * t * g.x), c->y = x.y - t * (v.y - 0.5 * t * g.y), c->z = x.z - t * (v.z - 0.5 * t * g.z);
-    c->since = t;
     w->shifted__[i] = 0.0;
     c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + 16.0 * w->dt__ * dem__length(a);
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
+    c->off = w->particle[i].radius + 0.5 * w->link_near__ + w->blur__ - t * c->ball;
     dem__leave_room(w, i, 0.0);
 }
 
@@ -3467,34 +3498,50 @@ static inline void dem__take_news(dem_world *w, const dem__news *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* How far a particle may still move before it could touch somebody who isn't listed, and how fast it does: in the frame of the list. */
+/* The frame in which the list waits for somebody to move: where it has gone since, and how fast it is. */
+typedef struct dem__list_frame {
+    dem_vec way, velocity;
+} dem__list_frame;
+DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
+    const double t = dem__since_listed(w, step);
+    dem__list_frame f;
+    f.way = dem__scale(t, dem__plus(w->list_velocity__, 0.5 * t, w->list_acceleration__));
+    f.velocity = dem__plus(w->list_velocity__, t, w->list_acceleration__);
+    return f;
+}
+
+/* How far a particle at x with v may still move before it could touch somebody who isn't listed, and how fast it does: in that frame. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
-DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, int64_t step) {
-    const double t = (double)(step - w->listed__) * w->dt__, tau = (double)(step - w->particle[i].origin) * w->dt__;
-    const dem_vec way = dem__scale(t, dem__plus(w->list_velocity__, 0.5 * t, w->list_acceleration__));
-    const dem_vec listed = dem__add(w->listed_at__[i], way);
-    const dem_vec velocity = dem__plus(w->list_velocity__, t, w->list_acceleration__);
+DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
     dem__leeway q;
-    q.left = 0.49 * w->margin__ - dem__length(dem__apart(w, dem__sub(dem__at(w, i, tau), listed)));
-    q.speed = dem__length(dem__sub(dem__velocity_at(w, i, tau), velocity)) + 2.0 * w->course__[i].ball;
+    q.left = 0.49 * w->margin__ - dem__length(dem__apart(w, dem__sub(x, dem__add(w->listed_at__[i], f->way))));
+    q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->course__[i].ball;
     return q;
+}
+
+/* Steps for which that lasts. */
+DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
+    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->list_fall__));
+}
+
+/* Is it enough for a time [s]? False for NaN. */
+DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
+    return q->left > time * (q->speed + 0.5 * w->list_fall__ * time);
 }
 
 /* What else a new course of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
    dem__hurry_to_walls sees to it. */
-static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, double shifted, dem__news *news) {
-    const double tau = (double)(step - w->particle[i].origin) * w->dt__;
-    const dem__leeway leeway = dem__leeway_of(w, i, step);
-    const double until = (double)(news->check - step) * w->dt__;
-    double speed = dem__length(dem__velocity_at(w, i, tau));
+static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
+                                   dem__news *news) {
+    const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
+    double speed = dem__length(v);
     int sooner = 0;
     if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * w->course__[i].ball;
-    if (!(leeway.left > until * (leeway.speed + 0.5 * w->list_fall__ * until))) {
-        const int steps = dem__steps_until(w, dem__time_to_cover(leeway.left, leeway.speed, w->list_fall__));
-        const int64_t due = leeway.left > 0.0 ? step + steps : step; /* it was put elsewhere: at once */
+    if (!dem__lasts(w, &leeway, (double)(news->check - step) * w->dt__)) {
+        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* it was put elsewhere: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
@@ -3524,10 +3571,12 @@ static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) 
 
 /* A new course for particle i, and what else it has an effect on; its pairs are left to dem__restart. By one thread. */
 static inline void dem__begin_course(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double shifted = w->shifted__[i];
+    const double shifted = w->shifted__[i], tau = (double)(step - w->particle[i].origin) * w->dt__;
+    const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    const dem__list_frame frame = dem__frame_at(w, step);
     dem__news news = dem__no_news(w);
-    dem__set_course(w, i, step);
-    if (dem__heed_course(w, i, step, shifted, &news)) dem__hurry_to_walls(w, i, step);
+    dem__set_course(w, i, step, x, v);
+    if (dem__heed_course(w, i, step, &frame, x, v, shifted, &news)) dem__hurry_to_walls(w, i, step);
     dem__take_news(w, &news);
 }
 
@@ -3570,14 +3619,14 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
 DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
         DEM__PREFETCH(&w->pair_timers__.due[w->adjacent__[2 * k]]);
-        DEM__PREFETCH(&w->near__[w->adjacent__[2 * k]]);
         DEM__PREFETCH(&w->course__[w->adjacent__[2 * k + 1]]);
     }
 }
 
 /* New timers for those pairs of particles with new courses that are in sheaves first .. end-1. */
-static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+DEM_INLINE void dem__wait_for_all(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
+    const double t = dem__since_listed(w, step);
     dem__waits waits;
     dem__no_waits(&waits);
     for (ptrdiff_t m = -8; m < n; m++) {
@@ -3590,14 +3639,18 @@ static inline void dem__wait_anew(dem_world *w, const int32_t *restarted, ptrdif
         if (m >= -2 && m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
         if (m < 0) continue;
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
+        const dem__course own = dem__course_at(&w->course__[i], t);
         for (int32_t k = begin; k < stop; k++) {
             const int32_t p = w->adjacent__[2 * k];
             if (p < low || p >= high || w->pair_timers__.due[p] == DEM__STOPPED) continue;
-            dem__wait_on_course(w, &waits, p, step, &w->course__[i], &w->course__[w->adjacent__[2 * k + 1]]);
+            const dem__course other = dem__course_at(&w->course__[w->adjacent__[2 * k + 1]], t);
+            dem__wait_on_courses(w, &waits, p, step, &own, &other);
         }
     }
     dem__set_waits(w, &waits, step);
 }
+DEM__TWICE(dem__wait_anew, (dem_world * w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
+           (w, restarted, n, first, end, step), dem__wait_for_all(w, restarted, n, first, end, step))
 
 /* New timers for the pairs of the listed particles, which have new courses. */
 static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
@@ -3793,8 +3846,9 @@ DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, cons
     double room[DEM__CROWD];
     int m = 0;
     for (int k = 0; k < c->n; k++) {
-        const double x = dem__image(s->x - c->x[k], length[0]), y = dem__image(s->y - c->y[k], length[1]),
-                     z = dem__image(s->z - c->z[k], length[2]), sum = s->ball + c->extent[k];
+        double x = s->x - c->x[k], y = s->y - c->y[k], z = s->z - c->z[k];
+        if (length) x = dem__image(x, length[0]), y = dem__image(y, length[1]), z = dem__image(z, length[2]);
+        const double sum = s->ball + c->extent[k];
         room[k] = x * x + y * y + z * z - sum * sum;
     }
     for (int k = 0; k < c->n; k++) {
@@ -3822,7 +3876,7 @@ static inline int dem__meet(dem_world *w, const dem__crowd *crowd, int32_t first
     int32_t near[DEM__CROWD];
     for (int32_t p = first; p < end; p++) {
         int n;
-        dem__choose(crowd, &w->course__[p], length, near, &n);
+        dem__choose(crowd, &w->course__[p], w->has_periodic__ ? length : NULL, near, &n);
         for (int k = 0; k < n; k++) {
             const int32_t q = crowd->at[near[k]];
             if (q > p && !dem__add_near(w, w->remap__[p], w->remap__[q])) return 0;
@@ -4005,16 +4059,18 @@ static inline void dem__find_links(dem_world *w) {
 }
 
 /* Timers of all near pairs that do not touch, in sheaves first .. end-1. */
-static inline void dem__wait_in(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    const dem__near *q = w->near__;
+DEM_INLINE void dem__wait_for_new(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    const double t = dem__since_listed(w, w->step);
     dem__waits waits;
     dem__no_waits(&waits);
     for (ptrdiff_t p = first * DEM__SHEAF; p < end * DEM__SHEAF; p++) {
-        if (w->pair_timers__.due[p] != DEM__STOPPED)
-            dem__wait_on_course(w, &waits, (int32_t)p, w->step, &w->course__[q[p].i], &w->course__[q[p].j]);
+        if (w->pair_timers__.due[p] == DEM__STOPPED) continue;
+        const dem__course a = dem__course_at(&w->course__[w->near__[p].i], t), b = dem__course_at(&w->course__[w->near__[p].j], t);
+        dem__wait_on_courses(w, &waits, (int32_t)p, w->step, &a, &b);
     }
     dem__set_waits(w, &waits, w->step);
 }
+DEM__TWICE(dem__wait_in, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__wait_for_new(w, first, end))
 static inline void dem__wait_all(dem_world *w) {
     const ptrdiff_t sheaves = w->pair_timers__.sheaves;
     const int parts = dem__parts(w, w->near_count__);
@@ -4134,14 +4190,17 @@ static DEM__APART int dem__rebuild(dem_world *w) {
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
 static DEM__APART int dem__check_list(dem_world *w) {
+    const dem__list_frame frame = dem__frame_at(w, w->step);
     int64_t due = w->listed__ + DEM__FAR;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const dem__leeway q = dem__leeway_of(w, i, w->step);
-        const int steps = dem__steps_until(w, dem__time_to_cover(q.left, q.speed, w->list_fall__));
+        const double tau = dem__now(w, i);
+        const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
+        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->dt__)) continue;
+        const int steps = dem__steps_left(w, &leeway);
         if (steps < 12) return dem__rebuild(w);
-        if (w->step + steps < due) due = w->step + steps;
+        due = w->step + steps;
     }
     w->next_check__ = due;
     return 1;
@@ -5241,8 +5300,7 @@ static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t 
         if (near_pair < 0 || w->stale__) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
         w->pair_timers__.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS)
-            dem__wait_for_pair(w, waits, near_pair, step, &w->course__[i], &w->course__[j], dem__pair_apart(w, i, j, step), 0.0);
+        if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_from(w, waits, near_pair, step, dem__pair_apart(w, i, j, step));
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
@@ -5481,6 +5539,7 @@ DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
 /* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
    `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
 static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__watched *q) {
+    const dem__list_frame frame = dem__frame_at(w, w->step);
     q->restarted = q->hurried = q->flown = 0;
     q->news = dem__no_news(w);
     for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
@@ -5489,10 +5548,11 @@ static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end,
         const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
             if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
+                const dem_particle *p = &w->particle[i];
                 const double shifted = w->shifted__[i];
-                dem__set_course(w, i, w->step);
+                dem__set_course(w, i, w->step, p->x, p->v);
                 w->remap__[first + q->restarted++] = i;
-                if (dem__heed_course(w, i, w->step, shifted, &q->news)) w->unsettled__[first + q->hurried++] = i;
+                if (dem__heed_course(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) w->unsettled__[first + q->hurried++] = i;
             } else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
         }
         w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
@@ -5557,8 +5617,9 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
 
 /* Looks at the pairs that are due, in sheaves first .. end-1. */
 static inline void dem__look_in(dem_world *w, dem__waits *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
-    const ptrdiff_t n = dem__list_due(&w->pair_timers__, first, end, step, DEM__NEVER);
     int32_t *due = w->pair_timers__.list + first * DEM__SHEAF;
+    ptrdiff_t n;
+    dem__list_due(&w->pair_timers__, first, end, step, DEM__NEVER, &n);
     dem__no_waits(waits);
     waits->found = due; /* what is found overwrites what has been looked at */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
@@ -5611,7 +5672,8 @@ static inline void dem__look(dem_world *w, int64_t step) {
         }
     }
     dem__look_at_due(w, step);
-    const ptrdiff_t n = dem__list_due(&w->wall_timers__, 0, w->wall_timers__.sheaves, step, DEM__STOPPED);
+    ptrdiff_t n;
+    dem__list_due(&w->wall_timers__, 0, w->wall_timers__.sheaves, step, DEM__STOPPED, &n);
     for (ptrdiff_t k = 0; k < n; k++) dem__look_at_wall(w, w->wall_timers__.list[k], step);
 }
 
