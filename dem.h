@@ -448,8 +448,8 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
-/* Private: what timers know of a particle. In a frame that falls since the list was built its surface is within `off` of x and moves with
-   u, from which it strays by less than ball until it is given another course. One cache line. */
+/* Private: what timers know of a particle. In a frame that falls since the list was built, t [s] ago, its surface is within off + t ball
+   of x + t u: its velocity strays from u by less than ball until it is given another course. One cache line. */
 typedef struct dem__course {
     double x, y, z, off;     /* [m] */
     double ux, uy, uz, ball; /* [m/s] */
@@ -5399,7 +5399,7 @@ static inline void dem__gather_losses(dem_world *w) {
 
 /* Of a particle settled now: how far its velocity is from that of its course. */
 DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
-    const double t = (double)(w->step - w->listed__) * w->dt__;
+    const double t = dem__since_listed(w, w->step);
     const dem__course *c = &w->course__[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, w->def.gravity), dem_vec3(c->ux, c->uy, c->uz));
 }
