@@ -3204,10 +3204,12 @@ static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p,
     else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_from(w, waits, p, step, d);
 }
 
-/* Makes contacts of what looks have found. */
+/* Makes contacts of what looks have found. Room for many is made at once. */
 static inline void dem__bear_found(dem_world *w, const dem__waits *waits) {
+    const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
     w->looks += waits->looks;
-    for (const int32_t *p = waits->found; p < waits->found + waits->touch; p++) {
+    if (!dem__grow_live(w, slots > w->live_capacity__ ? slots + slots / 2 : slots)) w->status = DEM_OUT_OF_MEMORY;
+    for (const int32_t *p = waits->found; p < waits->found + waits->touch && w->status == DEM_OK; p++) {
         if (dem__bear(w, w->near__[*p].i, w->near__[*p].j, 0, *p)) dem__stop_timer(&w->pair_timers__, *p);
     }
 }
@@ -5654,18 +5656,21 @@ static inline void dem__look_at_due(dem_world *w, int64_t step) {
     }
 }
 
+/* Looks at all pairs that do not touch. */
+static inline void dem__look_at_pairs(dem_world *w, int64_t step) {
+    dem__waits waits;
+    dem__no_waits(&waits);
+    waits.found = w->pair_timers__.list;
+    for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
+        if (w->pair_timers__.due[p] != DEM__STOPPED) dem__look_at_pair(w, &waits, p, step);
+    }
+    dem__bear_found(w, &waits);
+}
+
 /* Looks at everything whose time has come, at the given step. */
 static inline void dem__look(dem_world *w, int64_t step) {
     if (w->meshes__) dem__follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) {
-        dem__waits waits;
-        dem__no_waits(&waits);
-        waits.found = w->pair_timers__.list;
-        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            if (w->pair_timers__.due[p] != DEM__STOPPED) dem__look_at_pair(w, &waits, p, step);
-        }
-        dem__bear_found(w, &waits);
-    }
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__look_at_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
             if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
@@ -5851,13 +5856,7 @@ static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_ker
     if (w->fresh__) {
         int skip = w->def.skip;
         w->def.skip = 0; /* everything, once; the timers stay */
-        for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-            const dem__near *q = &w->near__[p];
-            const dem_vec d = dem__pair_apart(w, q->i, q->j, w->step);
-            int32_t *due = &w->pair_timers__.due[p];
-            w->looks++;
-            if (*due != DEM__STOPPED && dem__dot(d, d) < q->distance * q->distance && dem__bear(w, q->i, q->j, 0, p)) *due = DEM__STOPPED;
-        }
+        dem__look_at_pairs(w, w->step);
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
                 if (w->wall[k].kind != DEM_EXIT && dem__awaits(w, i, k)) dem__look_at_wall(w, (int32_t)i * w->walls + k, w->step);
