@@ -1384,27 +1384,38 @@ enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a p
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* Bar `index` of a family, at (index - 1/2) pitch: along is the coordinate of the sphere's centre parallel to the bars, across the one
-   over them. The normal is left in (along, across, up). Returns 0 if there is no such bar. */
+/* From the nearest point of the axis of bar `index` of a family, at (index - 1/2) pitch, to a centre: along is its coordinate parallel to
+   the bars, across the one over them; (along, across, up) is left in *from. How far from there the surface is, or less than 0 if there is
+   no such bar. */
+DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up, dem_vec *from) {
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
+    const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
+    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* its half length, squared */
+    double da = 0.0, dc = across - bar;
+    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
+    if (!(along * along <= end2)) da = along < 0.0 ? along + sqrt(end2) : along - sqrt(end2);
+    *from = dem_vec3(da, dc, up);
+    if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
+    /* the flat side: as wide as the wire and, seen from below, as round at its ends */
+    if (da == 0.0) {
+        from->y = dc - dem__clamp(dc, -half, half);
+        return 0.0;
+    }
+    const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
+    from->x = rest * da, from->y = rest * dc;
+    return 0.0;
+}
+
+/* Bar `index` of a family as a place that is touched; the normal is left in (along, across, up). Returns 0 if there is no such bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
                               dem__touch *out) {
-    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
-    double end = family ? w->half_y : w->half_x, inner = half;
-    if (w->circular) {
-        if (!(fabs(bar) < w->half_x)) return 0;
-        end = sqrt((w->half_x - bar) * (w->half_x + bar));
-    } else if (!(fabs(bar) <= (family ? w->half_x : w->half_y))) return 0;
-    double da = along - dem__clamp(along, -end, end), dc = across - bar;
-    if (w->profile == DEM_SEMICIRCLE && up < 0.0) { /* the flat side: as wide as the wire and, seen from below, as round at its ends */
-        const double out_by = sqrt(da * da + dc * dc), rest = out_by > half ? (out_by - half) / out_by : 0.0;
-        dc = da == 0.0 ? dc - dem__clamp(dc, -half, half) : rest * dc;
-        da *= rest;
-        inner = 0.0;
-    }
-    const double distance = sqrt(da * da + dc * dc + up * up), inverse = 1.0 / distance;
+    dem_vec from;
+    const double inner = dem__reach_bar(w, family, index, along, across, up, &from);
+    if (!(inner >= 0.0)) return 0;
+    const double distance = dem__length(from);
     out->gap = distance - inner - radius;
-    out->curvature = 0.5 / half; /* of the round part everywhere, so that a contact's constants do not depend on when they are asked for */
-    out->normal = dem_vec3(da * inverse, dc * inverse, up * inverse);
+    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on when they are asked for */
+    out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
@@ -1632,6 +1643,23 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
     dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
     *out = touch[0];
+}
+
+/* From the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the surface is. Returns 1 if
+   the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
+    const dem_vec d = dem__sub(centre, w->position);
+    if (w->kind == DEM_SCREEN) {
+        const int family = (int)((uint32_t)element & 1u);
+        const double index = (double)((element - family) / 2);
+        *inner = dem__reach_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), from);
+        *from = dem__from_bar(w, family, *from);
+        return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
+    }
+    if (w->kind != DEM_CYLINDER && w->kind != DEM_SPHERE) return 0.0;
+    *from = w->kind == DEM_SPHERE ? d : dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    *inner = w->radius;
+    return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
 }
 
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
@@ -4477,28 +4505,49 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
     } else dem__touch_element(wall, x, radius, element, touch);
 }
 
-/* Particle i at an element of a wall, for the contact in a slot or a link (-1): where, and how fast the wall is there.
-   Fills row k; returns the wall's velocity at the point. */
-static DEM__APART dem_vec dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
-                                           int k, double half, dem__touch *touch) {
+/* Where row k of a block is at a wall. */
+typedef struct dem__place {
+    const dem_particle *particle;
+    const dem_wall *wall;
+    int row;
+    dem_vec from, velocity;        /* the centre from its axis [m], and the wall's there [m/s] */
+    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    dem__touch touch;
+} dem__place;
+
+/* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
+   quotient are left to dem__complete_rows. */
+static DEM__APART void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
+                                        int k, double half, dem__place *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
-    const dem_vec x = s->x;
-    dem__touch_place(w, slot, wall, x, s->radius, element, touch);
-    const double reach = s->radius + touch->gap;
-    dem_vec v = wall->velocity, a = wall->acceleration, spin = dem_vec3(0.0, 0.0, 0.0);
-    if (wall->slides) {
-        const dem_vec point = dem__sub(x, dem__scale(reach, touch->normal));
-        v = dem__surface_velocity(wall, point, touch->normal), a = dem__surface_acceleration(wall, point);
-        spin = dem__scale(wall->spin, wall->spin_axis);
+    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
+    at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner);
+    if (at->outside == 0.0) {
+        dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
+        at->from = dem_vec3(s->radius + at->touch.gap, 0.0, 0.0);
     }
-    const dem_vec middle = dem__sub(v, dem__scale(half, a));
-    b->dx[k] = reach, b->dy[k] = 0.0, b->dz[k] = 0.0;
-    b->vx[k] = s->v.x - middle.x, b->vy[k] = s->v.y - middle.y, b->vz[k] = s->v.z - middle.z;
-    b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
+    b->dx[k] = at->from.x, b->dy[k] = at->from.y, b->dz[k] = at->from.z;
+    b->vx[k] = s->v.x - (wall->velocity.x - half * wall->acceleration.x);
+    b->vy[k] = s->v.y - (wall->velocity.y - half * wall->acceleration.y);
+    b->vz[k] = s->v.z - (wall->velocity.z - half * wall->acceleration.z);
+    b->ax[k] = s->a.x - wall->acceleration.x, b->ay[k] = s->a.y - wall->acceleration.y, b->az[k] = s->a.z - wall->acceleration.z;
     b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
+    b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
+}
+
+/* The same where the wall's surface slides: at the point that is touched. */
+static DEM__APART void dem__slide(dem__rows *b, double half, dem__place *at) {
+    const int k = at->row;
+    const dem_wall *wall = at->wall;
+    const dem_particle *s = at->particle;
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), point = dem__plus(s->x, -(s->radius + b->gap[k]), n);
+    const dem_vec a = dem__surface_acceleration(wall, point), spin = dem__scale(wall->spin, wall->spin_axis);
+    at->velocity = dem__surface_velocity(wall, point, n);
+    const dem_vec v = dem__sub(s->v, dem__plus(at->velocity, -half, a));
+    b->vx[k] = v.x, b->vy[k] = v.y, b->vz[k] = v.z;
+    b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
-    return v;
 }
 
 DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
@@ -4522,23 +4571,36 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
     for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
-/* Nearest images, normals and gaps of a block in which rows wall[0 .. walls-1] are walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, const int *wall, const dem__touch *touch,
-                                   int walls) {
+/* Of a wall's row. */
+DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
+    const int k = at->row;
+    const double radius = at->particle->radius;
+    if (at->outside == 0.0) {
+        b->nx[k] = at->touch.normal.x, b->ny[k] = at->touch.normal.y, b->nz[k] = at->touch.normal.z;
+        b->gap[k] = at->touch.gap;
+    } else {
+        b->nx[k] *= at->outside, b->ny[k] *= at->outside, b->nz[k] *= at->outside, b->inverse[k] *= at->outside;
+        b->gap[k] = at->outside * (b->gap[k] + radius - at->inner) - radius;
+    }
+    if (at->wall->slides) dem__slide(b, half, at);
+}
+
+/* Nearest images, normals and gaps of a block with some rows at walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, double half, dem__place *wall, int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
+    for (int q = 0; q < walls && w->has_periodic__; q++) { /* walls have no images */
+        const int k = wall[q].row;
+        b->dx[k] = wall[q].from.x, b->dy[k] = wall[q].from.y, b->dz[k] = wall[q].from.z;
+    }
     for (int k = 0; k < n; k++) {
         const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
         b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
         b->inverse[k] = inverse;
         b->gap[k] = distance - t->sum[k];
     }
-    for (int q = 0; q < walls; q++) {
-        const int k = wall[q];
-        b->nx[k] = touch[q].normal.x, b->ny[k] = touch[q].normal.y, b->nz[k] = touch[q].normal.z;
-        b->gap[k] = touch[q].gap;
-    }
+    for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
 }
 
 /* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
@@ -4612,18 +4674,22 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists such contacts of a section, and those whose law has ended, in the block from slot base on. Are there any? */
-DEM_INLINE int dem__mark(dem_world *w, dem__section *in, ptrdiff_t base, int n, const double *before, const double *was,
-                         const double *ended, const double *force) {
-    int64_t any = 0;
-    for (int k = 0; k < n; k++) any |= dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0);
-    for (int k = 0; k < n && any; k++) {
-        const ptrdiff_t c = base + k;
-        w->live_event__[c] = (uint8_t)dem__began_or_ended(before[k], force[k], was[k]);
-        w->live_ended__[c] = ended[k] != 0.0;
-        if (w->live_event__[c] | w->live_ended__[c]) w->slots__[in->first + in->marked++] = (int32_t)c;
+/* Marks and lists such contacts of a section, and those whose law has ended, in the block from slot base on. How many? */
+DEM_INLINE ptrdiff_t dem__mark(dem_world *w, dem__section *in, ptrdiff_t base, int n, const double *before, const double *was,
+                               const double *ended, const double *force) {
+    const ptrdiff_t marked = in->marked;
+    int64_t mark[DEM_BLOCK], any = 0;
+    for (int k = 0; k < n; k++) {
+        mark[k] = dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0) << 1;
+        any |= mark[k];
     }
-    return any != 0;
+    for (int k = 0; k < n && any; k++) {
+        if (!mark[k]) continue;
+        w->live_event__[base + k] = (uint8_t)(mark[k] & 1);
+        w->live_ended__[base + k] = (uint8_t)(mark[k] >> 1);
+        w->slots__[in->first + in->marked++] = (int32_t)(base + k);
+    }
+    return in->marked - marked;
 }
 
 DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
@@ -4696,9 +4762,8 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
     dem__block block;
     for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        int wall[DEM_BLOCK], walls = 0;
-        dem__touch touch[DEM_BLOCK];
-        dem_vec wall_speed[DEM_BLOCK];
+        dem__place wall[DEM_BLOCK];
+        int walls = 0;
 
         /* the next block, of this section or of the one after it, is asked for ahead */
         const dem__section *then = base + DEM_BLOCK < end || section + 1 == w->sections__ ? in : in + 1;
@@ -4707,14 +4772,11 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
             if (ahead + k < stop) dem__fetch_contact(w, ahead + k);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
-            else {
-                wall_speed[walls] = dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &touch[walls]);
-                wall[walls++] = k;
-            }
+            else dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &wall[walls++]);
         }
         for (int k = n; k < DEM_BLOCK && ahead + k < stop; k++) dem__fetch_contact(w, ahead + k);
         dem__take_traits(w, base, n, law->constants, traits);
-        dem__complete_rows(w, &b, traits, n, wall, touch, walls);
+        dem__complete_rows(w, &b, traits, n, half, wall, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
@@ -4749,38 +4811,36 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                 dem__put_losses(&at, &old, k, &r, h, before[k]);
             }
         }
-        const int events = dem__mark(w, in, base, n, before, was, ended, at.force);
+        const ptrdiff_t marked = dem__mark(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) at.loss[3][k] = 0.0, at.power[2][k] = old.power[2][k];
             for (int q = 0; q < walls; q++) {
-                const int k = wall[q];
-                const double power = at.out[0][k] * wall_speed[q].x + at.out[1][k] * wall_speed[q].y + at.out[2][k] * wall_speed[q].z;
+                const int k = wall[q].row;
+                const dem_vec v = wall[q].velocity;
+                const double power = at.out[0][k] * v.x + at.out[1][k] * v.y + at.out[2][k] * v.z;
                 at.loss[3][k] = half * (old.power[2][k] + power);
                 at.power[2][k] = power;
             }
         }
         dem__store(&old, &at, n, law, features, w->keeps_out__);
-        if (events && h > 0.0) {
-            for (int k = 0, q = 0; k < n; k++) {
-                const ptrdiff_t c = base + k;
-                const int is_wall = q < walls && wall[q] == k;
-                if (w->live_event__[c]) {
-                    dem_contact view;
-                    double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-                    for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
-                    dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
-                    view.mass = traits->mass[k];
-                    view.share = dem__share(w, w->live_i__[c], w->live_j__[c]);
-                    view.dt = 0.0;
-                    view.rate = rate;
-                    view.constants = p;
-                    view.user = user;
-                    for (int a = 0; a < (turns ? 9 : 3); a++) old.out[a][k] = at.out[a][k]; /* kept, for the end of the step */
-                    mend(w, c, &view, arm_i, arm_j, was[k], before[k], is_wall ? wall_speed[q] : dem_vec3(0.0, 0.0, 0.0));
-                    for (int a = 0; a < (turns ? 9 : 3); a++) at.out[a][k] = old.out[a][k];
-                }
-                q += is_wall;
-            }
+        for (ptrdiff_t m = in->marked - marked, q = 0; m < in->marked && h > 0.0; m++) {
+            const ptrdiff_t c = w->slots__[in->first + m];
+            const int k = (int)(c - base);
+            dem_contact view;
+            double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+            if (!w->live_event__[c]) continue;
+            while (q < walls && wall[q].row < k) q++;
+            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
+            dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
+            view.mass = traits->mass[k];
+            view.share = share[k];
+            view.dt = 0.0;
+            view.rate = rate;
+            view.constants = p;
+            view.user = user;
+            for (int a = 0; a < (turns ? 9 : 3); a++) old.out[a][k] = at.out[a][k]; /* kept, for the end of the step */
+            mend(w, c, &view, arm_i, arm_j, was[k], before[k], w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0));
+            for (int a = 0; a < (turns ? 9 : 3); a++) at.out[a][k] = old.out[a][k];
         }
         dem__gather_forces(w, section, base, n, at.out, turns);
     }
@@ -4815,19 +4875,16 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
     dem__row state[DEM_STATE_MAX], out[9];
     for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
         const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        int wall[DEM_BLOCK], walls = 0;
-        dem__touch touch[DEM_BLOCK];
+        dem__place wall[DEM_BLOCK];
+        int walls = 0;
         for (int k = 0; k < n; k++) {
             const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c];
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
-            else {
-                dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &touch[walls]);
-                wall[walls++] = k;
-            }
+            else dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &wall[walls++]);
             traits.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
             traits.part[k] = w->particle[i].radius / traits.sum[k];
         }
-        dem__complete_rows(w, &b, &traits, n, wall, touch, walls);
+        dem__complete_rows(w, &b, &traits, n, 0.0, wall, walls);
 
         dem__row ended, share;
         dem__slots old, at;

@@ -205,9 +205,10 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
         status = dem_run(&world, PUSH_STEPS * dt, features);
         for (int i = 0; i < b->n && status == DEM_OK; i++) status = dem_set_motion(&world, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0));
     }
-    double speed = HUGE_VAL;
-    while (speed > quiet && world.time < 1.0 && status == DEM_OK && !common_interrupted()) {
+    double speed = 0.0, before = quiet < HUGE_VAL ? -1.0 : 0.0;
+    while ((speed > quiet || speed > before) && world.time < 1.0 && status == DEM_OK && !common_interrupted()) {
         status = dem_run(&world, 0.005, features);
+        before = speed;
         speed = rms_speed(&world);
     }
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
@@ -218,14 +219,15 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
     return status;
 }
 
-/* In the bin the batch is at rest: it falls as soft spheres, in large steps, and comes to rest as true ones. Without a bin it is put on
-   the surface as it is mixed, a third looser than at rest, and only pushed apart: to settle would bring the large ones up. */
+/* In the bin the batch is nearly at rest: it falls as soft spheres, in large steps, settles as stiffer ones, and true ones are only pushed
+   apart. Without a bin it is put on the surface as it is mixed, a third looser than at rest, and only pushed apart: to settle would bring
+   the large ones up. */
 static dem_status fill(batch *b, const settings *s, uint64_t *random) {
     const bool bin = s->scene == SCENE_SCREEN;
     dem_status status = stack_layers(b, 0.5 * s->screen_diameter, bin ? 0.12 : 0.4, random);
-    if (status == DEM_OK) status = settle(b, s, 5e-3, bin ? 0.02 : HUGE_VAL);
-    if (status == DEM_OK) status = settle(b, s, 2.5e-4, bin ? 0.01 : HUGE_VAL);
-    if (status == DEM_OK) status = settle(b, s, 0.0, bin ? 0.01 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 5e-3, bin ? 0.04 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 2.5e-4, bin ? 0.03 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 0.0, HUGE_VAL);
     return status;
 }
 
