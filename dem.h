@@ -4735,11 +4735,14 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     }
 }
 
-/* Ahead of a contact. */
-DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
+/* Ahead of a link or a contact; of a wall (less than 0) nothing needs to be asked for. */
+DEM_INLINE void dem__fetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
+}
+DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
+    dem__fetch_particle(w, j);
     DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
 }
 
@@ -4878,7 +4881,8 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
         dem__place wall[DEM_BLOCK];
         int walls = 0;
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c];
+            const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c], ahead = c + DEM__AHEAD;
+            if (ahead < end) dem__fetch_particle(w, w->link_i__[ahead]), dem__fetch_particle(w, w->link_j__[ahead]);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
             else dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &wall[walls++]);
             traits.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
@@ -5588,9 +5592,7 @@ typedef struct dem__watched {
 
 /* Ahead of a watch. */
 DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
-    const dem_particle *p = &w->particle[i];
-    DEM__PREFETCH(&p->x);
-    DEM__PREFETCH(&p->a);
+    dem__fetch_particle(w, i);
     DEM__PREFETCH(&w->course__[i]);
     DEM__PREFETCH(&w->listed_at__[i]);
 }
@@ -5668,9 +5670,7 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 
 /* Ahead of a look. */
 DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
-    const dem_particle *p = &w->particle[i];
-    DEM__PREFETCH(&p->x);
-    DEM__PREFETCH(&p->a);
+    dem__fetch_particle(w, i);
     DEM__PREFETCH(&w->course__[i]);
 }
 
@@ -5973,7 +5973,11 @@ static inline void dem__step_links(dem_world *w) {
     w->kernel_dt__ = h;
     dem__share_blocks(w, w->link_kernel__, w->link_count__);
     for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k];
+        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k], ahead = k + DEM__AHEAD;
+        if (ahead < w->link_count__) {
+            DEM__PREFETCH(w->load__[w->link_i__[ahead]]);
+            DEM__PREFETCH(w->load__[w->link_j__[ahead] < 0 ? 0 : w->link_j__[ahead]]);
+        }
         if (w->link_ended__[k]) continue;
         for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
         if (j < 0) continue;
