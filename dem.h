@@ -4390,27 +4390,24 @@ typedef struct dem__block {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block;
 
-DEM_INLINE dem__slots dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
-    dem__slots at;
-    for (int a = 0; a < law->states; a++) at.state[a] = w->live_state__[a] + c;
-    for (int a = 0; a < 9; a++) at.out[a] = w->live_out__[a] + c;
-    at.gap = w->live_gap__ + c, at.force = w->live_force__ + c;
-    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at.power[a] = w->live_power__[a] + c;
-    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at.loss[a] = w->live_loss__[a] + c;
-    at.elastic = features & DEM_ENERGY ? w->live_elastic__ + c : NULL;
-    return at;
+DEM_INLINE void dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__slots *at) {
+    for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + c;
+    for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + c;
+    at->gap = w->live_gap__ + c, at->force = w->live_force__ + c;
+    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = w->live_power__[a] + c;
+    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = w->live_loss__[a] + c;
+    at->elastic = features & DEM_ENERGY ? w->live_elastic__ + c : NULL;
 }
 
-/* Where what is new of a block goes, of which "old" is in the world: forces into the block, as they are kept only if somebody asks. */
-DEM_INLINE dem__slots dem__slots_new(const dem__slots *old, dem__block *b) {
-    dem__slots at = *old;
-    for (int a = 0; a < 9; a++) at.out[a] = b->out[a];
-    if (!DEM__IN_ROWS) return at;
-    for (int a = 0; a < DEM_STATE_MAX; a++) at.state[a] = b->state[a];
-    for (int a = 0; a < 3; a++) at.power[a] = b->power[a];
-    for (int a = 0; a < 4; a++) at.loss[a] = b->loss[a];
-    at.gap = b->gap, at.force = b->force, at.elastic = b->elastic;
-    return at;
+/* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
+DEM_INLINE void dem__slots_new(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block *b, dem__slots *at) {
+    dem__slots_of(w, c, law, features, at);
+    for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
+    if (!DEM__IN_ROWS) return;
+    for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
+    for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
+    for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
+    at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
 }
 
 /* From there to the world. */
@@ -4607,11 +4604,12 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
                           dem_vec wall_speed, const dem_law *law, int features) {
     const double h = 1.0 / q->rate;
-    const dem__slots at = dem__slots_of(w, c, law, features);
+    dem__slots at;
     double s[DEM_STATE_MAX];
     dem__event e;
     dem_response r;
     double extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
+    dem__slots_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at.state[a][0];
     w->live_event__[c] = 0;
     if (force == 0.0) {
@@ -4784,8 +4782,9 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
         dem__row before, was, ended;
-        const dem__slots old = dem__slots_of(w, base, law, features);
-        const dem__slots at = dem__slots_new(&old, &block);
+        dem__slots old, at;
+        dem__slots_of(w, base, law, features, &old);
+        dem__slots_new(w, base, law, features, &block, &at);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
