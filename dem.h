@@ -1284,7 +1284,26 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, d
     double angle = 2.0 * RIDDLE_PI * (turns - floor(turns)) + phase, s = riddle_sin(angle);
     *velocity = amplitude * rate * riddle_cos(angle);
     *acceleration = -amplitude * rate * rate * s;
-    return amplitude * (s - riddle_sin(phase));
+    return amplitude * (phase == 0.0 ? s : s - riddle_sin(phase));
+}
+
+/* What vibration does to a wall. */
+typedef struct dem__sway {
+    dem_vec shift, velocity, acceleration;
+} dem__sway;
+static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+    const double rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
+    dem__sway s;
+    s.shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(w->amplitude.z, w->phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
+    return s;
+}
+
+/* Do two walls vibrate as one, as a deck and its side wall do? */
+DEM_INLINE int dem__sways_with(const dem_wall *a, const dem_wall *b) {
+    return memcmp(&a->amplitude, &b->amplitude, sizeof a->amplitude) == 0 && memcmp(&a->phase, &b->phase, sizeof a->phase) == 0 &&
+           a->frequency == b->frequency && a->motion_start == b->motion_start;
 }
 
 /* The frame and place that a pose gives a wall. */
@@ -1344,21 +1363,11 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Puts a wall where it is at a time. */
-static inline void dem__move_wall(dem_wall *w, double time) {
-    if (w->drive != DEM_KINEMATIC) {
-        if (w->drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
-        else dem__controlled_wall(w, time);
-        return;
-    }
-    double t = time - w->motion_start, rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
-    dem_vec shift, v, a;
-    shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &v.x, &a.x);
-    shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &v.y, &a.y);
-    shift.z = dem__vibration(w->amplitude.z, w->phase.z, turns, rate, &v.z, &a.z);
-    shift = dem__add(shift, dem__scale(t, w->drift));
-    w->velocity = dem__add(v, w->drift);
-    w->acceleration = a;
+/* Puts a kinematic wall where it is t after its motion began. */
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->drift));
+    w->velocity = dem__add(sway->velocity, w->drift);
+    w->acceleration = sway->acceleration;
     dem_vec origin = w->origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
@@ -1370,6 +1379,16 @@ static inline void dem__move_wall(dem_wall *w, double time) {
         w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
     }
     w->position = dem__add(origin, shift);
+}
+
+/* Puts a wall where it is at a time. */
+static inline void dem__move_wall(dem_wall *w, double time) {
+    if (w->drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+    else if (w->drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
+    else {
+        const dem__sway sway = dem__sway_at(w, time - w->motion_start);
+        dem__kinematic_wall(w, time - w->motion_start, &sway);
+    }
 }
 
 /* One place where a sphere is near a wall. */
@@ -3622,10 +3641,15 @@ static inline void dem__hurry(dem_world *w, int k, int64_t step) {
    looked at by all in this very step. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const double time = w->start_time__ + (double)(step - w->start_step__) * w->dt__;
+    const dem_wall *last = NULL;
+    dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         if (a->drive == DEM_KINEMATIC) {
-            if (a->speed_bound > 0.0 || a->spin_bound > 0.0) dem__move_wall(a, time);
+            if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
+            if (!last || !dem__sways_with(a, last)) sway = dem__sway_at(a, time - a->motion_start);
+            dem__kinematic_wall(a, time - a->motion_start, &sway);
+            last = a;
             continue;
         }
         const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
