@@ -4337,9 +4337,9 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
         if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
-        else {                                   /* a clipped one when the force is: follow its slope, found by a probe */
-            double probe = 0.125 * (k == 0 ? h : t), gp = g, vp = v, fp = dem__flow(c, state, &gp, &vp, probe, law);
-            rest = fp < f ? probe * f / (f - fp) : last;
+        else {                                   /* a clipped one when the force is: follow its slope, found a moment later */
+            const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
+            rest = fp < f ? moment * f / (f - fp) : last;
             if (k < 2) rest *= 0.9;
         }
         rest = rest < last ? rest : last;
