@@ -1410,13 +1410,13 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
     const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* its half length, squared */
-    double da = 0.0, dc = across - bar;
-    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
-    if (!(along * along <= end2)) da = along < 0.0 ? along + sqrt(end2) : along - sqrt(end2);
+    const int beyond = !(along * along <= end2);
+    const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
     *from = dem_vec3(da, dc, up);
+    if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
     /* the flat side: as wide as the wire and, seen from below, as round at its ends */
-    if (da == 0.0) {
+    if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
     }
@@ -1670,8 +1670,8 @@ static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t
     const dem_vec d = dem__sub(centre, w->position);
     if (w->kind == DEM_SCREEN) {
         const int family = (int)((uint32_t)element & 1u);
-        const double index = (double)((element - family) / 2);
-        *inner = dem__reach_bar(w, family, index, dem__dot(d, w->axis[family]), dem__dot(d, w->axis[1 - family]), dem__dot(d, w->axis[2]), from);
+        const double along = dem__dot(d, w->axis[family]), across = dem__dot(d, w->axis[1 - family]), up = dem__dot(d, w->axis[2]);
+        *inner = dem__reach_bar(w, family, (double)((element - family) / 2), along, across, up, from);
         *from = dem__from_bar(w, family, *from);
         return *inner >= 0.0 && dem__dot(*from, *from) > 0.0 ? 1.0 : 0.0;
     }
@@ -4531,8 +4531,8 @@ typedef struct dem__place {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity;        /* the centre from its axis [m], and the wall's there [m/s] */
-    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
+    double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
 } dem__place;
 

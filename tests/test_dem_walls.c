@@ -1184,6 +1184,37 @@ static void test_hostile_stl(void **state) {
     free(s), free(t);
 }
 
+/* Walls that vibrate alike share their sines; each is where its own formula says. */
+static void test_vibrating_together(void **state) {
+    (void)state;
+    static const struct {
+        dem_vec amplitude, phase;
+        double frequency;
+    } motion[] = {{{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},   {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},  {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 51.0},
+                  {{1e-4, 0, 8e-4}, {1.5, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},  {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},
+                  {{0, 1e-3, 8e-4}, {0.2, -0.3, 2}, 51.0}};
+    enum { WALLS = sizeof motion / sizeof *motion };
+    dem_world w;
+    dem_def def = one_material(0.5, 0.3);
+    start(&w, &def);
+    for (int k = 0; k < WALLS; k++) {
+        wall_index(dem_add_plane(&w, 0, v3(0, 0, -0.1 * k), up));
+        assert_int_equal(dem_vibrate(&w, k, motion[k].amplitude, motion[k].phase, motion[k].frequency), DEM_OK);
+    }
+    run(&w, 0.0123, DEM_LINEAR);
+    for (int k = 0; k < WALLS; k++) {
+        const double rate = 2.0 * RIDDLE_PI * motion[k].frequency;
+        for (int a = 0; a < 3; a++) {
+            const double amplitude = dem_axis(motion[k].amplitude, a), phase = dem_axis(motion[k].phase, a), angle = rate * w.time + phase;
+            const double from = a == 2 ? -0.1 * k : 0.0;
+            near_absolute(dem_axis(w.wall[k].position, a) - from, amplitude * (sin(angle) - sin(phase)), 1e-15, "place");
+            near_absolute(dem_axis(w.wall[k].velocity, a), amplitude * rate * cos(angle), 1e-12, "velocity");
+            near_absolute(dem_axis(w.wall[k].acceleration, a), -amplitude * rate * rate * sin(angle), 1e-10, "acceleration");
+        }
+    }
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_distance),
@@ -1198,6 +1229,7 @@ int main(void) {
         cmocka_unit_test(test_ball_in_a_cone),
         cmocka_unit_test(test_bouncing_in_a_bowl),
         cmocka_unit_test(test_prescribed_motion),
+        cmocka_unit_test(test_vibrating_together),
         cmocka_unit_test(test_piston),
         cmocka_unit_test(test_piston_momentum),
         cmocka_unit_test(test_rotor),
