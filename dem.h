@@ -4607,7 +4607,8 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
 }
 
 /* Nearest images, normals and gaps of a block with some rows at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, double half, dem__place *wall, int walls) {
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, double half, dem__place *wall,
+                                   int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
