@@ -4860,7 +4860,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
             dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
             view.mass = traits->mass[k];
-            view.share = share[k];
+            view.share = dem__share(w, w->live_i__[c], w->live_j__[c]); /* not the row: see there */
             view.dt = 0.0;
             view.rate = rate;
             view.constants = p;
