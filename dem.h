@@ -565,6 +565,7 @@ typedef struct dem_world {
     dem__six *external__; /* the external part of it; the rest is of links */
     dem__six *linked__;   /* place and spin when links were evaluated last */
     dem_vec *listed_at__; /* position when the list was built */
+    dem_vec *impact__;    /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
     dem__course *course__;
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
@@ -1730,6 +1731,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->listed_at__, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->impact__, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
     list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
@@ -2145,6 +2147,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         w->wall_head__[i] = w->link_head__[i] = -1;
         w->link_loaded__[i] = 0;
         memset(&w->course__[i], 0, sizeof w->course__[i]);
+        w->impact__[i] = dem_vec3(0.0, 0.0, 0.0);
         dem__free_acceleration(w, i);
         if (w->ledger_on__) {
             w->ledger__.added += dem__potential(w, i);
@@ -3516,19 +3519,24 @@ DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].room__ = w->course__[i].ball - strayed - dem__way(w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
-/* A new course for particle i, which is at x and has v at a step, with a ball that holds 16 steps of the present force and a little more:
-   in flight very little, as nothing turns it from its course before a contact does, and small balls let neighbours alone for long. */
+/* A new course for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
+   far behind its middle as it is ahead of that now: one course through the middle, with a ball that holds both, lasts to the end. Else the
+   ball holds 16 steps of the present force and a little more: in flight very little, as nothing turns it from its course before a contact
+   does, and small balls let neighbours alone for long. */
 DEM_INLINE void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     const double t = dem__since_listed(w, step);
-    const dem_vec g = w->def.gravity, a = dem__sub(w->particle[i].a, g);
+    const dem_vec g = w->def.gravity, impact = w->touching[i] == 1 ? w->impact__[i] : dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec u = dem__add(v, impact);
+    const double turn = dem__length(impact), held = 16.0 * w->dt__ * dem__length(dem__sub(w->particle[i].a, g));
     dem__course *c = &w->course__[i];
-    c->ux = v.x - t * g.x, c->uy = v.y - t * g.y, c->uz = v.z - t * g.z;
-    c->x = x.x - t * (v.x - 0.5 * t * g.x), c->y = x.y - t * (v.y - 0.5 * t * g.y), c->z = x.z - t * (v.z - 0.5 * t * g.z);
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     w->shifted__[i] = 0.0;
-    c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + 16.0 * w->dt__ * dem__length(a);
+    if (turn > 0.0) c->ball = 0.25 * w->slack__ + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    else c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + held;
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     c->off = w->particle[i].radius + 0.5 * w->link_near__ + w->blur__ - t * c->ball;
-    dem__leave_room(w, i, 0.0);
+    dem__leave_room(w, i, turn);
 }
 
 /* What some threads learn from new courses: when the list is to be asked again, and who is too fast (-1: nobody). */
@@ -5484,9 +5492,8 @@ static inline void dem__gather_losses(dem_world *w) {
     }
 }
 
-/* Of a particle settled now: how far its velocity is from that of its course. */
-DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i) {
-    const double t = dem__since_listed(w, w->step);
+/* Of a particle settled at time t on the courses: how far its velocity is from that of its course. */
+DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i, double t) {
     const dem__course *c = &w->course__[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, w->def.gravity), dem_vec3(c->ux, c->uy, c->uz));
 }
@@ -5496,9 +5503,9 @@ DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
     return dem__plus(d, w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
-/* Is the velocity of a particle settled now within its ball, to the end of the next step? */
-DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i) {
-    const dem_vec d = dem__stray(w, i), e = dem__stray_next(w, i, d);
+/* Is the velocity of a particle, d from that of its course, within its ball to the end of the next step? */
+DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem_vec e = dem__stray_next(w, i, d);
     const double ball = w->course__[i].ball * w->course__[i].ball;
     return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
 }
@@ -5511,10 +5518,10 @@ DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
 }
 
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may stray are listed in remap__ from `first` on. */
+   afterwards, ready for the next. Those that leave their balls are listed in remap__ from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     const int64_t step = w->step + (h > 0.0);
-    const double half = 0.5 * h;
+    const double half = 0.5 * h, t = dem__since_listed(w, step);
     const int loads = w->loads_on__ || w->links_on__;
     const ptrdiff_t apart = dem__fetch_until(w, first, end);
     double all = 0.0;
@@ -5538,7 +5545,10 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        if (!dem__stays(p, w->dt__, pull)) w->remap__[first + n++] = (int32_t)i;
+        if (dem__stays(p, w->dt__, pull)) continue;
+        const dem_vec stray = dem__stray(w, i, t);
+        if (dem__holds_course(w, i, stray)) dem__leave_room(w, i, dem__length(stray));
+        else w->remap__[first + n++] = (int32_t)i;
     }
     *check = 0.0 * all;
     *strays = n;
@@ -5566,6 +5576,15 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
+/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
+   for their courses. */
+DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
+    if (!(closing > 0.0)) return; /* it has ended */
+    const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    w->impact__[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->impact__[j] = dem__scale((part - 1.0) * closing, n);
+}
+
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     double *const *data = w->live_event_data__, *const *out = w->live_out__;
@@ -5587,7 +5606,9 @@ static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     }
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = dem_vec3(out[3][c], out[4][c], out[5][c]);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
         dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
     /* a pair that is moved apart turns more slowly, as its angular momentum stays */
@@ -5596,6 +5617,7 @@ static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
     a->v = dem__plus(a->v, 1.0 / a->mass, slower);
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
+    dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
 static inline void dem__settle_events(dem_world *w, int turns) {
     for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
@@ -5625,6 +5647,7 @@ DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
    `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
 static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__watched *q) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
+    const double t = dem__since_listed(w, w->step);
     q->restarted = q->hurried = q->flown = 0;
     q->news = dem__no_news(w);
     for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
@@ -5632,14 +5655,16 @@ static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end,
         if (k < first) continue;
         const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
-            if (w->touching[i] == 0 || !dem__holds_course(w, i)) {
-                const dem_particle *p = &w->particle[i];
+            const dem_particle *p = &w->particle[i];
+            const dem_vec stray = dem__stray(w, i, t);
+            if (w->touching[i] == 0 || !dem__holds_course(w, i, stray)) {
                 const double shifted = w->shifted__[i];
                 dem__set_course(w, i, w->step, p->x, p->v);
                 w->remap__[first + q->restarted++] = i;
                 if (dem__heed_course(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) w->unsettled__[first + q->hurried++] = i;
-            } else dem__leave_room(w, i, dem__length(dem__stray(w, i)));
+            } else dem__leave_room(w, i, dem__length(stray));
         }
+        w->impact__[i] = dem_vec3(0.0, 0.0, 0.0);
         w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
         q->flown |= !w->is_active__[i];
     }
@@ -6024,7 +6049,7 @@ static inline void dem__step_links(dem_world *w) {
         }
         for (int q = 0; q < 6; q++) w->sum__[i].load[q] = 0.0;
         if (w->stale__) continue;
-        const double strayed = dem__length(dem__stray(w, i));
+        const double strayed = dem__length(dem__stray(w, i, dem__since_listed(w, w->step)));
         if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
         else {
             const int32_t one = (int32_t)i;
