@@ -156,7 +156,7 @@ extern "C" {
 #define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__EVENT_DATA 6   /* of a contact that begins or ends: n, impulse, shift, sliding time */
+#define DEM__EVENT_DATA 5   /* of a contact that begins or ends: n, impulse along it, shift */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 6u       /* version of dem_save */
 
@@ -4306,6 +4306,7 @@ typedef struct dem__event {
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
+    double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
 } dem__event;
 
 /* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
@@ -4338,7 +4339,7 @@ DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, doubl
         dem__flow(c, state, &back, &then, -h, law);
         own += speed + half_kick - (back - gap) * c->rate;
     }
-    const double u = verlet + own - speed;
+    const double u = e->before = verlet + own - speed;
     double t = 0.0, g = gap, v = u, f = force, before, after;
     const int pulls = dem__force_alone(c, state, 0.0, u, &before, law) < 0.0;
     dem__force_alone(c, state, gap, u, &before, law);
@@ -4496,10 +4497,9 @@ DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int 
 }
 
 /* Force on i, torques on i and j. */
-DEM_INLINE void dem__put_force(const dem__slots *at, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
+DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
                                int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
-    double *const *out = at->out;
     if (!(features & DEM_FRICTION)) {
         out[0][c] = r->normal * nx, out[1][c] = r->normal * ny, out[2][c] = r->normal * nz;
         return;
@@ -4633,71 +4633,108 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
     for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
 }
 
-/* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulse and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
-                          dem_vec wall_speed, const dem_law *law, int features) {
-    const double h = 1.0 / q->rate;
+/* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
+typedef struct dem__verge {
+    double gap, force, state[DEM_STATE_MAX], wall_speed[3], *out[9];
+} dem__verge;
+
+/* Adds to an impulse what friction and rolling do in a time as they are in r. */
+DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, double time, int features) {
+    for (int a = 0; a < 3; a++) {
+        impulse->tangential[a] += time * r->tangential[a];
+        impulse->rolling[a] += features & DEM_ROLLING ? time * r->rolling[a] : 0.0;
+    }
+}
+
+/* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
+   normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *e, double *s, const dem_response *r, dem_response *impulse,
+                                    const dem_law *law, int features) {
+    const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
+    dem_response third;
+    dem_contact q = *touch;
+    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
+    q.closing = -4.0 / 3.0 * e->gap / t - e->closing / 3.0;
+    q.dt = t / 3.0;
+    law->force(&q, s, &third);
+    dem__act_for(impulse, &third, 0.75 * t, features);
+    dem__act_for(impulse, r, 0.25 * t + (r->contact > 0.0 ? beyond / r->contact : 0.0), features);
+}
+
+DEM_INLINE double dem__along(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulses and shift for the end of the step. */
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, const dem__verge *was, const dem_law *law,
+                          int features) {
+    const double h = 1.0 / q->rate, force = was->force, *v = was->wall_speed;
     dem__slots at;
-    double s[DEM_STATE_MAX];
+    double s[DEM_STATE_MAX], start = 0.0, driven = 0.0; /* normal force that the next step starts from; work of the wall by friction */
     dem__event e;
-    dem_response r;
-    double extra, sliding = 0.0, start = 0.0; /* normal force that the next step starts from */
+    dem_response r, impulse; /* of friction and rolling, in the end but for the half steps that Verlet hands over */
+    memset(&impulse, 0, sizeof impulse);
     dem__slots_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at.state[a][0];
     w->live_event__[c] = 0;
     if (force == 0.0) {
         if (!dem__begin_contact(q, s, &e, law)) return;
-        const double push = q->mass * (q->closing - e.closing); /* what friction is in proportion to */
+        const dem_contact touch = *q;
         q->gap = e.gap;
         q->closing = e.closing;
         q->dt = e.duration;
         law->force(q, s, &r);
         for (int a = 0; a < law->history; a++) at.state[a][0] = s[a];
-        dem__put_force(&at, 0, q, &r, arm_i, arm_j, features);
+        dem__put_force(was->out, 0, q, &r, arm_i, arm_j, features);
         at.force[0] = r.contact;
         start = r.contact;
-        extra = e.impulse - 0.5 * h * start;
-        sliding = r.contact > 0.0 ? push / r.contact - 0.5 * h : 0.0;
-        if (features & DEM_ENERGY) {
-            if (features & DEM_FRICTION) {
-                const double work = -(r.tangential[0] * q->slip[0] + r.tangential[1] * q->slip[1] + r.tangential[2] * q->slip[2]);
-                r.slide_loss = work * (sliding + 0.5 * h) - (r.elastic - e.elastic);
-            }
-            dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
+        if (features & DEM_FRICTION) {
+            for (int a = 0; a < law->history; a++) s[a] = 0.0;
+            dem__begin_friction(&touch, &e, s, &r, &impulse, law, features);
+            driven = dem__along(impulse.tangential, v);
+            r.slide_loss = -dem__along(impulse.tangential, q->slip) - (r.elastic - e.elastic);
+            dem__act_for(&impulse, &r, -0.5 * h, features);
         }
+        if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
     } else {
-        if (!dem__end_contact(q, s, gap, force, &e, law)) return;
-        extra = e.impulse - 0.5 * h * force;
+        if (!dem__end_contact(q, s, was->gap, force, &e, law)) return;
         if (e.gap < 0.0) {
             q->gap = e.gap;
             q->closing = e.closing;
             law->force(q, s, &r);
             if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
-                dem__put_force(&at, 0, q, &r, arm_i, arm_j, features);
+                dem__put_force(was->out, 0, q, &r, arm_i, arm_j, features);
                 at.force[0] = r.contact;
                 w->live_ended__[c] = 0;
                 start = r.contact;
-                extra -= 0.5 * h * start;
                 if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
             }
         }
+        if ((features & DEM_FRICTION) && start == 0.0) { /* friction fades with the normal force */
+            for (int a = 0; a < law->states; a++) s[a] = was->state[a];
+            q->gap = was->gap;
+            q->closing = e.before;
+            law->force(q, s, &r);
+            const double time = r.contact > 0.0 ? e.impulse / r.contact : 0.5 * h;
+            driven = time * dem__along(r.tangential, v);
+            dem__act_for(&impulse, &r, time - 0.5 * h, features);
+            if (features & DEM_ENERGY) at.loss[1][0] -= dem__along(impulse.tangential, q->slip);
+        }
     }
+    if (features & DEM_FRICTION) dem__put_force(at.out, 0, q, &impulse, arm_i, arm_j, features);
     at.gap[0] = e.gap;
     w->live_event__[c] = 1;
     double **data = w->live_event_data__;
     data[0][c] = q->normal[0], data[1][c] = q->normal[1], data[2][c] = q->normal[2];
-    data[3][c] = extra, data[4][c] = e.shift, data[5][c] = sliding;
+    data[3][c] = e.impulse - 0.5 * h * (force + start), data[4][c] = e.shift;
     if (features & DEM_ENERGY) {
-        const double across = wall_speed.x * q->normal[0] + wall_speed.y * q->normal[1] + wall_speed.z * q->normal[2];
+        const double out[3] = {was->out[0][0], was->out[1][0], was->out[2][0]};
         at.loss[0][0] = e.loss;
         if (force != 0.0) at.elastic[0] = e.elastic;
-        at.loss[3][0] = e.impulse * across;
-        at.power[2][0] = start * across;
+        at.loss[3][0] = e.impulse * dem__along(q->normal, v) + driven;
+        at.power[2][0] = start != 0.0 ? dem__along(out, v) : 0.0;
     }
 }
 
-typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap, double force,
-                          dem_vec wall_speed);
+typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, const dem__verge *was);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
@@ -4814,7 +4851,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
         for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
 
-        dem__row before, was, ended;
+        dem__row before, was, ended, past[DEM_STATE_MAX];
         dem__slots old, at;
         dem__slots_of(w, base, law, features, &old);
         dem__slots_new(w, base, law, features, &block, &at);
@@ -4826,6 +4863,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
+            for (int a = 0; a < law->states && turns; a++) past[a][k] = s[a];
             dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
             const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
@@ -4840,7 +4878,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             before[k] = old.force[k], was[k] = old.gap[k], ended[k] = r.ended;
             at.force[k] = r.contact;
             at.gap[k] = b.gap[k];
-            dem__put_force(&at, k, &q, &r, arm_i, arm_j, features);
+            dem__put_force(at.out, k, &q, &r, arm_i, arm_j, features);
             if (features & DEM_ENERGY) {
                 r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
                 dem__put_losses(&at, &old, k, &r, h, before[k]);
@@ -4862,6 +4900,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             const ptrdiff_t c = w->slots__[in->first + m];
             const int k = (int)(c - base);
             dem_contact view;
+            dem__verge verge;
             double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
             if (!w->live_event__[c]) continue;
             while (q < walls && wall[q].row < k) q++;
@@ -4873,9 +4912,12 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             view.rate = rate;
             view.constants = p;
             view.user = user;
-            for (int a = 0; a < (turns ? 9 : 3); a++) old.out[a][k] = at.out[a][k]; /* kept, for the end of the step */
-            mend(w, c, &view, arm_i, arm_j, was[k], before[k], w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0));
-            for (int a = 0; a < (turns ? 9 : 3); a++) at.out[a][k] = old.out[a][k];
+            verge.gap = was[k], verge.force = before[k];
+            for (int a = 0; a < law->states && turns; a++) verge.state[a] = past[a][k];
+            for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
+            const dem_vec v = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+            verge.wall_speed[0] = v.x, verge.wall_speed[1] = v.y, verge.wall_speed[2] = v.z;
+            mend(w, c, &view, arm_i, arm_j, &verge);
         }
         dem__gather_forces(w, section, base, n, at.out, turns);
     }
@@ -4946,7 +4988,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             law->force(&q, s, &r);
             for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
             ended[k] = r.ended;
-            dem__put_force(&at, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
+            dem__put_force(at.out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
         const size_t bytes = (size_t)n * sizeof(double);
         for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
@@ -4958,9 +5000,9 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 
 #define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, double gap,    \
-                                                 double force, dem_vec wall_speed) {                                                       \
-        dem__mend(world, c, q, arm_i, arm_j, gap, force, wall_speed, &(law), features);                                                    \
+    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j,                \
+                                                 const dem__verge *was) {                                                                  \
+        dem__mend(world, c, q, arm_i, arm_j, was, &(law), features);                                                                       \
     }                                                                                                                                      \
     DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
@@ -5589,25 +5631,24 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
 static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     double *const *data = w->live_event_data__, *const *out = w->live_out__;
     const int32_t i = w->live_i__[c], j = w->live_j__[c];
-    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), f = dem_vec3(out[0][c], out[1][c], out[2][c]);
-    const double extra = data[5][c], along = dem__dot(f, n);
-    const dem_vec impulse = dem__add(dem__scale(data[3][c], n), dem__scale(extra, dem__sub(f, dem__scale(along, n))));
+    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), nothing = dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec impulse = dem__add(dem__scale(data[3][c], n), turns ? dem_vec3(out[0][c], out[1][c], out[2][c]) : nothing);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
         dem__unsettle(w, a);
         dem_particle *p = &w->particle[a];
-        const double m = (side ? -1.0 : 1.0) / p->mass, turn = 1.0 / dem__inertia(w, a);
+        const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
         p->x = dem__plus(p->x, m * data[4][c], n);
         w->shifted__[a] += fabs(m * data[4][c]);
         if (!turns) continue;
         const dem_vec torque = dem_vec3(out[3 + 3 * side][c], out[4 + 3 * side][c], out[5 + 3 * side][c]);
-        p->spin = dem__plus(p->spin, turn * extra, torque);
+        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
     }
     if (j < 0) {
-        const dem_vec place = w->particle[i].x, t = dem_vec3(out[3][c], out[4][c], out[5][c]);
+        const dem_vec place = w->particle[i].x, t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : nothing;
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(turns ? -extra : 0.0, t));
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }

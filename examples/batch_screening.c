@@ -671,7 +671,7 @@ int main(int argc, char **argv) {
     double amplitude_mm = 1.0, frequency_hz = 50.6, diameter_mm = 190.0, drop_mm = 30.0, moisture = 0.0;
     bool no_frames = false, no_energy = false, all_cases = false, vary = false, compare = false, sensitivity = false, resume = false;
     int number = 5, seeds = 1;
-    s->time = 20.0, s->dt_ratio = 10.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1;
+    s->time = 20.0, s->dt_ratio = 8.0, s->mass = 1.41, s->outlet_delay = 0.5, s->exit_depth = 0.012, s->vertical = 0.9, s->sideways = 0.1;
     enum { CASE, AMPLITUDE, FREQUENCY, MOISTURE, TIME, DROP, OUTLET, MASS }; /* the first of the options */
     option options[] = {
         option_int("case", "N", &number, 1, CASES, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),

@@ -246,22 +246,28 @@ static void test_tangential_dashpot(void **state) {
     for (int k = 0; k < 4; k++) {
         const int hertz = k / 2, features = (hertz ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | DEM_ENERGY;
         const double mass = mass_of(diameter), start_energy = 0.5 * mass * 3.25;
-        dem_world w;
+        double velocity = 0.0, loss = 0.0, error = 0.0; /* means */
         dem_def def = one_material(0.5, 0.3, 0.0);
         dem_pair(&def, 0, 0)->tangential_damping = 1.0;
         def.material[0].poisson_ratio = 0.3;
         const double contact = hertz ? dem_hertz_contact_time(1e8 / 1.82, radius, mass, 1.0)
                                      : dem_contact_time(1e5, mass, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED);
         def.gravity = zero, def.dt = contact / steps[k % 2];
-        start(&w, &def);
-        dem_add_plane(&w, 0, zero, up);
-        add(&w, v3(0, 0, 1.001 * radius), diameter);
-        move(&w, 0, v3(1.5, 0, -1), zero);
-        run(&w, 1e-3, features);
-        near_absolute(dem_velocity(&w, 0).x, limit[hertz], 2.5e-3, "tangential velocity");
-        near_absolute(dem_energy(&w).sliding_loss / start_energy, sliding[hertz], 0.15 / steps[k % 2], "sliding loss");
-        near_absolute(dem_energy(&w).error / start_energy, 0.0, (hertz ? 1.2 : 0.15) / (steps[k % 2] * steps[k % 2]), "ledger");
-        dem_free(&w);
+        for (int phase = 0; phase < 20; phase++) { /* of the first step: what they scatter by is half of what they err */
+            dem_world w;
+            start(&w, &def);
+            dem_add_plane(&w, 0, zero, up);
+            add(&w, v3(0, 0, 1.001 * radius + 0.05 * phase * def.dt), diameter);
+            move(&w, 0, v3(1.5, 0, -1), zero);
+            run(&w, 1e-3, features);
+            velocity += 0.05 * dem_velocity(&w, 0).x;
+            loss += 0.05 * dem_energy(&w).sliding_loss / start_energy;
+            error += 0.05 * dem_energy(&w).error / start_energy;
+            dem_free(&w);
+        }
+        near_absolute(velocity, limit[hertz], 2.5e-3, "tangential velocity");
+        near_absolute(loss, sliding[hertz], 0.15 / steps[k % 2], "sliding loss");
+        near_absolute(error, 0.0, (hertz ? 1.2 : 0.15) / (steps[k % 2] * steps[k % 2]), "ledger");
     }
 
     dem_world w; /* the dashpot alone: it stores nothing that would act after sliding */
