@@ -4943,7 +4943,24 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     }
 }
 
-/* The links in slots first .. end-1, from where everything is now. */
+/* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
+DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    double *const *out = w->link_out__;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k], ahead = k + DEM__AHEAD;
+        if (ahead < end) {
+            DEM__PREFETCH(w->load__[w->link_i__[ahead]]);
+            DEM__PREFETCH(w->load__[w->link_j__[ahead] < 0 ? 0 : w->link_j__[ahead]]);
+        }
+        if (w->link_ended__[k]) continue;
+        for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
+        if (j < 0) continue;
+        for (int a = 0; a < 3; a++) w->load__[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) w->load__[j][a] += out[3 + a][k];
+    }
+}
+
+/* The links in slots first .. end-1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
 DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
     const double h = w->kernel_dt__;
     const void *user = w->user;
@@ -4995,6 +5012,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
         for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
         memcpy(w->link_gap__ + base, b.gap, bytes);
         for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
+        if (dem__parts(w, w->link_count__) == 1) dem__add_links(w, base, base + n);
     }
 }
 
@@ -6052,7 +6070,6 @@ DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return d
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
     const double h = (double)w->link_stride__ * w->dt__;
-    double *const *out = w->link_out__;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         dem__settle(w, i);
@@ -6062,18 +6079,7 @@ static inline void dem__step_links(dem_world *w) {
     }
     w->kernel_dt__ = h;
     dem__share_blocks(w, w->link_kernel__, w->link_count__);
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k], ahead = k + DEM__AHEAD;
-        if (ahead < w->link_count__) {
-            DEM__PREFETCH(w->load__[w->link_i__[ahead]]);
-            DEM__PREFETCH(w->load__[w->link_j__[ahead] < 0 ? 0 : w->link_j__[ahead]]);
-        }
-        if (w->link_ended__[k]) continue;
-        for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
-        if (j < 0) continue;
-        for (int a = 0; a < 3; a++) w->load__[j][a] -= out[a][k];
-        for (int a = 3; a < 6; a++) w->load__[j][a] += out[3 + a][k];
-    }
+    if (dem__parts(w, w->link_count__) > 1) dem__add_links(w, 0, w->link_count__);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
         const dem__sum *sum = &w->sum__[i];
