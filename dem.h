@@ -156,7 +156,7 @@ extern "C" {
 #define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__EVENT_DATA 5   /* of a contact that begins or ends: n, impulse along it, shift */
+#define DEM__EVENT_DATA 13  /* of a contact that begins or ends: n, shift along it, impulse, impulses of torque on i and j */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 6u       /* version of dem_save */
 
@@ -598,7 +598,7 @@ typedef struct dem_world {
     double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
     double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step; within a step of those that begin or end */
+    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step */
     double *live_event_data__[DEM__EVENT_DATA];
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
@@ -1710,7 +1710,7 @@ typedef struct dem__array {
     void *address; /* of the pointer */
     size_t size;   /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 80, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
@@ -4670,7 +4670,8 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     dem__slots at;
     double s[DEM_STATE_MAX], start = 0.0, driven = 0.0; /* normal force that the next step starts from; work of the wall by friction */
     dem__event e;
-    dem_response r, impulse; /* of friction and rolling, in the end but for the half steps that Verlet hands over */
+    dem_response r, impulse; /* in the end but for the half steps that Verlet hands over */
+    double **data = w->live_event_data__, *handed[9];
     memset(&impulse, 0, sizeof impulse);
     dem__slots_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at.state[a][0];
@@ -4719,12 +4720,13 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
             if (features & DEM_ENERGY) at.loss[1][0] -= dem__along(impulse.tangential, q->slip);
         }
     }
-    if (features & DEM_FRICTION) dem__put_force(at.out, 0, q, &impulse, arm_i, arm_j, features);
     at.gap[0] = e.gap;
     w->live_event__[c] = 1;
-    double **data = w->live_event_data__;
-    data[0][c] = q->normal[0], data[1][c] = q->normal[1], data[2][c] = q->normal[2];
-    data[3][c] = e.impulse - 0.5 * h * (force + start), data[4][c] = e.shift;
+    impulse.normal = e.impulse - 0.5 * h * (force + start);
+    for (int a = 0; a < 3; a++) data[a][c] = q->normal[a];
+    data[3][c] = e.shift;
+    for (int a = 0; a < 9; a++) handed[a] = data[4 + a] + c;
+    dem__put_force(handed, 0, q, &impulse, arm_i, arm_j, features);
     if (features & DEM_ENERGY) {
         const double out[3] = {was->out[0][0], was->out[1][0], was->out[2][0]};
         at.loss[0][0] = e.loss;
@@ -4918,6 +4920,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             const dem_vec v = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
             verge.wall_speed[0] = v.x, verge.wall_speed[1] = v.y, verge.wall_speed[2] = v.z;
             mend(w, c, &view, arm_i, arm_j, &verge);
+            for (int a = 0; a < (turns ? 9 : 3) && w->keeps_out__; a++) old.out[a][k] = at.out[a][k];
         }
         dem__gather_forces(w, section, base, n, at.out, turns);
     }
@@ -5647,24 +5650,23 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
 
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
-    double *const *data = w->live_event_data__, *const *out = w->live_out__;
+    double *const *data = w->live_event_data__;
     const int32_t i = w->live_i__[c], j = w->live_j__[c];
-    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), nothing = dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec impulse = dem__add(dem__scale(data[3][c], n), turns ? dem_vec3(out[0][c], out[1][c], out[2][c]) : nothing);
+    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), impulse = dem_vec3(data[4][c], data[5][c], data[6][c]);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
         dem__unsettle(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
-        p->x = dem__plus(p->x, m * data[4][c], n);
-        w->shifted__[a] += fabs(m * data[4][c]);
+        p->x = dem__plus(p->x, m * data[3][c], n);
+        w->shifted__[a] += fabs(m * data[3][c]);
         if (!turns) continue;
-        const dem_vec torque = dem_vec3(out[3 + 3 * side][c], out[4 + 3 * side][c], out[5 + 3 * side][c]);
+        const dem_vec torque = dem_vec3(data[7 + 3 * side][c], data[8 + 3 * side][c], data[9 + 3 * side][c]);
         p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
     }
     if (j < 0) {
-        const dem_vec place = w->particle[i].x, t = turns ? dem_vec3(out[3][c], out[4][c], out[5][c]) : nothing;
+        const dem_vec place = w->particle[i].x, t = turns ? dem_vec3(data[7][c], data[8][c], data[9][c]) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
         dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
@@ -5673,7 +5675,7 @@ static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     /* a pair that is moved apart turns more slowly, as its angular momentum stays */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
-    const dem_vec slower = dem__scale(-data[4][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+    const dem_vec slower = dem__scale(-data[3][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
     a->v = dem__plus(a->v, 1.0 / a->mass, slower);
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));

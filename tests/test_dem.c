@@ -283,6 +283,25 @@ static void test_tangential_dashpot(void **state) {
     dem_free(&w);
 }
 
+/* What is told of a contact that has begun in the last step is its force, not what the step was mended by. */
+static void test_force_of_a_new_contact(void **state) {
+    (void)state;
+    for (int features = DEM_LINEAR; features <= (DEM_LINEAR | DEM_FRICTION); features += DEM_FRICTION) {
+        dem_world w;
+        dem_def def = one_material(1.0, 0.3, 0.0);
+        def.gravity = zero, def.dt = 1e-6;
+        start(&w, &def);
+        dem_add_plane(&w, 0, zero, up);
+        add(&w, v3(0, 0, radius + 0.3e-6), diameter);
+        move(&w, 0, v3(0, 0, -1), zero);
+        run(&w, def.dt, features);
+        assert_int_equal(dem_contact_count(&w), 1);
+        near_relative(dem_get_contact(&w, 0).force.z, 1e5 * (radius - dem_position(&w, 0).z), 1e-9, "force");
+        near_relative(radius - dem_position(&w, 0).z, 0.7e-6, 1e-3, "overlap");
+        dem_free(&w);
+    }
+}
+
 static void test_history_turns_with_the_contact(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {
@@ -1853,7 +1872,7 @@ int main(void) {
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_rolling_resistance),
         cmocka_unit_test(test_tangential_dashpot),
-        cmocka_unit_test(test_history_turns_with_the_contact),
+        cmocka_unit_test(test_force_of_a_new_contact), cmocka_unit_test(test_history_turns_with_the_contact),
         cmocka_unit_test(test_rigid_rotation_is_no_slip),
         cmocka_unit_test(test_binary_collisions_keep_momentum),
         cmocka_unit_test(test_wall_is_an_infinite_mass),
