@@ -4654,7 +4654,7 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *
     dem_response third;
     dem_contact q = *touch;
     q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
-    q.closing = -4.0 / 3.0 * e->gap / t - e->closing / 3.0;
+    q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
     dem__act_for(impulse, &third, 0.75 * t, features);
@@ -4865,7 +4865,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            for (int a = 0; a < law->states && turns; a++) past[a][k] = s[a];
+            for (int a = 0; a < law->history && turns; a++) past[a][k] = s[a];
             dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
             const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
@@ -4915,7 +4915,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             view.constants = p;
             view.user = user;
             verge.gap = was[k], verge.force = before[k];
-            for (int a = 0; a < law->states && turns; a++) verge.state[a] = past[a][k];
+            for (int a = 0; a < law->states && turns; a++) verge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
             for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
             const dem_vec v = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
             verge.wall_speed[0] = v.x, verge.wall_speed[1] = v.y, verge.wall_speed[2] = v.z;
