@@ -4635,7 +4635,8 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
 typedef struct dem__verge {
-    double gap, force, state[DEM_STATE_MAX], wall_speed[3], *out[9];
+    double gap, force, state[DEM_STATE_MAX], *out[9];
+    dem_vec wall_speed;
 } dem__verge;
 
 /* Adds to an impulse what friction and rolling do in a time as they are in r. */
@@ -4661,12 +4662,11 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *
     dem__act_for(impulse, r, 0.25 * t + (r->contact > 0.0 ? beyond / r->contact : 0.0), features);
 }
 
-DEM_INLINE double dem__along(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulses and shift for the end of the step. */
 DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, const dem__verge *was, const dem_law *law,
                           int features) {
-    const double h = 1.0 / q->rate, force = was->force, *v = was->wall_speed;
+    const double h = 1.0 / q->rate, force = was->force;
+    const dem_vec v = was->wall_speed;
     dem__slots at;
     double s[DEM_STATE_MAX], start = 0.0, driven = 0.0; /* normal force that the next step starts from; work of the wall by friction */
     dem__event e;
@@ -4690,8 +4690,9 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
         if (features & DEM_FRICTION) {
             for (int a = 0; a < law->history; a++) s[a] = 0.0;
             dem__begin_friction(&touch, &e, s, &r, &impulse, law, features);
-            driven = dem__along(impulse.tangential, v);
-            r.slide_loss = -dem__along(impulse.tangential, q->slip) - (r.elastic - e.elastic);
+            const dem_vec friction = dem__first(impulse.tangential);
+            driven = dem__dot(friction, v);
+            r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - e.elastic);
             dem__act_for(&impulse, &r, -0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
@@ -4715,9 +4716,9 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
             q->closing = e.before;
             law->force(q, s, &r);
             const double time = r.contact > 0.0 ? e.impulse / r.contact : 0.5 * h;
-            driven = time * dem__along(r.tangential, v);
+            driven = time * dem__dot(dem__first(r.tangential), v);
             dem__act_for(&impulse, &r, time - 0.5 * h, features);
-            if (features & DEM_ENERGY) at.loss[1][0] -= dem__along(impulse.tangential, q->slip);
+            if (features & DEM_ENERGY) at.loss[1][0] -= dem__dot(dem__first(impulse.tangential), dem__first(q->slip));
         }
     }
     at.gap[0] = e.gap;
@@ -4728,11 +4729,10 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
     for (int a = 0; a < 9; a++) handed[a] = data[4 + a] + c;
     dem__put_force(handed, 0, q, &impulse, arm_i, arm_j, features);
     if (features & DEM_ENERGY) {
-        const double out[3] = {was->out[0][0], was->out[1][0], was->out[2][0]};
         at.loss[0][0] = e.loss;
         if (force != 0.0) at.elastic[0] = e.elastic;
-        at.loss[3][0] = e.impulse * dem__along(q->normal, v) + driven;
-        at.power[2][0] = start != 0.0 ? dem__along(out, v) : 0.0;
+        at.loss[3][0] = e.impulse * dem__dot(dem__first(q->normal), v) + driven;
+        at.power[2][0] = start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), v) : 0.0;
     }
 }
 
@@ -4917,8 +4917,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             verge.gap = was[k], verge.force = before[k];
             for (int a = 0; a < law->states && turns; a++) verge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
             for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
-            const dem_vec v = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-            verge.wall_speed[0] = v.x, verge.wall_speed[1] = v.y, verge.wall_speed[2] = v.z;
+            verge.wall_speed = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
             mend(w, c, &view, arm_i, arm_j, &verge);
             for (int a = 0; a < (turns ? 9 : 3) && w->keeps_out__; a++) old.out[a][k] = at.out[a][k];
         }
