@@ -4695,7 +4695,11 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_
             r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - e.elastic);
             dem__act_for(&impulse, &r, -0.5 * h, features);
         }
-        if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
+        if (features & DEM_ENERGY) {
+            const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces beside the contact do */
+            dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
+            at.loss[2][0] = 0.5 * h * film * q->closing;
+        }
     } else {
         if (!dem__end_contact(q, s, was->gap, force, &e, law)) return;
         if (e.gap < 0.0) {

@@ -225,8 +225,8 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
 static dem_status fill(batch *b, const settings *s, uint64_t *random) {
     const bool bin = s->scene == SCENE_SCREEN;
     dem_status status = stack_layers(b, 0.5 * s->screen_diameter, bin ? 0.12 : 0.4, random);
-    if (status == DEM_OK) status = settle(b, s, 5e-3, bin ? 0.02 : HUGE_VAL);
-    if (status == DEM_OK) status = settle(b, s, 2.5e-4, bin ? 0.02 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 5e-3, bin ? 0.03 : HUGE_VAL);
+    if (status == DEM_OK) status = settle(b, s, 2.5e-4, bin ? 0.03 : HUGE_VAL);
     if (status == DEM_OK) status = settle(b, s, 0.0, HUGE_VAL);
     return status;
 }

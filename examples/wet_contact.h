@@ -1,7 +1,7 @@
 /* wet_contact.h - composes dem.h and liquid_bridge.h: the dry linear law with friction and rolling, and liquid bridges.
    A bridge forms when two bodies touch and is a link until its gap is beyond dynamic rupture: capillary force and viscous resistance
-   change little in 0.1 ms, so that links are evaluated once in many steps. What changes faster, the part of the resistance that grows
-   as 1/S below `near`, belongs to the contact. Films and books are the scene's. */
+   change little in 0.2 ms, so that links are evaluated once in many steps. What changes faster, the resistance below `near`, which grows
+   as 1/S, belongs to the contact. Films and books are the scene's. */
 #ifndef WET_CONTACT_H
 #define WET_CONTACT_H
 
@@ -12,12 +12,12 @@
 #include "dem.h"
 #include "liquid_bridge.h"
 
-/* State of a contact behind its friction history: the bridge's width and radius (0: dry), and the resistances that the link has. */
-enum { WET_WIDTH = 3, WET_RADIUS, WET_LINK_NORMAL, WET_LINK_TANGENTIAL, WET_LINK_SPIN, WET_STATES };
+/* State of a contact behind its friction history: the bridge's width and radius (0: dry). */
+enum { WET_WIDTH = 3, WET_RADIUS, WET_STATES };
 /* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
 enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
 enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES };
-static const double WET_INTERVAL = 1e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
+static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
@@ -37,13 +37,13 @@ typedef struct wet_scene {
 
 /* ---- laws: what the kernels inline; without branches, so that their loops vectorise ---- */
 
-/* Normal, translation and spin resistance at a gap [N s/m]. */
-DEM_INLINE void wet_resistance(const bridge *b, const bridge_liquid *liquid, double gap, bool printed, double *resistance) {
+/* Normal, translation and spin resistance at a gap [N s/m], or none: share 1 or 0. */
+DEM_INLINE void wet_resistance(const bridge *b, const bridge_liquid *liquid, double gap, bool printed, double share, double *resistance) {
     const bridge_resistances r = bridge_resistance(b, liquid, gap);
     const double rs = 0.5 * b->radius, sv = bridge_viscous_gap(gap, rs, liquid->roughness);
-    resistance[0] = r.normal;
-    resistance[1] = printed ? bridge_printed_drag_translation(sv, rs, liquid->viscosity) : r.tangential;
-    resistance[2] = printed ? bridge_printed_drag_spin(sv, rs, liquid->viscosity) : r.tangential;
+    resistance[0] = share * r.normal;
+    resistance[1] = share * (printed ? bridge_printed_drag_translation(sv, rs, liquid->viscosity) : r.tangential);
+    resistance[2] = share * (printed ? bridge_printed_drag_spin(sv, rs, liquid->viscosity) : r.tangential);
 }
 
 DEM_INLINE void wet_resist(const dem_contact *c, const double *resistance, dem_response *r) {
@@ -58,17 +58,15 @@ DEM_INLINE void wet_resist(const dem_contact *c, const double *resistance, dem_r
 
 DEM_INLINE void wet_contact_force(const dem_contact *c, double *state, dem_response *r, bool printed) {
     const bridge_liquid liquid = ((const wet_scene *)c->user)->liquid;
-    const double radius = state[WET_RADIUS] > 0.0 ? state[WET_RADIUS] : 1.0, share = state[WET_RADIUS] > 0.0 ? 1.0 : 0.0;
-    const double gap = c->gap < WET_NEAR ? c->gap : WET_NEAR;
+    const double radius = state[WET_RADIUS] > 0.0 ? state[WET_RADIUS] : 1.0, wet = state[WET_RADIUS] > 0.0 ? 1.0 : 0.0;
+    const double near = c->gap < WET_NEAR ? 1.0 : 0.0;
     const bridge b = {0.0, state[WET_WIDTH], 0.0, radius, 0.0, {0.0}};
     double resistance[3];
     dem_force_linear_rolling(c, state, r);
-    wet_resistance(&b, &liquid, gap, printed, resistance);
-    for (int a = 0; a < 3; a++) resistance[a] = share * (resistance[a] - state[WET_LINK_NORMAL + a]);
+    wet_resistance(&b, &liquid, c->gap, printed, wet * near, resistance);
     wet_resist(c, resistance, r);
     /* what is linked is in contact as long as it is near; what is dry ends with the overlap, as the dry law said */
-    const double far = c->gap < WET_NEAR ? 0.0 : 1.0;
-    r->ended = share > 0.0 ? far : r->ended;
+    r->ended = wet > 0.0 ? 1.0 - near : r->ended;
 }
 DEM_INLINE void wet_force(const dem_contact *c, double *state, dem_response *r) { wet_contact_force(c, state, r, false); }
 DEM_INLINE void wet_force_printed(const dem_contact *c, double *state, dem_response *r) { wet_contact_force(c, state, r, true); }
@@ -84,7 +82,7 @@ DEM_INLINE void wet_bridge_force(const dem_contact *c, double *state, dem_respon
                    ? bridge_printed_force_wall(gap, b.volume, 0.5 * b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension)
                    : bridge_printed_force(gap, b.volume, b.radius, s[WET_ANGLE_I], s[WET_ANGLE_J], liquid.surface_tension);
     else pull = bridge_attraction(&b, c->gap);
-    wet_resistance(&b, &liquid, c->gap > WET_NEAR ? c->gap : WET_NEAR, printed, resistance);
+    wet_resistance(&b, &liquid, gap, printed, c->gap < WET_NEAR ? 0.0 : 1.0, resistance);
     r->normal = -pull;
     r->tangential[0] = r->tangential[1] = r->tangential[2] = r->rolling_power = 0.0;
     wet_resist(c, resistance, r);
@@ -124,11 +122,10 @@ static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const
 }
 
 /* What the contact in a slot needs to know of its bridge. */
-static void wet_tell_contact(const wet_scene *s, dem_world *w, int32_t slot, const bridge *b) {
+static void wet_tell_contact(dem_world *w, int32_t slot, const bridge *b) {
     dem_contact_info c = dem_get_contact(w, slot);
     c.state[WET_WIDTH] = b->width;
     c.state[WET_RADIUS] = b->radius;
-    wet_resistance(b, &s->liquid, WET_NEAR, s->printed, c.state + WET_LINK_NORMAL);
     dem_set_slot_state(w, slot, c.state);
 }
 
@@ -147,7 +144,7 @@ static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const br
     state[WET_ANGLE_J] = s->angle[c.j < 0];
     state[WET_IS_WALL] = c.j < 0;
     if (dem_add_link(w, c.i, c.j, c.element, state) != DEM_OK) return BRIDGE_INVALID;
-    wet_tell_contact(s, w, slot, &b);
+    wet_tell_contact(w, slot, &b);
     return BRIDGE_OK;
 }
 
@@ -165,7 +162,7 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         if (link >= 0) {
             bridge b;
             memcpy(&b, dem_get_link(w, link).state, sizeof b);
-            wet_tell_contact(s, w, slots[k], &b);
+            wet_tell_contact(w, slots[k], &b);
             continue;
         }
         bridge_contact *q = &wanted[count];
