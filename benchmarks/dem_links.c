@@ -13,7 +13,7 @@
 #include "examples/wet_contact.h"
 
 enum { ANGLES = 9, SPEEDS = 4, LEVELS = 6 };
-static const double speeds[SPEEDS] = {0.1, 0.2, 0.4, 0.8};                          /* [m/s] */
+static const double speeds[SPEEDS] = {0.1, 0.2, 0.4, 0.8};                              /* [m/s] */
 static const double intervals[LEVELS] = {25e-6, 50e-6, 100e-6, 200e-6, 400e-6, 800e-6}; /* [s] */
 static const double diameter = 0.005, density = 2534.1, apart = 0.1, duration = 0.03;   /* [m], [kg/m3], between pairs [m], [s] */
 
@@ -74,7 +74,8 @@ static int impacts(double speed, double interval, double steps_per_contact, doub
 }
 
 typedef struct pooled {
-    double rms, bias, strayed; /* of velocity and R spin, over v; mean error of energy left over energy before; share of pairs with another fate */
+    double rms, bias,
+        strayed; /* of velocity and R spin, over v; mean error of energy left over energy before; share of pairs with another fate */
 } pooled;
 
 /* Energy of the relative motion over that before the impact. */
@@ -105,8 +106,9 @@ int main(int argc, char **argv) {
         option_double("moisture", "SHARE", &moisture, 1e-4, 0.05, "mass of water over mass of spheres [-]"),
         option_double("steps-per-contact", "N", &steps_per_contact, 5.0, 1000.0, "duration of a contact over the time step [-]"),
     };
-    program self = program_start("dem_links", "dem.h with liquid_bridge.h: how seldom may liquid bridges be evaluated? Impacts of wet pairs.",
-                                 options, sizeof options / sizeof *options, argc, argv);
+    program self =
+        program_start("dem_links", "dem.h with liquid_bridge.h: how seldom may liquid bridges be evaluated? Impacts of wet pairs.", options,
+                      sizeof options / sizeof *options, argc, argv);
     if (self.quick && !options[0].given) phases = 20;
     outcome *exact = calloc((size_t)(ANGLES * phases), sizeof *exact), *out = calloc((size_t)(ANGLES * phases), sizeof *out);
     if (!exact || !out) common_fail("out of memory");
