@@ -73,9 +73,9 @@ static int impacts(double speed, double interval, double steps_per_contact, doub
     return status == DEM_OK ? 0 : common_fail("impacts: %s", dem_status_text(status));
 }
 
+/* Of velocity and R spin, over v; mean error of energy left over energy before; share of pairs with another fate. */
 typedef struct pooled {
-    double rms, bias,
-        strayed; /* of velocity and R spin, over v; mean error of energy left over energy before; share of pairs with another fate */
+    double rms, bias, strayed;
 } pooled;
 
 /* Energy of the relative motion over that before the impact. */
