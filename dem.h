@@ -380,12 +380,13 @@ typedef struct dem_contact {
     const void *user;        /* world->user */
 } dem_contact;
 
-/* What it answers: forces on i. It comes empty: a law fills normal, contact and ended, tangential with DEM_FRICTION, rolling with
-   DEM_ROLLING, the rest with DEM_ENERGY; of a link normal, tangential and ended. */
+/* What it answers: forces on i. A law fills normal, contact and ended, tangential (and what remains of it) with DEM_FRICTION, rolling
+   with DEM_ROLLING, the rest with DEM_ENERGY; of a link normal, tangential and ended. */
 typedef struct dem_response {
     double normal;        /* along n, positive repels [N] */
     double contact;       /* the part of it that the overlap makes; 0 where there is none [N] */
     double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance as the radii do */
+    double remaining[3];  /* the part of it that is there however small `contact`: lubrication, friction of what adheres [N]; default 0 */
     double rolling[3];    /* torque on i, the opposite on j [N m] */
     double elastic;       /* stored energy [J] */
     double normal_power;  /* dissipated by the normal dashpot [W] */
@@ -4635,15 +4636,16 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
 typedef struct dem__verge {
-    double gap, force, state[DEM_STATE_MAX], *out[9];
+    double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
 } dem__verge;
 
-/* Adds to an impulse what friction and rolling do in a time as they are in r. */
-DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, double time, int features) {
+/* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
+   of the contact. That may be next to nothing, so what would remain without it has no part there. */
+DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
     for (int a = 0; a < 3; a++) {
-        impulse->tangential[a] += time * r->tangential[a];
-        impulse->rolling[a] += features & DEM_ROLLING ? time * r->rolling[a] : 0.0;
+        impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
+        impulse->rolling[a] += features & DEM_ROLLING ? (time + scaled) * r->rolling[a] : 0.0;
     }
 }
 
@@ -4653,94 +4655,110 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *
                                     const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
+    memset(&third, 0, sizeof third);
     dem_contact q = *touch;
     q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
-    dem__act_for(impulse, &third, 0.75 * t, features);
-    dem__act_for(impulse, r, 0.25 * t + (r->contact > 0.0 ? beyond / r->contact : 0.0), features);
+    dem__act_for(impulse, &third, 0.75 * t, 0.0, features);
+    dem__act_for(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* A first or last step of the contact in slot c: mends force, history and losses, and leaves impulses and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, const dem__verge *was, const dem_law *law,
-                          int features) {
-    const double h = 1.0 / q->rate, force = was->force;
-    const dem_vec v = was->wall_speed;
-    dem__slots at;
-    double s[DEM_STATE_MAX], start = 0.0, driven = 0.0; /* normal force that the next step starts from; work of the wall by friction */
+/* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
+typedef struct dem__mended {
     dem__event e;
-    dem_response r, impulse; /* in the end but for the half steps that Verlet hands over */
-    double **data = w->live_event_data__, *handed[9];
-    memset(&impulse, 0, sizeof impulse);
-    dem__slots_of(w, c, law, features, &at);
-    for (int a = 0; a < law->states; a++) s[a] = force == 0.0 && a < law->history ? 0.0 : at.state[a][0];
-    w->live_event__[c] = 0;
-    if (force == 0.0) {
-        if (!dem__begin_contact(q, s, &e, law)) return;
-        const dem_contact touch = *q;
-        q->gap = e.gap;
-        q->closing = e.closing;
-        q->dt = e.duration;
-        law->force(q, s, &r);
-        for (int a = 0; a < law->history; a++) at.state[a][0] = s[a];
-        dem__put_force(was->out, 0, q, &r, arm_i, arm_j, features);
-        at.force[0] = r.contact;
-        start = r.contact;
-        if (features & DEM_FRICTION) {
-            for (int a = 0; a < law->history; a++) s[a] = 0.0;
-            dem__begin_friction(&touch, &e, s, &r, &impulse, law, features);
-            const dem_vec friction = dem__first(impulse.tangential);
-            driven = dem__dot(friction, v);
-            r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - e.elastic);
-            dem__act_for(&impulse, &r, -0.5 * h, features);
-        }
-        if (features & DEM_ENERGY) {
-            const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces beside the contact do */
-            dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
-            at.loss[2][0] = 0.5 * h * film * q->closing;
-        }
-    } else {
-        if (!dem__end_contact(q, s, was->gap, force, &e, law)) return;
-        if (e.gap < 0.0) {
-            q->gap = e.gap;
-            q->closing = e.closing;
-            law->force(q, s, &r);
-            if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
-                dem__put_force(was->out, 0, q, &r, arm_i, arm_j, features);
-                at.force[0] = r.contact;
-                w->live_ended__[c] = 0;
-                start = r.contact;
-                if (features & DEM_ENERGY) dem__put_losses(&at, &at, 0, &r, 0.0, 1.0);
-            }
-        }
-        if ((features & DEM_FRICTION) && start == 0.0) { /* friction fades with the normal force */
-            for (int a = 0; a < law->states; a++) s[a] = was->state[a];
-            q->gap = was->gap;
-            q->closing = e.before;
-            law->force(q, s, &r);
-            const double time = r.contact > 0.0 ? e.impulse / r.contact : 0.5 * h;
-            driven = time * dem__dot(dem__first(r.tangential), v);
-            dem__act_for(&impulse, &r, time - 0.5 * h, features);
-            if (features & DEM_ENERGY) at.loss[1][0] -= dem__dot(dem__first(impulse.tangential), dem__first(q->slip));
-        }
+    dem_response impulse; /* in the end beside the half steps that Verlet hands over */
+    double start, driven;
+} dem__mended;
+
+/* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
+DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
+                               dem__mended *m) {
+    const double half = 0.5 / q->rate;
+    dem_response r;
+    memset(&r, 0, sizeof r);
+    if (!dem__begin_contact(q, s, &m->e, law)) return 0;
+    const dem_contact touch = *q;
+    q->gap = m->e.gap;
+    q->closing = m->e.closing;
+    q->dt = m->e.duration;
+    law->force(q, s, &r);
+    for (int a = 0; a < law->history; a++) at->state[a][0] = s[a];
+    dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
+    at->force[0] = m->start = r.contact;
+    if (features & DEM_FRICTION) {
+        for (int a = 0; a < law->history; a++) s[a] = 0.0;
+        dem__begin_friction(&touch, &m->e, s, &r, &m->impulse, law, features);
+        const dem_vec friction = dem__first(m->impulse.tangential);
+        m->driven = dem__dot(friction, was->wall_speed);
+        r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - m->e.elastic);
+        dem__act_for(&m->impulse, &r, -half, 0.0, features);
     }
-    at.gap[0] = e.gap;
-    w->live_event__[c] = 1;
-    impulse.normal = e.impulse - 0.5 * h * (force + start);
-    for (int a = 0; a < 3; a++) data[a][c] = q->normal[a];
-    data[3][c] = e.shift;
-    for (int a = 0; a < 9; a++) handed[a] = data[4 + a] + c;
-    dem__put_force(handed, 0, q, &impulse, arm_i, arm_j, features);
     if (features & DEM_ENERGY) {
-        at.loss[0][0] = e.loss;
-        if (force != 0.0) at.elastic[0] = e.elastic;
-        at.loss[3][0] = e.impulse * dem__dot(dem__first(q->normal), v) + driven;
-        at.power[2][0] = start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), v) : 0.0;
+        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
+        dem__put_losses(at, at, 0, &r, 0.0, 1.0);
+        at->loss[2][0] = half * film * q->closing;
     }
+    return 1;
 }
 
-typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j, const dem__verge *was);
+/* The step in which it ends, likewise. 0: Verlet's step stands. */
+DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
+                              dem__mended *m) {
+    const double half = 0.5 / q->rate;
+    dem_response r;
+    memset(&r, 0, sizeof r);
+    if (!dem__end_contact(q, s, was->gap, was->force, &m->e, law)) return 0;
+    if (m->e.gap < 0.0) {
+        q->gap = m->e.gap;
+        q->closing = m->e.closing;
+        law->force(q, s, &r);
+        if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
+            dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
+            at->force[0] = m->start = r.contact;
+            if (features & DEM_ENERGY) dem__put_losses(at, at, 0, &r, 0.0, 1.0);
+        }
+    }
+    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction fades with the normal force */
+        for (int a = 0; a < law->states; a++) s[a] = was->state[a];
+        q->gap = was->gap;
+        q->closing = m->e.before;
+        law->force(q, s, &r);
+        dem__act_for(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
+        m->driven = dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
+        if (features & DEM_ENERGY) at->loss[1][0] -= dem__dot(dem__first(m->impulse.tangential), dem__first(q->slip));
+    }
+    return 1;
+}
+
+/* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was, const dem_law *law, int features) {
+    const int first = was->force == 0.0;
+    dem__slots at;
+    dem__mended m;
+    double s[DEM_STATE_MAX], **data = w->live_event_data__, *handed[9];
+    memset(&m, 0, sizeof m);
+    dem__slots_of(w, c, law, features, &at);
+    for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
+    const int mended = first ? dem__mend_first(q, s, &at, was, law, features, &m) : dem__mend_last(q, s, &at, was, law, features, &m);
+    w->live_event__[c] = mended != 0;
+    if (!mended) return;
+    if (!first && m.start != 0.0) w->live_ended__[c] = 0;
+    at.gap[0] = m.e.gap;
+    m.impulse.normal = m.e.impulse - 0.5 / q->rate * (was->force + m.start);
+    for (int a = 0; a < 3; a++) data[a][c] = q->normal[a];
+    data[3][c] = m.e.shift;
+    for (int a = 0; a < 9; a++) handed[a] = data[4 + a] + c;
+    dem__put_force(handed, 0, q, &m.impulse, was->arm_i, was->arm_j, features);
+    if (!(features & DEM_ENERGY)) return;
+    at.loss[0][0] = m.e.loss;
+    if (!first) at.elastic[0] = m.e.elastic;
+    at.loss[3][0] = m.e.impulse * dem__dot(dem__first(q->normal), was->wall_speed) + m.driven;
+    at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
+}
+
+typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
@@ -4907,11 +4925,11 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             const int k = (int)(c - base);
             dem_contact view;
             dem__verge verge;
-            double p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+            double p[DEM_CONSTANTS_MAX];
             if (!w->live_event__[c]) continue;
             while (q < walls && wall[q].row < k) q++;
             for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
-            dem__view(&b, traits, k, half, turns, &view, &arm_i, &arm_j);
+            dem__view(&b, traits, k, half, turns, &view, &verge.arm_i, &verge.arm_j);
             view.mass = traits->mass[k];
             view.share = dem__share(w, w->live_i__[c], w->live_j__[c]); /* not the row: see there */
             view.dt = 0.0;
@@ -4922,7 +4940,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
             for (int a = 0; a < law->states && turns; a++) verge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
             for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
             verge.wall_speed = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-            mend(w, c, &view, arm_i, arm_j, &verge);
+            mend(w, c, &view, &verge);
             for (int a = 0; a < (turns ? 9 : 3) && w->keeps_out__; a++) old.out[a][k] = at.out[a][k];
         }
         dem__gather_forces(w, section, base, n, at.out, turns);
@@ -5024,9 +5042,8 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
 
 #define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, double arm_i, double arm_j,                \
-                                                 const dem__verge *was) {                                                                  \
-        dem__mend(world, c, q, arm_i, arm_j, was, &(law), features);                                                                       \
+    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__verge *was) {                   \
+        dem__mend(world, c, q, was, &(law), features);                                                                                     \
     }                                                                                                                                      \
     DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))

@@ -261,11 +261,17 @@ static const dem_law contact_epsd_hertz = {"Hertz-Mindlin, EPSD rolling, twistin
 
 enum { CONTACT_PULL = DEM_HERTZ_CONSTANTS, CONTACT_JKR_G, CONTACT_JKR_LEAST, CONTACT_JKR_TOUCHED, CONTACT_JKR_WORK, CONTACT_JKR_CONSTANTS };
 
+/* Of friction that counts a push, what remains where a pull leaves nothing of that. */
+DEM_INLINE void contact__remain(dem_response *r, double pull, double push) {
+    for (int a = 0; a < 3; a++) r->remaining[a] = push > pull ? r->tangential[a] * (pull / push) : r->tangential[a];
+}
+
 /* Hertz and a constant pull 2 pi w R* while surfaces overlap. The pull is a part of `contact`: it begins and ends with the overlap, and so
    has a share in the cut first and last step. Friction counts the repulsion of the solids. */
 DEM_INLINE void contact_dmt_force(const dem_contact *c, double *state, dem_response *r) {
     const double pull = c->gap < 0.0 ? c->constants[CONTACT_PULL] : 0.0;
     dem_force_hertz_friction(c, state, r);
+    contact__remain(r, pull, r->contact);
     r->contact -= pull;
     r->normal -= pull;
     r->elastic += pull * c->gap;
@@ -290,6 +296,7 @@ DEM_INLINE void contact_jkr_force(const dem_contact *c, double *state, dem_respo
     hertz.constants = constants;
     hertz.gap = -alive * a * a / radius;
     dem_force_hertz_friction(&hertz, state, r);
+    contact__remain(r, pull, r->contact);
     r->contact -= pull;
     r->normal -= pull;
     r->elastic += alive * (energy * a * a - 2.0 / 3.0 * p[CONTACT_PULL] * a * a * a * s / radius + p[CONTACT_JKR_TOUCHED]);

@@ -51,6 +51,7 @@ DEM_INLINE void wet_resist(const dem_contact *c, const double *resistance, dem_r
     r->rolling_power += resistance[0] * c->closing * c->closing;
     for (int a = 0; a < 3; a++) {
         const double drag = resistance[1] * c->translation[a] + resistance[2] * (c->slip[a] - c->translation[a]);
+        r->remaining[a] = -drag;
         r->tangential[a] -= drag;
         r->rolling_power += drag * c->slip[a];
     }

@@ -238,6 +238,46 @@ static void test_adhesive_restitution(void **state) {
     near_absolute(rebound(JKR, stick, 0.0, 0.01), 1.0, 1e-4, "JKR without adhesion is Hertz");
 }
 
+/* Velocities [3][n] after oblique hits on the plane, in n phases of a step, which is a share of Hertz' contact. */
+static void oblique(int which, double speed, double share, double phase_of, int n, double *after) {
+    dem_world w;
+    dem_def def = grains(0.8, density);
+    contact_laws laws = sticky(energy);
+    dem_pair(&def, 0, 0)->friction = 0.3;
+    start(&w, &def, &laws);
+    dem_add_plane(&w, 0, none, up);
+    const double tc = dem_hertz_contact_time(modulus, R, 4.0 / 3.0 * RIDDLE_PI * R * R * R * density, speed);
+    for (int k = 0; k < n; k++) {
+        add(&w, v3(4.0 * R * k, 0, R + speed * tc * phase_of * (k + 0.5) / n), 2.0 * R, 0);
+        dem_set_motion(&w, k, v3(speed, 0, -speed), none);
+    }
+    dem_set_time_step(&w, share * tc);
+    run(&w, 4.0 * tc, which);
+    for (int k = 0; k < n; k++) {
+        const dem_vec v = dem_velocity(&w, k);
+        after[3 * k] = v.x / speed, after[3 * k + 1] = v.z / speed, after[3 * k + 2] = R * w.particle[k].spin.y / speed;
+    }
+    dem_free(&w);
+}
+
+/* The force of a sticky contact passes through zero while friction does not: no hit may make anything of that. */
+static void test_friction_of_adhesion(void **state) {
+    (void)state;
+    enum { HITS = 1000 };
+    static double after[3 * HITS], exact[3 * HITS];
+    const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density, stick = contact_jkr_sticking_speed(R, modulus, energy, m);
+    for (int which = JKR; which <= DMT; which++) {
+        for (int ratio = 2; ratio <= 8; ratio *= 2) {
+            double worst = 0.0;
+            oblique(which, ratio * stick, 1.0 / 20.0, 1.0 / 20.0, HITS, after);
+            oblique(which, ratio * stick, 1.0 / 640.0, 1.0 / 20.0, HITS, exact);
+            for (int k = 0; k < 3 * HITS; k++) worst = fmax(worst, fabs(after[k] - exact[k]));
+            print_message("%s, %d times the speed that sticks: error at t_c/20 at most %.1e\n", uses[which].law->name, ratio, worst);
+            assert_true(worst < (which == JKR ? 0.05 : 0.015));
+        }
+    }
+}
+
 /* A cohesive cloud: contacts that live beyond gap 0 and list rebuilds, with and without skipping, saved and gone on. */
 static void cloud(dem_world *w, contact_laws *laws, const dem_def *def) {
     scene_random random = {7};
@@ -714,15 +754,25 @@ static void test_memory_running_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_jkr_formulas),         cmocka_unit_test(test_formulas_outside_their_domain),
-        cmocka_unit_test(test_pull_off_force),       cmocka_unit_test(test_grain_hangs),
-        cmocka_unit_test(test_adhesive_restitution), cmocka_unit_test(test_skipping_and_saving),
-        cmocka_unit_test(test_three_materials),      cmocka_unit_test(test_rolling_stops),
-        cmocka_unit_test(test_incline_holds),        cmocka_unit_test(test_twisting_decays),
-        cmocka_unit_test(test_ledger_of_rolling),    cmocka_unit_test(test_beam),
-        cmocka_unit_test(test_bond_breaks),          cmocka_unit_test(test_ledger_of_bonds),
-        cmocka_unit_test(test_bad_parameters),       cmocka_unit_test(test_unchecked_parameters),
-        cmocka_unit_test(test_forgotten_laws),       cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_jkr_formulas),
+        cmocka_unit_test(test_formulas_outside_their_domain),
+        cmocka_unit_test(test_pull_off_force),
+        cmocka_unit_test(test_grain_hangs),
+        cmocka_unit_test(test_adhesive_restitution),
+        cmocka_unit_test(test_friction_of_adhesion),
+        cmocka_unit_test(test_skipping_and_saving),
+        cmocka_unit_test(test_three_materials),
+        cmocka_unit_test(test_rolling_stops),
+        cmocka_unit_test(test_incline_holds),
+        cmocka_unit_test(test_twisting_decays),
+        cmocka_unit_test(test_ledger_of_rolling),
+        cmocka_unit_test(test_beam),
+        cmocka_unit_test(test_bond_breaks),
+        cmocka_unit_test(test_ledger_of_bonds),
+        cmocka_unit_test(test_bad_parameters),
+        cmocka_unit_test(test_unchecked_parameters),
+        cmocka_unit_test(test_forgotten_laws),
+        cmocka_unit_test(test_memory_running_out),
     };
     return cmocka_run_group_tests_name("contact_laws", tests, NULL, NULL);
 }

@@ -421,6 +421,64 @@ static void test_oblique_order(void **state) {
     }
 }
 
+/* A law of one's own with a drag that does not come with the overlap: from 2 um before it to 2 um after. */
+enum { DRAGGED = DEM_LINEAR_CONSTANTS };
+static double prepare_dragged(const dem_birth *b, double *constants) {
+    constants[DRAGGED] = 0.1; /* [N s/m] */
+    return dem_prepare_linear(b, constants);
+}
+DEM_INLINE void force_dragged(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear_friction(c, state, r);
+    const double near = c->gap < 2e-6 ? c->constants[DRAGGED] : 0.0;
+    r->ended = near > 0.0 ? 0.0 : 1.0;
+    for (int a = 0; a < 3; a++) {
+        r->remaining[a] = -near * c->slip[a];
+        r->tangential[a] += r->remaining[a];
+        r->rolling_power -= r->remaining[a] * c->slip[a];
+    }
+}
+static const dem_law law_dragged = {"linear with drag", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS + 1, prepare_dragged, force_dragged, NULL, NULL};
+DEM_KERNEL(kernel_dragged, law_dragged, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY)
+
+/* Slip that is left, over that before, of pairs without friction in n phases of the step. */
+static void dragged(int n, double steps, double *left, double *ledger) {
+    const double d = 5e-3, dd[2] = {d, d}, v = 0.4, slip = 0.3, mass = 2534.1 * RIDDLE_PI / 6.0 * d * d * d;
+    const double t_c = dem_contact_time(1e5, 0.5 * mass, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED);
+    dem_world world;
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 2534.1, 1e9, 0.2);
+    dem_pair_def *pair = dem_pair(&def, m, m);
+    pair->restitution = 0.7808, pair->friction = 0.0;
+    def.gravity = dem_vec3(0, 0, 0);
+    def.dt = t_c / steps;
+    assert_int_equal(dem_init(&world, &def, NULL), DEM_OK);
+    for (int k = 0; k < n; k++) {
+        const double x = 3.0 * d * k, gap = 4e-6 + v * def.dt * (2.0 + (k + 0.5) / n), at[6] = {x, 0, d + gap, x, 0, 0};
+        assert_int_equal(dem_add_spheres(&world, 2, at, dd, m, 0), DEM_OK);
+        assert_int_equal(dem_set_motion(&world, 2 * k, dem_vec3(slip, 0, -v), dem_vec3(0, 0, 0)), DEM_OK);
+    }
+    assert_int_equal(dem_run_law(&world, 3.0 * t_c, &law_dragged, kernel_dragged, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+    for (int k = 0; k < n; k++) {
+        const double spins = 0.5 * d * (world.particle[2 * k].spin.y + world.particle[2 * k + 1].spin.y);
+        left[k] = (dem_velocity(&world, 2 * k).x - dem_velocity(&world, 2 * k + 1).x - spins) / slip;
+    }
+    const dem_energy_ledger l = dem_energy(&world);
+    *ledger = fabs(l.error) / l.start;
+    dem_free(&world);
+}
+
+/* Drag has no part in the impulse of the contact: that over its force, which may be next to nothing, would be the time it acts for. */
+static void test_drag_phases(void **state) {
+    (void)state;
+    enum { PHASES = 1000 };
+    double left[PHASES], exact, ledger, worst = 0.0;
+    dragged(1, 2000.0, &exact, &ledger);
+    dragged(PHASES, 8.0, left, &ledger);
+    for (int k = 0; k < PHASES; k++) worst = fmax(worst, fabs(left[k] - exact));
+    print_message("drag: slip left %.4f, at t_c/8 largest deviation %.1e, ledger %.1e\n", exact, worst, ledger);
+    assert_true(exact > 0.6 && exact < 0.7 && worst < 0.04 && ledger < 2e-3);
+}
+
 /* ---- momentum, angular momentum, energy ---- */
 
 /* A cloud that falls into itself, frictional and damped; no walls. */
@@ -876,6 +934,7 @@ int main(void) {
         cmocka_unit_test(test_restitution_phases),
         cmocka_unit_test(test_hertz_phases),
         cmocka_unit_test(test_oblique_order),
+        cmocka_unit_test(test_drag_phases),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_elastic_energy),
         cmocka_unit_test(test_damped_energy),
