@@ -101,9 +101,9 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__APART
 #endif
 
-/* Particles lie in any order: what is needed soon is asked for. */
+/* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
 #if defined(__GNUC__)
-#define DEM__PREFETCH(address) __builtin_prefetch(address)
+#define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
