@@ -3084,11 +3084,12 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         int any = 0;
         DEM__ROLLED
         for (int k = 0; k < DEM__BUNCH; k++) any |= earliest[k] <= now;
-        for (int k = 0; k < DEM__BUNCH && any; k++) {
-            if (earliest[k] > now) continue;
+        const int before = opened;
+        for (int k = 0; k < DEM__BUNCH && any; k++) { /* without a branch, which nobody could predict */
             open[opened] = (int32_t)(s * DEM__BUNCH) + k;
-            DEM__PREFETCH(&t->due[open[opened++] * DEM__BUNCH]);
+            opened += earliest[k] <= now;
         }
+        for (int k = before; k < opened; k++) DEM__PREFETCH(&t->due[open[k] * DEM__BUNCH]);
         if (opened <= 3 * DEM__BUNCH && s + 1 < end) continue;
         for (int k = 0; k < opened; k++) n = dem__open_bunch(t, open[k], now, then, list, n);
         opened = 0;
@@ -3534,7 +3535,7 @@ DEM_INLINE void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step, dem_vec
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     w->shifted__[i] = 0.0;
     if (turn > 0.0) c->ball = 0.25 * w->slack__ + 1.1 * turn + 0.125 * held; /* and the next step for sure */
-    else c->ball = (w->touching[i] == 0 ? 0.02 : 1.0) * w->slack__ + held;
+    else c->ball = (w->touching[i] == 0 ? 0.001 : 1.0) * w->slack__ + held;
     if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     c->off = w->particle[i].radius + 0.5 * w->link_near__ + w->blur__ - t * c->ball;
     dem__leave_room(w, i, turn);
@@ -3686,6 +3687,12 @@ DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
     }
 }
 
+/* Has particle i pairs from low to high - 1? They are listed in order. */
+DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
+    const int32_t begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
+    return begin < stop && w->adjacent__[2 * begin] < high && w->adjacent__[2 * stop - 2] >= low;
+}
+
 /* New timers for those pairs of particles with new courses that are in sheaves first .. end-1. */
 DEM_INLINE void dem__wait_for_all(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
@@ -3699,8 +3706,8 @@ DEM_INLINE void dem__wait_for_all(dem_world *w, const int32_t *restarted, ptrdif
             DEM__PREFETCH(list);
             DEM__PREFETCH(list + 16);
         }
-        if (m >= -2 && m + 2 < n) dem__fetch_neighbours(w, restarted[m + 2]);
-        if (m < 0) continue;
+        if (m >= -2 && m + 2 < n && dem__has_pairs(w, restarted[m + 2], low, high)) dem__fetch_neighbours(w, restarted[m + 2]);
+        if (m < 0 || !dem__has_pairs(w, restarted[m], low, high)) continue;
         const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
         const dem__course own = dem__course_at(&w->course__[i], t);
         for (int32_t k = begin; k < stop; k++) {
