@@ -477,8 +477,9 @@ typedef struct dem__section {
     ptrdiff_t first, live, room;
     ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
     int32_t from;
-    int lowest, own; /* no contact is of a particle that has one in a section before lowest; sums of particles that have one in a section
-                        before `own` wait: see dem__claim */
+    int lowest, own;   /* no contact is of a particle that has one in a section before lowest; sums of particles that have one in a section
+                          before `own` wait: see dem__claim */
+    int32_t low, high; /* of particles whose sums wait: numbers, between */
 } dem__section;
 
 /* Private: what a contact does, for the sums of its particles to which another thread adds first. */
@@ -4831,6 +4832,8 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
         dem__deferral *later = &w->deferral__[in->first + in->deferred++];
         for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j, later->to_i = !to_i, later->to_j = !to_j;
+        in->low = i < in->low ? i : in->low;
+        in->high = j > in->high ? j : i > in->high ? i : in->high;
     }
 }
 
@@ -4969,6 +4972,7 @@ DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const d
     for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         w->section__[q].marked = w->section__[q].deferred = 0;
+        w->section__[q].low = INT32_MAX, w->section__[q].high = 0;
         memset(w->push__[q], 0, (size_t)w->walls * sizeof *w->push__[q]);
         dem__evaluate_section(w, q, &traits, law, mend, features);
     }
@@ -5543,7 +5547,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
     const ptrdiff_t apart = dem__fetch_until(w, first, end);
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->active__[k];
-        if (k < apart) dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
+        if (k < apart) dem__fetch_particle(w, w->active__[k + DEM__AHEAD]);
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
@@ -5910,15 +5914,38 @@ static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff
     }
 }
 
-/* Adds what the threads that evaluated the contacts could not. */
-static inline void dem__add_deferred(dem_world *w, int turns) {
+/* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
+static inline void dem__add_later(dem_world *w, int32_t low, int32_t high, int turns) {
     for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
         dem__deferral *later = w->deferral__ + in->first;
+        if (in->deferred == 0 || in->low >= high || in->high < low) continue;
         for (ptrdiff_t k = 0; k < in->deferred; k++, later++) {
+            const int to_i = later->to_i && later->i >= low && later->i < high, to_j = later->to_j && later->j >= low && later->j < high;
             double *out[9];
             for (int a = 0; a < 9; a++) out[a] = &later->out[a];
-            dem__add_forces(w, 0, later->i, later->j, out, 0, turns, later->to_i, later->to_j);
+            dem__add_forces(w, 0, later->i, later->j, out, 0, turns, to_i, to_j);
         }
+    }
+}
+
+/* Threads add to those particles whose contacts they have evaluated: to fetch from another's cache takes longer than to add. */
+static inline void dem__add_deferred(dem_world *w, int turns) {
+    const int sections = w->sections__;
+    ptrdiff_t n = 0;
+    int q;
+    for (q = 0; q < sections; q++) n += w->section__[q].deferred;
+    const int parts = dem__parts_of(w, n, sections);
+    if (parts == 1) {
+        dem__add_later(w, 0, INT32_MAX, turns);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts)
+#endif
+    for (q = 0; q < parts; q++) {
+        const int32_t low = q == 0 ? 0 : w->section__[dem__part(sections, q, parts)].from;
+        const int32_t high = q == parts - 1 ? INT32_MAX : w->section__[dem__part(sections, q + 1, parts)].from;
+        dem__add_later(w, low, high, turns);
     }
 }
 
@@ -5927,8 +5954,9 @@ typedef struct dem__stint {
     int first, next, end;
 } dem__stint;
 
-/* The next section that a thread is to evaluate: of its own share, else the last of the largest; -1: none is left. A thread adds to sums of
-   particles whose contacts it all has, or has first; `own` is the section from which on that is so. */
+/* The next section that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
+   owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first; `own` is the
+   section from which on that is so. */
 static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int part) {
     int section = -1;
 #ifdef _OPENMP
@@ -5938,7 +5966,7 @@ static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int par
         dem__stint *of = &stint[part];
         const int helps = of->next == of->end;
         for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
-        if (of->next < of->end) {
+        if (of->next + helps < of->end) {
             section = helps ? --of->end : of->next++;
             w->section__[section].own = helps ? section : of->first;
         }
