@@ -479,7 +479,7 @@ typedef struct dem__section {
     int32_t from;
     int lowest, own;   /* no contact is of a particle that has one in a section before lowest; sums of particles that have one in a section
                           before `own` wait: see dem__claim */
-    int32_t low, high; /* of particles whose sums wait: numbers, between */
+    int32_t low, high; /* least and greatest number of a particle in deferred sums; for none INT32_MAX, 0 */
 } dem__section;
 
 /* Private: what a contact does, for the sums of its particles to which another thread adds first. */
@@ -4832,8 +4832,8 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
         dem__deferral *later = &w->deferral__[in->first + in->deferred++];
         for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j, later->to_i = !to_i, later->to_j = !to_j;
-        in->low = i < in->low ? i : in->low;
-        in->high = j > in->high ? j : i > in->high ? i : in->high;
+        const int32_t last = j > i ? j : i; /* a wall's j is less than 0 */
+        in->low = i < in->low ? i : in->low, in->high = last > in->high ? last : in->high;
     }
 }
 
