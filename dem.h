@@ -471,14 +471,13 @@ typedef struct dem__kind {
     double constant[DEM_CONSTANTS_MAX];
 } dem__kind;
 
-/* Private: the contacts of particles from `from` on, up to where the next section begins, in slots of their own: first .. first + live - 1.
-   Without room (of the last: without end) new ones go into the last section. */
+/* Private: the contacts whose i are particles from `from` on, up to where the section before begins, in slots of their own: first ..
+   first + live - 1. Without room (of the last: without end) new ones go into the last section. As i < j, a particle has contacts in its own
+   section and later ones only. */
 typedef struct dem__section {
     ptrdiff_t first, live, room;
     ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
-    int32_t from;
-    int lowest, own;   /* no contact is of a particle that has one in a section before lowest; sums of particles that have one in a section
-                          before `own` wait: see dem__claim */
+    int32_t from, own; /* sums of particles from `own` on wait: see dem__claim */
     int32_t low, high; /* least and greatest number of a particle in deferred sums; for none INT32_MAX, 0 */
 } dem__section;
 
@@ -572,9 +571,8 @@ typedef struct dem_world {
     double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
     double *wall_speed__; /* speed that the timers of walls count on */
     double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__, *unsettled__,
-        *lowest__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2; lowest: no contact of it is in a
-                      section before this */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
+        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
 
     /* near pairs p, 0 .. near_count - 1; particles and walls i * walls + k */
     ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
@@ -585,7 +583,7 @@ typedef struct dem_world {
     int64_t listed__;      /* step at which the list was built */
 
     /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
-       now and then all are ordered by i. What has happened alone fixes their order, and that the order of every sum */
+       now and then all are ordered by i, the last first. What has happened alone fixes their order, and that the order of every sum */
     ptrdiff_t live_count__, live_capacity__, born__;
     int sections__;
     dem__section section__[DEM__SECTIONS];
@@ -1720,7 +1718,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__six **sixes[] = {&w->load__, &w->external__, &w->linked__};
     int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
                             &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
-                            &w->unsettled__,      &w->lowest__};
+                            &w->unsettled__};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
@@ -3889,9 +3887,16 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
-static inline int dem__add_near(dem_world *w, int32_t i, int32_t j) {
-    if (w->near_count__ > INT32_MAX / 4 || !dem__grow_near(w, w->near_count__ + 1)) return 0;
-    dem__near *q = &w->near__[w->near_count__++];
+/* The near pairs that a thread finds, and room for so many. */
+typedef struct dem__finds {
+    dem__near *pair;
+    ptrdiff_t n, room;
+    int full;
+} dem__finds;
+
+static inline int dem__add_near(const dem_world *w, dem__finds *finds, int32_t i, int32_t j) {
+    if (finds->n == finds->room) return 0;
+    dem__near *q = &finds->pair[finds->n++];
     q->i = i < j ? i : j;
     q->j = i < j ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
@@ -3941,8 +3946,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. */
-static inline int dem__meet(dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end) {
+/* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. Returns 0 if there is no room. */
+static inline int dem__meet(const dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end, dem__finds *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
     int32_t near[DEM__CROWD];
     for (int32_t p = first; p < end; p++) {
@@ -3950,14 +3955,15 @@ static inline int dem__meet(dem_world *w, const dem__crowd *crowd, int32_t first
         dem__choose(crowd, &w->course__[p], w->has_periodic__ ? length : NULL, near, &n);
         for (int k = 0; k < n; k++) {
             const int32_t q = crowd->at[near[k]];
-            if (q > p && !dem__add_near(w, w->remap__[p], w->remap__[q])) return 0;
+            if (q > p && !dem__add_near(w, finds, w->remap__[p], w->remap__[q])) return 0;
         }
     }
     return 1;
 }
 
 /* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
-static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int32_t *start, int32_t first, int32_t end) {
+static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__finds *finds) {
+    const int32_t *start = w->cells__;
     const dem__course *scratch = w->course__;
     dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
     double extent = 0.0;
@@ -3985,7 +3991,7 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
                 if (crowd.n == DEM__CROWD) {
-                    if (!dem__meet(w, &crowd, first, end)) return 0;
+                    if (!dem__meet(w, &crowd, first, end, finds)) return 0;
                     crowd.n = 0;
                 }
                 crowd.x[crowd.n] = scratch[q].x, crowd.y[crowd.n] = scratch[q].y, crowd.z[crowd.n] = scratch[q].z;
@@ -3994,22 +4000,17 @@ static inline int dem__find_pairs_of(dem_world *w, const dem__grid *g, const int
             }
         }
     }
-    return dem__meet(w, &crowd, first, end);
+    return dem__meet(w, &crowd, first, end, finds);
 }
 
-/* Finds the near pairs: gap below margin. Spheres are sorted by size class, then by cell; those of a cell look at the cells around
-   it on their own level and the coarser ones, and there at those after them in the list. Returns 0 when out of memory. The courses serve as
-   scratch: a rebuild sets all of them. */
-static inline int dem__find_pairs(dem_world *w) {
-    dem__grid grid[DEM__LEVELS_MAX];
+/* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory. The
+   courses serve as scratch: a rebuild sets all of them. */
+static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     double smallest = HUGE_VAL;
     dem_vec low, high;
     int32_t *sorted = w->remap__;
     ptrdiff_t cells = 0;
-    int top = 0;
-    w->near_count__ = 0;
-    if (w->count == 0) return 1;
-    memset(grid, 0, sizeof grid);
+    int levels = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const double r = w->particle[i].radius;
@@ -4023,7 +4024,7 @@ static inline int dem__find_pairs(dem_world *w) {
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
-        top = level;
+        levels = level + 1;
         dem__make_grid(w, g, 2.0 * g->widest + w->margin__, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
@@ -4048,14 +4049,57 @@ static inline int dem__find_pairs(dem_world *w) {
         w->course__[k].x = w->listed_at__[i].x, w->course__[k].y = w->listed_at__[i].y, w->course__[k].z = w->listed_at__[i].z;
         w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
     }
-    for (int level = 0, p = 0; level <= top; level++) {
-        for (const int32_t last = p + (int32_t)grid[level].count; p < last;) {
-            const int32_t end = start[w->cell_next__[sorted[p]] + 1]; /* of its cell */
-            for (int other = level; other <= top; other++) {
-                if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], start, p, end)) return 0;
+    return levels;
+}
+
+/* The near pairs of the spheres whose cells begin in first .. end-1 of the sorted list: those of a cell look at the cells around it on
+   their own level and the coarser ones, and there at those after them in the list. Returns 0 if there is no room. */
+static inline int dem__find_in(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end, dem__finds *finds) {
+    const int32_t *start = w->cells__;
+    ptrdiff_t of_level = 0, p = first;
+    finds->n = 0;
+    for (int level = 0; level < levels; level++) {
+        for (of_level += grid[level].count; p < of_level && p < end;) {
+            const int32_t cell = w->cell_next__[w->remap__[p]], from = start[cell], to = start[cell + 1];
+            for (int other = level; other < levels && from == p; other++) {
+                if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], from, to, finds)) return 0;
             }
-            p = end;
+            p = to;
         }
+    }
+    return 1;
+}
+
+/* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
+   Returns 0 when out of memory. */
+static inline int dem__find_pairs(dem_world *w) {
+    dem__grid grid[DEM__LEVELS_MAX];
+    dem__finds finds[DEM__PARTS_MAX];
+    ptrdiff_t room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4, present = 0;
+    int q, full = 1;
+    w->near_count__ = 0;
+    if (w->count == 0) return 1;
+    memset(grid, 0, sizeof grid);
+    const int levels = dem__fill_cells(w, grid), parts = dem__parts(w, w->count);
+    for (int level = 0; level < levels; level++) present += grid[level].count;
+    while (full) {
+        if (levels == 0 || room > INT32_MAX / 2 || !dem__grow_near(w, room)) return 0;
+        room = w->pair_timers__.capacity * DEM__BUNCH;
+        full = 0;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
+#endif
+        for (q = 0; q < parts; q++) {
+            finds[q].pair = w->near__ + dem__part(room, q, parts);
+            finds[q].room = dem__part(room, q + 1, parts) - dem__part(room, q, parts);
+            finds[q].full = !dem__find_in(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
+        }
+        for (q = 0; q < parts; q++) full |= finds[q].full;
+        room++;
+    }
+    for (q = 0; q < parts; q++) {
+        memmove(w->near__ + w->near_count__, finds[q].pair, (size_t)finds[q].n * sizeof *w->near__);
+        w->near_count__ += finds[q].n;
     }
     return 1;
 }
@@ -4815,25 +4859,20 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* May the thread whose sections begin with `own` add to the sum of a particle, or of a wall, while others run? Only if none of them adds
-   to it before: sums are in the order of slots. */
-DEM_INLINE int dem__may_add(const dem_world *w, int32_t i, int own) { return i < 0 || w->lowest__[i] >= own; }
-
-/* Adds what n contacts of section q do, slot by slot; leaves to dem__add_deferred what must wait for other threads. */
+/* Adds what n contacts of section q do, slot by slot, in the order of which sums are; leaves to dem__add_deferred what must wait for other
+   threads. */
 DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns) {
     dem__section *in = &w->section__[q];
-    const int waits = in->lowest < in->own;
-    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
-    for (int k = 0; k < n && waits; k++) {
-        const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k];
-        const int to_i = dem__may_add(w, i, in->own), to_j = dem__may_add(w, j, in->own);
-        dem__add_forces(w, q, i, j, out, k, turns, to_i, to_j);
-        if (to_i && to_j) continue;
+    const int32_t own = in->own;
+    for (int k = 0; k < n; k++) {
+        const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
+        dem__add_forces(w, q, i, j, out, k, turns, i < own, j < own);
+        if (last < own) continue;
         dem__deferral *later = &w->deferral__[in->first + in->deferred++];
         for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
-        later->i = i, later->j = j, later->to_i = !to_i, later->to_j = !to_j;
-        const int32_t last = j > i ? j : i; /* a wall's j is less than 0 */
-        in->low = i < in->low ? i : in->low, in->high = last > in->high ? last : in->high;
+        later->i = i, later->j = j, later->to_i = i >= own, later->to_j = j >= own;
+        const int32_t first = i < own ? j : i;
+        in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
     }
 }
 
@@ -5229,9 +5268,9 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
-/* Order of contacts: by i, then j (walls last), then element. */
+/* Order of contacts: by i, the last first, then j (walls last), then element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
-    if (w->live_i__[a] != w->live_i__[b]) return w->live_i__[a] < w->live_i__[b];
+    if (w->live_i__[a] != w->live_i__[b]) return w->live_i__[a] > w->live_i__[b];
     int64_t ja = w->live_j__[a], jb = w->live_j__[b];
     ja = ja < 0 ? INT32_MAX - ja : ja, jb = jb < 0 ? INT32_MAX - jb : jb;
     if (ja != jb) return ja < jb;
@@ -5376,22 +5415,6 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
     w->live_part__[c] = kind.part;
 }
 
-DEM_INLINE void dem__lower_section(dem__section *in, int to) { in->lowest = in->lowest < to ? in->lowest : to; }
-
-/* A contact of particle i is in this section. Others may be in those after it up to its own, and in the last. */
-DEM_INLINE void dem__lower(dem_world *w, int32_t i, int section) {
-    const int lowest = w->lowest__[i] < section ? w->lowest__[i] : section;
-    dem__lower_section(&w->section__[section], lowest);
-    for (int q = w->lowest__[i]; q < w->sections__ && lowest < w->lowest__[i]; q++) {
-        if (w->section__[q].from <= i || q == w->sections__ - 1) dem__lower_section(&w->section__[q], lowest);
-    }
-    w->lowest__[i] = lowest;
-}
-DEM_INLINE void dem__enter(dem_world *w, ptrdiff_t c, int section) {
-    dem__lower(w, w->live_i__[c], section);
-    if (w->live_j__[c] >= 0) dem__lower(w, w->live_j__[c], section);
-}
-
 DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     for (ptrdiff_t k = 1; k < n; k++) {
         if (list[k] < list[k - 1]) return 0;
@@ -5411,17 +5434,15 @@ static inline void dem__assign(dem_world *w, const dem__array *list, int arrays)
         born[q].first = in->first + in->live;
         born[q].live = 0;
     }
-    for (ptrdiff_t k = 0; k < w->born__; k++) {
-        int q = last;
-        while (w->live_i__[w->slots__[k]] < w->section__[q].from) q--;
-        if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last;
+    for (ptrdiff_t k = 0, q = 0; k < w->born__; k++) {
+        while (w->live_i__[w->slots__[k]] < w->section__[q].from) q++;
+        if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last; /* and so all after it */
         born[q].live++;
     }
     if (last > 0 || !dem__ascends(w->slots__, w->born__)) dem__arrange(w, w->born__, born, w->sections__, list, arrays);
     for (int q = 0; q <= last; q++) {
         w->section__[q].live += born[q].live;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
-            dem__enter(w, c, q);
             w->slots__[n++] = (int32_t)c;
         }
     }
@@ -5943,9 +5964,8 @@ static inline void dem__add_deferred(dem_world *w, int turns) {
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
     for (q = 0; q < parts; q++) {
-        const int32_t low = q == 0 ? 0 : w->section__[dem__part(sections, q, parts)].from;
-        const int32_t high = q == parts - 1 ? INT32_MAX : w->section__[dem__part(sections, q + 1, parts)].from;
-        dem__add_later(w, low, high, turns);
+        const ptrdiff_t first = dem__part(sections, q, parts), end = dem__part(sections, q + 1, parts);
+        dem__add_later(w, w->section__[end - 1].from, first > 0 ? w->section__[first - 1].from : INT32_MAX, turns);
     }
 }
 
@@ -5955,8 +5975,8 @@ typedef struct dem__stint {
 } dem__stint;
 
 /* The next section that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
-   owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first; `own` is the
-   section from which on that is so. */
+   owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first: those
+   before `own`. */
 static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int part) {
     int section = -1;
 #ifdef _OPENMP
@@ -5968,7 +5988,8 @@ static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int par
         for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
         if (of->next + helps < of->end) {
             section = helps ? --of->end : of->next++;
-            w->section__[section].own = helps ? section : of->first;
+            const int first = helps ? section : of->first;
+            w->section__[section].own = first > 0 ? w->section__[first - 1].from : INT32_MAX;
         }
     }
     return section;
@@ -5985,12 +6006,12 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     int q;
     w->kernel_dt__ = h;
     w->keeps_out__ = keep;
-    for (q = 0; q < w->sections__; q++) w->section__[q].own = 0;
+    for (q = 0; q < w->sections__; q++) w->section__[q].own = INT32_MAX;
     if (parts == 1) kernel(w, 0, w->sections__);
     else {
         for (q = 0; q < parts; q++) {
-            stint[q].first = stint[q].next = (int)dem__part(w->sections__, q, parts);
-            stint[q].end = (int)dem__part(w->sections__, q + 1, parts);
+            stint[q].first = stint[q].next = (int)dem__part(w->sections__, parts - 1 - q, parts);
+            stint[q].end = (int)dem__part(w->sections__, parts - q, parts);
         }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
@@ -6009,24 +6030,24 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     }
 }
 
-/* All contacts into the order of their particles i, else as they were: neighbours in space are then read one after the other. Many in
+/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the other. Many in
    sections of equal size, with room to grow. */
 static inline int dem__tidy(dem_world *w) {
     const ptrdiff_t n = w->live_count__;
     const int sections = n < DEM__SECTIONS * 512 ? 1 : DEM__SECTIONS;
     dem__section section[DEM__SECTIONS];
     dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->remap__, sum = 0, before = -1;
+    int32_t *place = w->remap__, sum = 0, before = INT32_MAX;
     ptrdiff_t end = 0, cut = 0;
     int in_order = sections == w->sections__;
     DEM__EACH(w, c) {
-        in_order &= before <= w->live_i__[c];
+        in_order &= before >= w->live_i__[c];
         before = w->live_i__[c];
     }
     if (!in_order) {
         for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
         DEM__EACH(w, c) { place[w->live_i__[c]]++; }
-        for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
             const int32_t of = place[i];
             place[i] = sum;
             sum += of;
@@ -6035,9 +6056,9 @@ static inline int dem__tidy(dem_world *w) {
         memset(section, 0, sizeof section);
         for (int q = 0; q < sections; q++) {
             const ptrdiff_t first = cut;
-            section[q].from = q > 0 && first < n ? w->live_i__[w->slots__[first]] : q > 0 ? (int32_t)w->count : 0;
             if (dem__part(n, q + 1, sections) > cut) cut = dem__part(n, q + 1, sections);
             while (cut < n && w->live_i__[w->slots__[cut]] == w->live_i__[w->slots__[cut - 1]]) cut++;
+            section[q].from = q < sections - 1 ? w->live_i__[w->slots__[cut - 1]] : 0;
             section[q].first = end;
             section[q].live = cut - first;
             section[q].room = sections > 1 ? section[q].live + section[q].live / 4 + DEM_BLOCK : 0;
@@ -6052,9 +6073,6 @@ static inline int dem__tidy(dem_world *w) {
         memcpy(w->section__, section, sizeof section);
         dem__list_wall_contacts(w);
     }
-    for (ptrdiff_t i = 0; i < w->count; i++) w->lowest__[i] = sections;
-    for (int q = 0; q < sections; q++) w->section__[q].lowest = sections;
-    DEM__EACH(w, c) { dem__enter(w, c, (int)(in_c - w->section__)); }
     return 1;
 }
 
@@ -7514,7 +7532,7 @@ static inline void dem__stream_sections(dem__stream *s, dem_world *w, int64_t li
         dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
         if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < w->sections__ - 1 && of > room)) s->failed = 1;
         if (!s->loading || s->failed) continue;
-        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q > 0 ? from : 0;
+        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q < w->sections__ - 1 ? from : 0;
         first += in->room;
         live -= of;
     }

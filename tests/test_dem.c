@@ -1196,32 +1196,15 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
     return bytes;
 }
 
-/* Whoever adds a section's contacts to sums has to know of all particles that have some in sections before it. */
-static void check_lowest_sections(const dem_world *w) {
+/* A thread adds first to sums of particles whose contacts are all in its sections or later ones: none may be in one before its own. */
+static void check_sections(const dem_world *w) {
     DEM__EACH(w, c) {
-        const int section = (int)(in_c - w->section__), i = w->live_i__[c], j = w->live_j__[c] < 0 ? i : w->live_j__[c];
-        assert_in_range(w->lowest__[i], in_c->lowest, section);
-        assert_in_range(w->lowest__[j], in_c->lowest, section);
+        const int section = (int)(in_c - w->section__);
+        int own = 0;
+        while (w->live_i__[c] < w->section__[own].from) own++;
+        assert_in_range(section, own, w->sections__ - 1);
+        assert_true(w->live_j__[c] < 0 || w->live_i__[c] < w->live_j__[c]);
     }
-}
-
-/* A particle of the third of four sections gets contacts in sections in turn, one of them in that of an earlier particle. */
-static void test_lowest_sections(void **state) {
-    (void)state;
-    static const int section[] = {2, 3, 1, 2}, after[][5] = {{4, 4, 2, 4, 2}, {4, 4, 2, 2, 2}, {4, 1, 1, 1, 1}, {4, 1, 1, 1, 1}};
-    int32_t lowest[40];
-    dem_world *w = calloc(1, sizeof *w);
-    assert_non_null(w);
-    w->sections__ = 4;
-    w->lowest__ = lowest;
-    for (int i = 0; i < 40; i++) lowest[i] = 4;
-    for (int q = 0; q < 4; q++) w->section__[q].from = 10 * q, w->section__[q].lowest = 4;
-    for (int k = 0; k < 4; k++) {
-        dem__lower(w, 25, section[k]);
-        for (int q = 0; q < 4; q++) assert_int_equal(w->section__[q].lowest, after[k][q]);
-        assert_int_equal(lowest[25], after[k][4]);
-    }
-    free(w);
 }
 
 /* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
@@ -1245,6 +1228,7 @@ static void test_sections_of_contacts(void **state) {
             if (w.alive[i]) assert_int_equal(dem_remove(&w, i), DEM_OK);
         }
         if (k == 2) w.def.threads = 2;
+        for (int q = 0; q < w.sections__; q += 3) w.section__[q].room = w.section__[q].live; /* full: new ones go into the last */
         run(&w, part, scene_features(SCENE_DEEP));
         assert_true(w.sections__ == DEM__SECTIONS);
         size_t size;
@@ -1256,8 +1240,8 @@ static void test_sections_of_contacts(void **state) {
         run(&copy, part, scene_features(SCENE_DEEP));
         hash[k] = dem_hash(&w);
         assert_true(dem_hash(&copy) == hash[k] && hash[k] == hash[0]);
-        check_lowest_sections(&w);
-        check_lowest_sections(&copy);
+        check_sections(&w);
+        check_sections(&copy);
         const ptrdiff_t contacts = dem_contact_count(&w);
         int32_t *touching = calloc((size_t)w.count, sizeof *touching);
         assert_true(touching && contacts > 300);
@@ -1897,7 +1881,6 @@ int main(void) {
         cmocka_unit_test(test_ledger_changes_no_bit),
         cmocka_unit_test(test_no_contact_is_missed),
         cmocka_unit_test(test_round_walls_are_not_missed),
-        cmocka_unit_test(test_lowest_sections),
         cmocka_unit_test(test_sections_of_contacts),
         cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
