@@ -156,7 +156,6 @@ extern "C" {
 #define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__EVENT_DATA 13  /* of a contact that begins or ends: n, shift along it, impulse, impulses of torque on i and j */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
 #define DEM_FORMAT 6u       /* version of dem_save */
 
@@ -488,6 +487,12 @@ typedef struct dem__deferral {
     int to_i, to_j;
 } dem__deferral;
 
+/* Private: what a contact that begins or ends leaves for the end of the step. */
+typedef struct dem__handed {
+    double n[3], shift; /* normal; how far apart it moves its bodies along it [kg m] */
+    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
+} dem__handed;
+
 /* Private: what a section's contacts do to a wall. */
 typedef struct dem__push {
     dem_vec force, torque;
@@ -599,7 +604,7 @@ typedef struct dem_world {
     double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
     double *live_state__[DEM_STATE_MAX];
     double *live_out__[9]; /* force on i, torques on i and j: of a run's last step */
-    double *live_event_data__[DEM__EVENT_DATA];
+    dem__handed *live_handed__;
     double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
 
     /* links, in the order of their making; each stands in the lists of its bodies */
@@ -1710,7 +1715,7 @@ typedef struct dem__array {
     void *address; /* of the pointer */
     size_t size;   /* of an entry */
 } dem__array;
-enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = DEM__EVENT_DATA + 2, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     int n = 0;
@@ -1762,7 +1767,7 @@ static inline int dem__live_arrays(dem_world *w, dem__array *list) {
     /* ... after the last step of a run, ... */
     for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
     /* ... within a step */
-    for (int k = 0; k < DEM__EVENT_DATA; k++, n++) list[n].address = &w->live_event_data__[k], list[n].size = sizeof(double);
+    list[n].address = &w->live_handed__, list[n++].size = sizeof(dem__handed);
     list[n].address = &w->live_event__, list[n++].size = 1;
     list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
     if (dem__has_deferrals(w)) list[n].address = &w->deferral__, list[n++].size = sizeof(dem__deferral);
@@ -3535,7 +3540,7 @@ DEM_INLINE void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step, dem_vec
     w->shifted__[i] = 0.0;
     if (turn > 0.0) c->ball = 0.25 * w->slack__ + 1.1 * turn + 0.125 * held; /* and the next step for sure */
     else c->ball = (w->touching[i] == 0 ? 0.001 : 1.0) * w->slack__ + held;
-    if (w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
+    if (w->links_on__ && w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
     c->off = w->particle[i].radius + 0.5 * w->link_near__ + w->blur__ - t * c->ball;
     dem__leave_room(w, i, turn);
 }
@@ -3698,9 +3703,10 @@ DEM_INLINE void dem__wait_for_all(dem_world *w, const int32_t *restarted, ptrdif
     const double t = dem__since_listed(w, step);
     dem__waits waits;
     dem__no_waits(&waits);
-    for (ptrdiff_t m = -8; m < n; m++) {
-        /* ahead: the list of neighbours, then what it lists */
-        if (m + 8 < n) {
+    for (ptrdiff_t m = -16; m < n; m++) {
+        /* ahead: where the list of neighbours begins, the list, then what it lists */
+        if (m + 16 < n) DEM__PREFETCH(&w->adjacent_start__[restarted[m + 16]]);
+        if (m >= -8 && m + 8 < n) {
             const int32_t *list = &w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]];
             DEM__PREFETCH(list);
             DEM__PREFETCH(list + 16);
@@ -4789,7 +4795,8 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__
     const int first = was->force == 0.0;
     dem__slots at;
     dem__mended m;
-    double s[DEM_STATE_MAX], **data = w->live_event_data__, *handed[9];
+    double s[DEM_STATE_MAX], *impulse[9];
+    dem__handed *handed = &w->live_handed__[c];
     memset(&m, 0, sizeof m);
     dem__slots_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
@@ -4799,10 +4806,10 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__
     if (!first && m.start != 0.0) w->live_ended__[c] = 0;
     at.gap[0] = m.e.gap;
     m.impulse.normal = m.e.impulse - 0.5 / q->rate * (was->force + m.start);
-    for (int a = 0; a < 3; a++) data[a][c] = q->normal[a];
-    data[3][c] = m.e.shift;
-    for (int a = 0; a < 9; a++) handed[a] = data[4 + a] + c;
-    dem__put_force(handed, 0, q, &m.impulse, was->arm_i, was->arm_j, features);
+    for (int a = 0; a < 3; a++) handed->n[a] = q->normal[a];
+    handed->shift = m.e.shift;
+    for (int a = 0; a < 9; a++) impulse[a] = &handed->impulse[a];
+    dem__put_force(impulse, 0, q, &m.impulse, was->arm_i, was->arm_j, features);
     if (!(features & DEM_ENERGY)) return;
     at.loss[0][0] = m.e.loss;
     if (!first) at.elastic[0] = m.e.elastic;
@@ -5325,7 +5332,7 @@ static inline void dem__pick(char *to, const char *base, size_t size, const int3
 /* What the slots hold that slots__ lists, one after the other into the slots of sections: every parts-th array, from `first` on. */
 static inline void dem__arrange_part(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays, int first,
                                      int parts) {
-    char *scratch = (char *)w->live_event_data__[first];
+    char *scratch = (char *)w->live_handed__ + (size_t)first * (size_t)w->live_capacity__ * sizeof(double);
     ptrdiff_t n = 0;
     for (int q = 0; q < sections; q++) n += section[q].live;
     for (int a = first; a < arrays; a += parts) {
@@ -5342,7 +5349,7 @@ static inline void dem__arrange_part(dem_world *w, const dem__section *section, 
     }
 }
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__section *section, int sections, const dem__array *list, int arrays) {
-    const int parts = dem__parts_of(w, n, DEM__EVENT_DATA); /* an array to work in each */
+    const int parts = dem__parts_of(w, n, (int)(sizeof(dem__handed) / sizeof(double))); /* an array to work in each */
     int q;
     if (parts == 1) {
         dem__arrange_part(w, section, sections, list, arrays, 0, 1);
@@ -5494,6 +5501,21 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
     if (*link == slot) *link = replacement >= 0 ? replacement : w->live_wall_next__[slot];
 }
 
+/* Ahead of a look. */
+DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
+    dem__fetch_particle(w, i);
+    DEM__PREFETCH(&w->course__[i]);
+}
+
+/* Ahead of a contact's end. */
+DEM_INLINE void dem__fetch_end(const dem_world *w, ptrdiff_t c) {
+    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c] < 0 ? i : w->live_j__[c], p = w->live_near__[c] < 0 ? 0 : w->live_near__[c];
+    dem__fetch_flight(w, i);
+    dem__fetch_flight(w, j);
+    DEM__PREFETCH(&w->near__[p]);
+    DEM__PREFETCH(&w->pair_timers__.due[p]);
+}
+
 /* One contact ends. */
 static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
@@ -5541,7 +5563,10 @@ static inline void dem__bury(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0;
     dem__waits waits;
     dem__no_waits(&waits);
-    for (ptrdiff_t k = 0; k < dead; k++) dem__end(w, &waits, w->slots__[k], step);
+    for (ptrdiff_t k = -DEM__AHEAD; k < dead; k++) {
+        if (k + DEM__AHEAD < dead) dem__fetch_end(w, w->slots__[k + DEM__AHEAD]);
+        if (k >= 0) dem__end(w, &waits, w->slots__[k], step);
+    }
     dem__set_waits(w, &waits, step);
     w->live_count__ -= dead;
     for (int q = 0; q < w->sections__; q++) {
@@ -5632,11 +5657,18 @@ DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
     return p->room__ > 0.5 * way; /* false for NaN */
 }
 
+/* Ahead of a look at a course. */
+DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
+    dem__fetch_particle(w, i);
+    DEM__PREFETCH(&w->course__[i]);
+    DEM__PREFETCH(&w->listed_at__[i]);
+}
+
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that leave their balls are listed in remap__ from `first` on. */
+   afterwards, ready for the next. Those that may leave their balls are listed in remap__ from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     const int64_t step = w->step + (h > 0.0);
-    const double half = 0.5 * h, t = dem__since_listed(w, step);
+    const double half = 0.5 * h;
     const int loads = w->loads_on__ || w->links_on__;
     const ptrdiff_t apart = dem__fetch_until(w, first, end);
     double all = 0.0;
@@ -5660,28 +5692,45 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        if (dem__stays(p, w->dt__, pull)) continue;
-        const dem_vec stray = dem__stray(w, i, t);
-        if (dem__holds_course(w, i, stray)) dem__leave_room(w, i, dem__length(stray));
-        else w->remap__[first + n++] = (int32_t)i;
+        w->remap__[first + n] = (int32_t)i; /* without a branch, which nobody could predict */
+        n += !dem__stays(p, w->dt__, pull);
     }
     *check = 0.0 * all;
     *strays = n;
 }
 DEM__TWICE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
            (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
+
+/* Of n particles those that leave their balls; how many. The others get room anew. */
+static inline ptrdiff_t dem__find_strays(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
+    const double t = dem__since_listed(w, w->step + (h > 0.0));
+    ptrdiff_t strays = 0;
+    for (ptrdiff_t k = -DEM__AHEAD; k < n; k++) {
+        if (k + DEM__AHEAD < n) dem__fetch_course(w, doubtful[k + DEM__AHEAD]);
+        if (k < 0) continue;
+        const int32_t i = doubtful[k];
+        const dem_vec stray = dem__stray(w, i, t);
+        if (dem__holds_course(w, i, stray)) dem__leave_room(w, i, dem__length(stray));
+        else doubtful[strays++] = i;
+    }
+    return strays;
+}
+static inline void dem__kick_share(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+    dem__kick_part(w, h, first, end, check, strays);
+    *strays = dem__find_strays(w, h, w->remap__ + first, *strays);
+}
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->active_count__;
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     double check[DEM__PARTS_MAX], all = 0.0;
     ptrdiff_t strays[DEM__PARTS_MAX];
     int q;
-    if (parts == 1) dem__kick_part(w, h, 0, n, &check[0], &strays[0]);
+    if (parts == 1) dem__kick_share(w, h, 0, n, &check[0], &strays[0]);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) dem__kick_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
+        for (q = 0; q < parts; q++) dem__kick_share(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
     }
     for (q = 0; q < parts; q++) {
         const int32_t *stray = w->remap__ + dem__part(n, q, parts);
@@ -5702,23 +5751,23 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
 
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
-    double *const *data = w->live_event_data__;
+    const dem__handed *h = &w->live_handed__[c];
     const int32_t i = w->live_i__[c], j = w->live_j__[c];
-    const dem_vec n = dem_vec3(data[0][c], data[1][c], data[2][c]), impulse = dem_vec3(data[4][c], data[5][c], data[6][c]);
+    const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
         dem__unsettle(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
-        p->x = dem__plus(p->x, m * data[3][c], n);
-        w->shifted__[a] += fabs(m * data[3][c]);
+        p->x = dem__plus(p->x, m * h->shift, n);
+        w->shifted__[a] += fabs(m * h->shift);
         if (!turns) continue;
-        const dem_vec torque = dem_vec3(data[7 + 3 * side][c], data[8 + 3 * side][c], data[9 + 3 * side][c]);
+        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
         p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
     }
     if (j < 0) {
-        const dem_vec place = w->particle[i].x, t = turns ? dem_vec3(data[7][c], data[8][c], data[9][c]) : dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec place = w->particle[i].x, t = turns ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
         dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
@@ -5727,7 +5776,7 @@ static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
     /* a pair that is moved apart turns more slowly, as its angular momentum stays */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
-    const dem_vec slower = dem__scale(-data[3][c] / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
+    const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
     a->v = dem__plus(a->v, 1.0 / a->mass, slower);
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
@@ -5750,10 +5799,14 @@ typedef struct dem__watched {
 } dem__watched;
 
 /* Ahead of a watch. */
-DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_particle(w, i);
-    DEM__PREFETCH(&w->course__[i]);
-    DEM__PREFETCH(&w->listed_at__[i]);
+DEM_INLINE void dem__fetch_unsettled(const dem_world *w, ptrdiff_t i) {
+    dem__fetch_course(w, i);
+    DEM__PREFETCH(&w->alive[i]);
+    DEM__PREFETCH(&w->touching[i]);
+    DEM__PREFETCH(&w->shifted__[i]);
+    DEM__PREFETCH(&w->wall_speed__[i]);
+    DEM__PREFETCH(&w->wall_timers__.due[i * w->walls]);
+    DEM__PREFETCH(&w->wall_sure__[i * w->walls]);
 }
 
 /* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
@@ -5764,7 +5817,7 @@ static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     q->restarted = q->hurried = q->flown = 0;
     q->news = dem__no_news(w);
     for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
-        if (k + DEM__AHEAD < end) dem__fetch_course(w, w->unsettled__[k + DEM__AHEAD]);
+        if (k + DEM__AHEAD < end) dem__fetch_unsettled(w, w->unsettled__[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = w->unsettled__[k];
         if (w->alive[i] && !w->stale__) {
@@ -5828,12 +5881,6 @@ static inline int dem__fail(dem_world *w, dem_status status) {
         }
     }
     return 0;
-}
-
-/* Ahead of a look. */
-DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_particle(w, i);
-    DEM__PREFETCH(&w->course__[i]);
 }
 
 /* Looks at the pairs that are due, in sheaves first .. end-1. */
