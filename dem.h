@@ -157,7 +157,7 @@ extern "C" {
 #define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 6u       /* version of dem_save */
+#define DEM_FORMAT 7u       /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -4009,8 +4009,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__meet(w, &crowd, first, end, finds);
 }
 
-/* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory. The
-   courses serve as scratch: a rebuild sets all of them. */
+/* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory.
+   The courses serve as scratch: a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     double smallest = HUGE_VAL;
     dem_vec low, high;
@@ -5509,9 +5509,10 @@ DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
 
 /* Ahead of a contact's end. */
 DEM_INLINE void dem__fetch_end(const dem_world *w, ptrdiff_t c) {
-    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c] < 0 ? i : w->live_j__[c], p = w->live_near__[c] < 0 ? 0 : w->live_near__[c];
-    dem__fetch_flight(w, i);
-    dem__fetch_flight(w, j);
+    const int32_t p = w->live_near__[c];
+    dem__fetch_flight(w, w->live_i__[c]);
+    if (p < 0) return;
+    dem__fetch_flight(w, w->live_j__[c]);
     DEM__PREFETCH(&w->near__[p]);
     DEM__PREFETCH(&w->pair_timers__.due[p]);
 }
@@ -5996,7 +5997,8 @@ static inline void dem__add_later(dem_world *w, int32_t low, int32_t high, int t
     }
 }
 
-/* Threads add to those particles whose contacts they have evaluated: to fetch from another's cache takes longer than to add. */
+/* A thread adds to particles of the share before the one that it has evaluated (the first of those to the last): nearly all of what waits
+   for them it has left itself, and has in its cache. */
 static inline void dem__add_deferred(dem_world *w, int turns) {
     const int sections = w->sections__;
     ptrdiff_t n = 0;
@@ -6011,12 +6013,13 @@ static inline void dem__add_deferred(dem_world *w, int turns) {
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
     for (q = 0; q < parts; q++) {
-        const ptrdiff_t first = dem__part(sections, q, parts), end = dem__part(sections, q + 1, parts);
+        const int share = (2 * parts - 2 - q) % parts;
+        const ptrdiff_t first = dem__part(sections, share, parts), end = dem__part(sections, share + 1, parts);
         dem__add_later(w, w->section__[end - 1].from, first > 0 ? w->section__[first - 1].from : INT32_MAX, turns);
     }
 }
 
-/* A thread's share of the sections: it takes them from `next` on, others help it from the end. */
+/* A thread's share of the sections, the last share the first thread's: it takes them from `next` on, others help it from the end. */
 typedef struct dem__stint {
     int first, next, end;
 } dem__stint;
@@ -6077,8 +6080,8 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     }
 }
 
-/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the other. Many in
-   sections of equal size, with room to grow. */
+/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
+   other. Many in sections of equal size, with room to grow. */
 static inline int dem__tidy(dem_world *w) {
     const ptrdiff_t n = w->live_count__;
     const int sections = n < DEM__SECTIONS * 512 ? 1 : DEM__SECTIONS;
