@@ -4871,7 +4871,10 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
 DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns) {
     dem__section *in = &w->section__[q];
     const int32_t own = in->own;
-    for (int k = 0; k < n; k++) {
+    int waits = 0;
+    for (int k = 0; k < n; k++) waits |= (w->live_i__[base + k] >= own) | (w->live_j__[base + k] >= own);
+    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n && waits; k++) {
         const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
         dem__add_forces(w, q, i, j, out, k, turns, i < own, j < own);
         if (last < own) continue;
