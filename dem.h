@@ -34,8 +34,8 @@
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 540 bytes a
              sphere and 12 more for every wall, 40 a near pair, 290 a contact with friction (64 more with a ledger), room for at least
-             64 to 1024 of each, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and a world that can be
-             read, saved and freed.
+             64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
+             a world that can be read, saved and freed.
    Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
@@ -484,7 +484,6 @@ typedef struct dem__section {
 typedef struct dem__deferral {
     double out[9];
     int32_t i, j;
-    int to_i, to_j;
 } dem__deferral;
 
 /* Private: what a contact that begins or ends leaves for the end of the step. */
@@ -4880,7 +4879,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
         if (last < own) continue;
         dem__deferral *later = &w->deferral__[in->first + in->deferred++];
         for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
-        later->i = i, later->j = j, later->to_i = i >= own, later->to_j = j >= own;
+        later->i = i, later->j = j;
         const int32_t first = i < own ? j : i;
         in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
     }
@@ -5504,7 +5503,7 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
     if (*link == slot) *link = replacement >= 0 ? replacement : w->live_wall_next__[slot];
 }
 
-/* Ahead of a look. */
+/* Ahead of a look at a particle's course. */
 DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
     dem__fetch_particle(w, i);
     DEM__PREFETCH(&w->course__[i]);
@@ -5661,13 +5660,6 @@ DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
     return p->room__ > 0.5 * way; /* false for NaN */
 }
 
-/* Ahead of a look at a course. */
-DEM_INLINE void dem__fetch_course(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_particle(w, i);
-    DEM__PREFETCH(&w->course__[i]);
-    DEM__PREFETCH(&w->listed_at__[i]);
-}
-
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
    afterwards, ready for the next. Those that may leave their balls are listed in remap__ from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
@@ -5710,7 +5702,7 @@ static inline ptrdiff_t dem__find_strays(dem_world *w, double h, int32_t *doubtf
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
     for (ptrdiff_t k = -DEM__AHEAD; k < n; k++) {
-        if (k + DEM__AHEAD < n) dem__fetch_course(w, doubtful[k + DEM__AHEAD]);
+        if (k + DEM__AHEAD < n) dem__fetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
         const dem_vec stray = dem__stray(w, i, t);
@@ -5804,7 +5796,8 @@ typedef struct dem__watched {
 
 /* Ahead of a watch. */
 DEM_INLINE void dem__fetch_unsettled(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_course(w, i);
+    dem__fetch_flight(w, i);
+    DEM__PREFETCH(&w->listed_at__[i]);
     DEM__PREFETCH(&w->alive[i]);
     DEM__PREFETCH(&w->touching[i]);
     DEM__PREFETCH(&w->shifted__[i]);
@@ -5992,7 +5985,8 @@ static inline void dem__add_later(dem_world *w, int32_t low, int32_t high, int t
         dem__deferral *later = w->deferral__ + in->first;
         if (in->deferred == 0 || in->low >= high || in->high < low) continue;
         for (ptrdiff_t k = 0; k < in->deferred; k++, later++) {
-            const int to_i = later->to_i && later->i >= low && later->i < high, to_j = later->to_j && later->j >= low && later->j < high;
+            const int32_t from = low > in->own ? low : in->own; /* the rest has been added */
+            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
             double *out[9];
             for (int a = 0; a < 9; a++) out[a] = &later->out[a];
             dem__add_forces(w, 0, later->i, later->j, out, 0, turns, to_i, to_j);
