@@ -1,0 +1,91 @@
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "dem.h needs NaN and exact arithmetic: compile without -ffast-math and -ffinite-math-only"
+#endif
+
+#ifndef DEM_API
+#define DEM_API static inline
+#define DEM__BODIES
+#elif defined(DEM_IMPLEMENTATION)
+#define DEM__BODIES
+#endif
+
+/* From gcc -O1 on, but not at -Os, loops vectorise and no product is fused with a sum, whatever else a host is built with; clang fuses only
+   if told to by -ffp-contract=fast. gcc leaves a loop scalar if a root in it may set errno or arithmetic may trap, and most at -O2. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wredundant-decls"
+#ifdef __cplusplus
+extern "C" double sqrt(double) noexcept(noexcept(::sqrt(1.0))) __attribute__((const));
+#else
+extern double sqrt(double) __attribute__((const));
+#endif
+#pragma GCC diagnostic pop
+#endif
+#if defined(__clang__)
+#define DEM__FAST
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define DEM__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#else
+#define DEM__FAST
+#endif
+
+#if defined(__GNUC__)
+#define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
+#define DEM_RESTRICT __restrict__
+#define DEM__APART __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define DEM_INLINE static __forceinline
+#define DEM_RESTRICT __restrict
+#define DEM__APART
+#else
+#define DEM_INLINE static inline
+#define DEM_RESTRICT
+#define DEM__APART
+#endif
+
+/* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
+#if defined(__GNUC__)
+#define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
+#else
+#define DEM__PREFETCH(address) ((void)(address))
+#endif
+
+/* What is new of a block of contacts goes straight to the world, as gcc can be told that no iteration reads what another writes. Clang
+   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. A
+   short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define DEM__INDEPENDENT _Pragma("GCC ivdep")
+#define DEM__ROLLED _Pragma("GCC unroll 1")
+#define DEM__IN_ROWS 0
+#else
+#define DEM__INDEPENDENT
+#define DEM__ROLLED
+#define DEM__IN_ROWS 1
+#endif
+
+/* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
+    DEM__FAST static void name parameters {                                                                                                \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
+        else call;                                                                                                                         \
+    }
+#else
+#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+    DEM__FAST static void name parameters { call; }
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif

@@ -1,0 +1,133 @@
+/* -------------------------------------------------------------------------------------------- >>definition */
+
+DEM_API const char *dem_status_text(dem_status status) {
+    switch (status) {
+#define DEM__CASE(name, text)                                                                                                              \
+    case name: return text;
+        DEM_STATUSES(DEM__CASE)
+#undef DEM__CASE
+    case DEM_STATUS_COUNT: break;
+    }
+    return "unknown status";
+}
+
+DEM_API int dem_build_is_deterministic(void) {
+    volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
+    double x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
+    return (FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 1) && fused == 0.0;
+}
+
+DEM_API dem_def dem_default_def(void) {
+    dem_def def;
+    memset(&def, 0, sizeof def);
+    def.cookie = 0x6d656452u;
+    def.threads = 1;
+    def.skip = DEM_SKIP_ALL;
+    def.dt = 1e-6;
+    def.skin = 0.35;
+    def.gravity = dem_vec3(0.0, 0.0, -9.81);
+    def.high = dem_vec3(1.0, 1.0, 1.0);
+    def.allocator.fn = dem__default_allocator;
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
+            dem_pair_def *pair = &def.pair[a][b];
+            pair->stiffness = 1e5;
+            pair->tangential_ratio = 2.0 / 7.0;
+            pair->restitution = 0.8;
+            pair->friction = 0.3;
+        }
+    }
+    return def;
+}
+
+DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio) {
+    if (!def || def->materials < 0 || def->materials >= DEM_MATERIALS_MAX) return -1;
+    dem_material *material = &def->material[def->materials];
+    material->density = density;
+    material->young_modulus = young_modulus;
+    material->poisson_ratio = poisson_ratio;
+    return def->materials++;
+}
+
+DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b) {
+    if (!def || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
+    return a < b ? &def->pair[a][b] : &def->pair[b][a];
+}
+
+static inline int dem__finite(double v) { return fabs(v) <= DBL_MAX; }
+static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__finite(v.y) && dem__finite(v.z); }
+static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
+static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
+
+static const char *dem__bad_pair(const dem_pair_def *p) {
+    if (!dem__positive(p->stiffness)) return "pair.stiffness";
+    if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
+    if (!(p->restitution > 0.0 && p->restitution <= 1.0)) return "pair.restitution";
+    if (!dem__not_negative(p->friction)) return "pair.friction";
+    if (!dem__not_negative(p->rolling)) return "pair.rolling";
+    if (!dem__not_negative(p->tangential_damping)) return "pair.tangential_damping";
+    if (p->mode != DEM_CLIPPED && p->mode != DEM_NAIVE) return "pair.mode";
+    return NULL;
+}
+
+static const char *dem__bad_field(const dem_def *def) {
+    if (!def) return "def";
+    if (def->cookie != 0x6d656452u) return "cookie";
+    if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
+    if (def->threads < 1 || def->threads > 4096) return "threads";
+    if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
+    if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
+    if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
+    if (!dem__finite_vec(def->gravity)) return "gravity";
+    for (int a = 0; a < 3; a++) {
+        const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
+        if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
+        if (def->periodic[a] && !dem__positive(high - low)) return "high";
+    }
+    if (!def->allocator.fn) return "allocator.fn";
+    for (int a = 0; a < def->materials; a++) {
+        if (!dem__positive(def->material[a].density)) return "material.density";
+        if (!dem__positive(def->material[a].young_modulus)) return "material.young_modulus";
+        if (!(def->material[a].poisson_ratio >= 0.0 && def->material[a].poisson_ratio <= 0.5)) return "material.poisson_ratio";
+        for (int b = a; b < def->materials; b++) {
+            const char *bad = dem__bad_pair(&def->pair[a][b]);
+            if (bad) return bad;
+        }
+    }
+    return NULL;
+}
+
+DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
+    const char *bad = dem__bad_field(def);
+    if (field) *field = bad;
+    return bad ? DEM_BAD_DEFINITION : DEM_OK;
+}
+
+DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
+    if (!world) return DEM_BAD_ARGUMENT;
+    memset(world, 0, sizeof *world);
+    dem_status status = dem_check_def(def, field);
+    if (status != DEM_OK) return status;
+    world->def = *def;
+    world->dt__ = def->dt;
+    world->fresh__ = world->stale__ = world->sections__ = 1;
+    world->has_periodic__ = def->periodic[0] | def->periodic[1] | def->periodic[2];
+    return DEM_OK;
+}
+
+DEM_API void dem_free(dem_world *world) {
+    if (!world || !world->def.allocator.fn) return;
+    dem_allocator a = world->def.allocator;
+    if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
+    if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
+    if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
+    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
+    if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
+    if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
+    if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
+    if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
+    for (int k = 0; k < world->walls; k++) {
+        if (world->wall[k].tree) a.fn(a.user, world->wall[k].tree, world->wall[k].tree->bytes, 0);
+    }
+    memset(world, 0, sizeof *world);
+}

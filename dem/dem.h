@@ -1,0 +1,87 @@
+/* dem.h - spheres in time: contact laws, walls and screens, neighbour search, integration.
+
+       #include <stdio.h>
+
+       #include "dem.h"
+
+       int main(void) {
+           dem_def def = dem_default_def();                      // SI units, every field documented below
+           int glass = dem_add_material(&def, 2534.1, 50e9, 0.2);
+           dem_pair(&def, glass, glass)->restitution = 0.78;
+           def.dt = 4e-6;
+           dem_world world;
+           dem_status status = dem_init(&world, &def, NULL);     // names the first bad field
+           double centre[3] = {0.0, 0.0, 0.1}, diameter = 0.005;
+           dem_add_plane(&world, glass, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+           dem_add_spheres(&world, 1, centre, &diameter, glass, 0);
+           if (status == DEM_OK) status = dem_run(&world, 0.5, DEM_LINEAR | DEM_FRICTION);
+           printf("%s, height %g m\n", dem_status_text(status), dem_position(&world, 0).z);
+           dem_free(&world);
+           return status != DEM_OK;
+       }
+
+   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
+             coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
+             resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
+   Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
+             or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
+             that is the pair's kernel.
+   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
+             Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
+             order in dt with damping, third for the restitution of a linear contact.
+             A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
+   Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
+   Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 540 bytes a
+             sphere and 12 more for every wall, 40 a near pair, 290 a contact with friction (64 more with a ledger), room for at least
+             64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
+             a world that can be read, saved and freed.
+   Threads   def.threads with OpenMP, else one. Same bits for any number. Worlds are independent of each other.
+   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
+   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
+             and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
+   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file, which alone has DEM_KERNEL.
+   Not here  non-spherical particles, fluids, heat, files, printing. */
+#ifndef DEM_H
+#define DEM_H
+
+#include <float.h>
+#include "compiler.h"
+#include "types.h"
+#include "api.h"
+#include "../tests/portable_math.h"
+#include "laws.h"
+#include "shapes.h"
+#ifdef DEM__BODIES
+#include "store.h"
+#include "definition.h"
+#include "body.h"
+#include "walls.h"
+#include "mesh.h"
+#include "stl.h"
+#include "motion.h"
+#include "timers.h"
+#include "detect.h"
+#include "bounds.h"
+#include "compact.h"
+#include "pairs.h"
+#include "edges.h"
+#include "kernel.h"
+#include "contacts.h"
+#include "step.h"
+#include "read.h"
+#include "feed.h"
+#include "measure.h"
+#include "save.h"
+#include "law_scalar.h"
+#endif /* DEM__BODIES */
+
+#ifdef __cplusplus
+}
+#endif
+#if defined(__clang__)
+#pragma float_control(pop)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#pragma GCC pop_options
+#endif
+#endif /* DEM_H */

@@ -1,0 +1,491 @@
+/* -------------------------------------------------------------------------------------------------- >>feed */
+
+DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_BOX;
+    region.low = low;
+    region.high = high;
+    return region;
+}
+DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_CYLINDER;
+    region.low = bottom;
+    region.axis = axis;
+    region.length = length;
+    region.radius = radius;
+    return region;
+}
+DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_SPHERE;
+    region.low = centre;
+    region.radius = radius;
+    return region;
+}
+
+static inline int dem__is_region(const dem_region *r) {
+    dem_vec unit;
+    if (!r || !dem__finite_vec(r->low)) return 0;
+    if (r->kind == DEM_REGION_BOX)
+        return dem__finite_vec(r->high) && r->low.x <= r->high.x && r->low.y <= r->high.y && r->low.z <= r->high.z;
+    if (!dem__not_negative(r->radius)) return 0;
+    if (r->kind == DEM_REGION_SPHERE) return 1;
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__not_negative(r->length);
+}
+
+DEM_API double dem_region_volume(const dem_region *region) {
+    if (!dem__is_region(region)) return (double)NAN;
+    const dem_region *r = region;
+    if (r->kind == DEM_REGION_BOX) return (r->high.x - r->low.x) * (r->high.y - r->low.y) * (r->high.z - r->low.z);
+    return RIDDLE_PI * r->radius * r->radius * (r->kind == DEM_REGION_SPHERE ? 4.0 / 3.0 * r->radius : r->length);
+}
+
+DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
+    const dem_region *r = region;
+    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
+    if (!dem__is_region(r)) return 0;
+    const dem_vec d = dem__sub(point, r->low);
+    if (r->kind == DEM_REGION_BOX)
+        return point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
+               point.z <= r->high.z;
+    if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
+    dem__unit(r->axis, &unit);
+    const double along = dem__dot(d, unit);
+    return along >= 0.0 && along <= r->length && dem__dot(d, d) - along * along <= r->radius * r->radius;
+}
+
+/* A box around a region. */
+static inline void dem__bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
+    dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
+    if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
+    for (int a = 0; a < 3; a++) {
+        const double at = dem_axis(r->low, a), end = r->kind == DEM_REGION_BOX ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
+        const double out = r->kind == DEM_REGION_BOX ? 0.0 : r->radius;
+        *dem_axis_of(low, a) = (at < end ? at : end) - out;
+        *dem_axis_of(high, a) = (at > end ? at : end) + out;
+    }
+}
+
+/* splitmix64, to [0, 1) */
+static inline double dem__uniform(uint64_t *random) {
+    uint64_t z = *random += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static inline dem_sizes dem__sizes(dem_size_kind kind, double scale, double spread, double smallest, double largest, int by_mass) {
+    dem_sizes s;
+    memset(&s, 0, sizeof s);
+    s.kind = kind;
+    s.by_mass = by_mass != 0;
+    s.scale = scale;
+    s.spread = spread;
+    s.smallest = smallest;
+    s.largest = largest;
+    return s;
+}
+DEM_API dem_sizes dem_one_size(double diameter) {
+    const double share = 1.0;
+    return dem_size_list(1, &diameter, &share, 0);
+}
+DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share, int by_mass) {
+    dem_sizes s = dem__sizes(DEM_SIZES_LIST, 0.0, 0.0, 0.0, 0.0, by_mass);
+    s.count = n;
+    for (int k = 0; diameter && share && k < n && k < DEM_SIZES_MAX; k++) s.diameter[k] = diameter[k], s.share[k] = share[k];
+    return s;
+}
+DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_UNIFORM, 0.0, 0.0, smallest, largest, by_mass);
+}
+DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_LOGNORMAL, median, spread, smallest, largest, by_mass);
+}
+DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass) {
+    return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
+}
+
+/* Also tells the smallest diameter and the largest. */
+static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
+    *smallest = s->smallest, *largest = s->largest;
+    if (s->kind == DEM_SIZES_LIST) {
+        double sum = 0.0;
+        if (s->count < 1 || s->count > DEM_SIZES_MAX) return 0;
+        *smallest = *largest = s->diameter[0];
+        for (int k = 0; k < s->count; k++) {
+            if (!dem__positive(s->diameter[k]) || !dem__not_negative(s->share[k])) return 0;
+            sum += s->share[k];
+            *smallest = s->diameter[k] < *smallest ? s->diameter[k] : *smallest;
+            *largest = s->diameter[k] > *largest ? s->diameter[k] : *largest;
+        }
+        return dem__positive(sum) && *largest <= 1e6 * *smallest;
+    }
+    if (!dem__positive(s->smallest) || !(s->largest >= s->smallest && s->largest <= 1e6 * s->smallest) || !dem__finite(s->largest))
+        return 0;
+    if (s->kind == DEM_SIZES_UNIFORM) return 1;
+    if (!dem__positive(s->scale)) return 0;
+    if (s->kind == DEM_SIZES_LOGNORMAL) return s->spread >= 1e-3 && s->spread <= 5.0;
+    return s->kind == DEM_SIZES_ROSIN_RAMMLER && s->spread >= 0.1 && s->spread <= 100.0;
+}
+
+/* Logarithm of the number of spheres per ln d at d = scale e^y, but for a constant. All are concave in y. */
+static inline double dem__log_number(const dem_sizes *s, double y) {
+    double f = y; /* uniform */
+    if (s->kind == DEM_SIZES_LOGNORMAL) f = -0.5 * y * y / (s->spread * s->spread);
+    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) f = s->spread * y - riddle_exp(s->spread * y);
+    return s->by_mass ? f - 3.0 * y : f;
+}
+
+/* Exact: the interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density
+   count. Where the density has its peak is known in closed form. */
+static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
+    enum { PIECES = 32 };
+    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale;
+    const double low = riddle_log(s->smallest / scale), width = (riddle_log(s->largest / scale) - low) / (double)PIECES,
+                 lost = s->by_mass ? 3.0 : 0.0;
+    double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
+    if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
+    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
+    const double top = dem__log_number(s, dem__clamp(peak, low, low + (double)PIECES * width));
+    for (int k = 0; k < PIECES; k++) {
+        bound[k] = riddle_exp(dem__log_number(s, dem__clamp(peak, low + k * width, low + (k + 1) * width)) - top);
+        total += bound[k];
+    }
+    for (int tries = 0; tries < 1000000; tries++) {
+        double place = total * dem__uniform(random);
+        int k = 0;
+        while (k < PIECES - 1 && place >= bound[k]) place -= bound[k++];
+        const double y = low + (k + dem__uniform(random)) * width;
+        if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
+            return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
+    }
+    return s->smallest; /* never seen: the ranges of the parameters leave at least 1 draw in 500 */
+}
+
+DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
+    double smallest, largest, weight[DEM_SIZES_MAX], sum = 0.0;
+    const dem_sizes *s = sizes;
+    if (!s || !random || !dem__are_sizes(s, &smallest, &largest)) return (double)NAN;
+    if (s->kind != DEM_SIZES_LIST) return dem__draw_continuous(s, random);
+    for (int k = 0; k < s->count; k++) {
+        const double ratio = smallest / s->diameter[k];
+        weight[k] = s->by_mass ? s->share[k] * ratio * ratio * ratio : s->share[k];
+        sum += weight[k];
+    }
+    double place = sum * dem__uniform(random);
+    int k = 0;
+    while (k < s->count - 1 && place >= weight[k]) place -= weight[k++];
+    while (k > 0 && weight[k] == 0.0) k--; /* the sum's rounding may lead past the last that has a share */
+    return s->diameter[k];
+}
+
+DEM_API dem_feed dem_default_feed(void) {
+    dem_feed feed;
+    memset(&feed, 0, sizeof feed);
+    feed.region = dem_box_region(dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.1, 0.1, 0.1));
+    feed.sizes = dem_one_size(1e-3);
+    feed.tries = 1000;
+    feed.random = 1;
+    return feed;
+}
+
+/* Spheres in and near a region, present and new, in linked lists by level and cell. */
+typedef struct dem__room {
+    dem__grid grid[DEM__LEVELS_MAX];
+    double smallest;
+    double *centre, *radius; /* [count][3], [count] */
+    int32_t *head, *next;
+    ptrdiff_t count, capacity, cells;
+    size_t bytes;
+} dem__room;
+
+static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+    const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
+    room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
+    room->radius[k] = radius;
+    room->next[k] = room->head[c];
+    room->head[c] = (int32_t)k;
+}
+
+static inline void dem__count_in(dem__room *room, double radius) {
+    dem__grid *g = &room->grid[dem__level(radius, room->smallest)];
+    g->count++;
+    g->widest = radius > g->widest ? radius : g->widest;
+    room->capacity++;
+}
+
+/* Is sphere i near enough to a box to be in the way? Along periodic axes everything is. */
+static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+    *x = dem_position(w, i);
+    for (int a = 0; a < 3 && w->alive[i]; a++) {
+        const double v = dem_axis(*x, a);
+        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
+            return 0;
+    }
+    return w->alive[i];
+}
+
+/* Makes a room for the present spheres around a region and n new ones of given radii. */
+static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
+    dem_vec low, high, x;
+    double widest = 0.0;
+    memset(room, 0, sizeof *room);
+    dem__bounds(region, &low, &high);
+    room->smallest = HUGE_VAL;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        widest = radius[k] > widest ? radius[k] : widest;
+        room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
+    }
+    const dem_vec out = dem_vec3(widest, widest, widest); /* a face's spheres stand out of it */
+    low = dem__sub(low, out), high = dem__add(high, out);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+    }
+    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
+        dem__grid *g = &room->grid[level];
+        if (g->count == 0) continue;
+        dem__make_grid(w, g, 2.0 * g->widest, low, high);
+        g->first = room->cells;
+        room->cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
+    }
+    if (room->capacity > INT32_MAX / 8) return DEM_TOO_MANY;
+    room->bytes = (size_t)room->capacity * (4 * sizeof(double) + sizeof(int32_t)) + (size_t)room->cells * sizeof(int32_t);
+    room->centre = (double *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, room->bytes);
+    if (!room->centre) return DEM_OUT_OF_MEMORY;
+    room->radius = room->centre + 3 * room->capacity;
+    room->next = (int32_t *)(void *)(room->radius + room->capacity);
+    room->head = room->next + room->capacity;
+    for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+    }
+    return DEM_OK;
+}
+
+/* Would a sphere there overlap another, or a wall, or be beyond an exit? */
+static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius) {
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].enabled && dem__touch_wall(&w->wall[k], x, radius, 0.0, touch, &least) > 0) return 0;
+    }
+    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
+        const dem__grid *g = &room->grid[level];
+        if (g->count == 0) continue;
+        int32_t first[3], cells[3];
+        for (int a = 0; a < 3; a++) cells[a] = dem__cells(g, a, dem_axis(x, a), radius + g->widest, &first[a]);
+        for (int32_t c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
+            const int32_t step[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
+            ptrdiff_t at[3];
+            for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
+            for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
+                const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
+                const dem_vec d = dem__apart(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
+                if (dem__dot(d, d) < sum * sum) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
+static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
+    if (r->kind == DEM_REGION_BOX) {
+        for (int a = 0; a < 3; a++) {
+            const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
+            if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
+            *dem_axis_of(x, a) = room >= 0.0 ? low + radius + room * dem__uniform(random) : low;
+        }
+        return 1;
+    }
+    const int cylinder = r->kind == DEM_REGION_CYLINDER;
+    const double room = r->radius - radius, length = r->length - 2.0 * radius;
+    double u[3], square;
+    if (!(room >= 0.0) || (cylinder && r->length > 0.0 && !(length >= 0.0))) return 0;
+    do {
+        square = 0.0;
+        for (int a = 0; a < 3 - cylinder; a++) {
+            u[a] = 2.0 * dem__uniform(random) - 1.0;
+            square += u[a] * u[a];
+        }
+    } while (square > 1.0);
+    if (!cylinder) {
+        *x = dem__add(r->low, dem__scale(room, dem_vec3(u[0], u[1], u[2])));
+        return 1;
+    }
+    dem_wall frame;
+    if (!dem__frame(&frame, r->axis, dem_vec3(1.0, 0.0, 0.0))) return 0;
+    u[2] = r->length > 0.0 ? radius + length * dem__uniform(random) : 0.0;
+    *x = dem__add(dem__add(r->low, dem__scale(room * u[0], frame.axis[0])),
+                  dem__add(dem__scale(room * u[1], frame.axis[1]), dem__scale(u[2], frame.axis[2])));
+    return 1;
+}
+
+/* Largest first. */
+static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
+    for (;;) {
+        ptrdiff_t child = 2 * root + 1;
+        if (child >= n) return;
+        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
+        if (!(heap[child] < heap[root])) return;
+        const double t = heap[root];
+        heap[root] = heap[child], heap[child] = t;
+        root = child;
+    }
+}
+static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
+    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
+    for (ptrdiff_t k = n - 1; k > 0; k--) {
+        const double t = radius[0];
+        radius[0] = radius[k], radius[k] = t;
+        dem__sift_size(radius, 0, k);
+    }
+}
+
+/* How many spheres are due, at most `most`, drawn one after the other; their radii, if there is an array for them. The first that is
+   not due waits: to leave it out would favour the small ones. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
+    for (ptrdiff_t n = 0; n < most; n++) {
+        if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
+        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
+        if (!((double)(n + 1) <= number) || !(0.5 * m <= mass)) return n;
+        if (radius) radius[n] = 0.5 * feed->waiting;
+        mass -= m;
+        feed->waiting = 0.0;
+    }
+    return most;
+}
+
+/* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
+   the order drawn, up to the first without a place, which then waits. */
+static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
+    dem_allocator memory = w->def.allocator;
+    dem_feed after = *feed, counted = *feed;
+    dem__room room;
+    ptrdiff_t placed = 0;
+    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    double smallest, largest;
+    dem__are_sizes(&feed->sizes, &smallest, &largest);
+    if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
+    const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
+    if (n == INT32_MAX / 8) return DEM_TOO_MANY;
+    if (n == 0) {
+        *feed = counted;
+        return DEM_OK;
+    }
+    double *radius = (double *)memory.fn(memory.user, NULL, 0, (size_t)n * 7 * sizeof *radius);
+    if (!radius) return DEM_OUT_OF_MEMORY;
+    double *centre = radius + n, *velocity = centre + 3 * n;
+    dem__draw_due(w, &after, number, mass, most, radius);
+    if (at_once) dem__sort_sizes(radius, n);
+    dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
+    const ptrdiff_t present = room.count;
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        dem_vec x;
+        int found = 0;
+        for (int tries = 0; tries < feed->tries && !found; tries++) {
+            if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
+            x = dem__in_box(w, x); /* as dem_add_spheres will */
+            found = dem__is_free(w, &room, x, radius[k]);
+        }
+        if (!found) {
+            if (!at_once) {
+                after.waiting = 2.0 * radius[k];
+                break;
+            }
+            after.missed++;
+            after.missed_mass += m;
+            continue;
+        }
+        dem__settle_in(&room, x, radius[k]);
+        after.placed_mass += m;
+        if (mass < HUGE_VAL) after.due_mass -= at_once ? 0.0 : m;
+        else after.due -= at_once ? 0.0 : 1.0;
+    }
+    /* neighbours in space become neighbours in memory */
+    double *diameter = radius;
+    for (ptrdiff_t c = 0; c < room.cells && status == DEM_OK; c++) {
+        for (int32_t q = room.head[c]; q >= present; q = room.next[q]) {
+            diameter[placed] = 2.0 * room.radius[q];
+            for (int a = 0; a < 3; a++) {
+                centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
+                velocity[3 * placed + a] =
+                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&after.random) - 1.0);
+            }
+            placed++;
+        }
+    }
+    if (room.centre) memory.fn(memory.user, room.centre, room.bytes, 0);
+    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
+    for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
+        dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
+                       dem_vec3(0.0, 0.0, 0.0));
+    memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
+    if (status != DEM_OK) return status;
+    after.placed += placed;
+    *feed = after;
+    return DEM_OK;
+}
+
+static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
+    double smallest, largest;
+    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 || f->tries > 1000000)
+        return 0;
+    if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
+    if (!dem__finite_vec(f->velocity) || !dem__not_negative(f->scatter.x) || !dem__not_negative(f->scatter.y) ||
+        !dem__not_negative(f->scatter.z))
+        return 0;
+    return dem__finite(f->due) && dem__finite(f->due_mass);
+}
+
+DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
+    if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
+}
+DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, feed, HUGE_VAL, mass, 1);
+}
+
+DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) || !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_feed due = *feed;
+    due.due += rate * duration;
+    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
+    if (status == DEM_OK) *feed = due;
+    return status;
+}
+DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) || !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_feed due = *feed;
+    due.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
+    if (status == DEM_OK) *feed = due;
+    return status;
+}
+
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    dem_world *w = world;
+    ptrdiff_t removed = 0;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
+        dem__forget(w, i);
+        removed++;
+    }
+    if (removed > 0) dem__leave_alone(w);
+    return removed;
+}

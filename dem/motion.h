@@ -1,0 +1,160 @@
+/* A new motion begins where the wall is. */
+static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
+    if (!w || wall < 0 || wall >= w->walls) return NULL;
+    dem_wall *a = &w->wall[wall];
+    dem__move_wall(a, w->time);
+    a->origin = a->position;
+    for (int k = 0; k < 3; k++) a->rest_axis[k] = a->axis[k];
+    a->spin_centre = dem__add(a->spin_centre, dem__scale(w->time - a->motion_start, a->drift));
+    a->motion_start = w->time;
+    if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->drive = DEM_KINEMATIC;
+    w->stale__ = 1;
+    return a;
+}
+
+static inline void dem__bound_speed(dem_wall *a) {
+    double rate = 2.0 * RIDDLE_PI * a->frequency;
+    const dem_vec n = a->axis[2];
+    const double x = fabs(a->amplitude.x), y = fabs(a->amplitude.y), z = fabs(a->amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->drift);
+    a->acceleration_bound = rate * rate * (x + y + z);
+    a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
+    a->spin_bound = fabs(a->spin);
+    a->slides = a->spin != 0.0 || a->belt.x != 0.0 || a->belt.y != 0.0 || a->belt.z != 0.0;
+}
+
+DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) ||
+        !dem__not_negative(frequency))
+        return DEM_BAD_ARGUMENT;
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->amplitude = amplitude;
+    a->phase = phase;
+    a->frequency = frequency;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->drift = velocity;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) ||
+        !dem__unit(axis, &unit))
+        return DEM_BAD_ARGUMENT;
+    dem_wall *a = dem__rebase_wall(world, wall);
+    a->spin_centre = centre;
+    a->spin_axis = unit;
+    a->spin = spin;
+    dem__bound_speed(a);
+    return DEM_OK;
+}
+
+/* From now on the wall moves by a drive alone. */
+static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
+    dem_wall *a = dem__rebase_wall(w, wall);
+    a->amplitude = a->drift = dem_vec3(0.0, 0.0, 0.0);
+    a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
+    a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
+    a->slides = 1;
+    a->drive = (int)drive;
+    w->fresh__ = 1; /* its acceleration is to be found */
+    return a;
+}
+
+static inline int dem__wall_is_finite(const dem_wall *a) {
+    return dem__finite_vec(a->position) && dem__finite_vec(a->velocity) && dem__finite_vec(a->acceleration) && dem__finite(a->spin) &&
+           dem__finite_vec(a->axis[0]) && dem__finite_vec(a->axis[1]) && dem__finite_vec(a->axis[2]);
+}
+
+DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
+    dem_wall *a = &world->wall[wall], before = *a, probe = *a;
+    if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
+    probe.drive = DEM_PRESCRIBED;
+    probe.spin_centre = centre;
+    probe.motion = motion, probe.motion_user = user;
+    probe.interval = world->dt__;
+    dem__move_wall(&probe, world->time);
+    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->dt__;
+    a->spin_centre = centre;
+    a->motion = motion, a->motion_user = user;
+    world->stale__ = 1; /* another function may put it elsewhere */
+    return DEM_OK;
+}
+
+static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
+                                      double damping) {
+    dem_vec unit;
+    if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
+        return DEM_BAD_ARGUMENT;
+    dem__move_wall(&w->wall[wall], w->time);
+    const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
+    const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
+    dem_wall *a = dem__drive(w, wall, drive);
+    a->spin_centre = centre;
+    a->spin_axis = unit;
+    a->inertia = inertia;
+    a->load = load;
+    a->damping = damping;
+    a->rate = rate;
+    w->controls__ = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping) {
+    return dem__control(world, wall, DEM_FORCE_CONTROLLED, dem_vec3(0, 0, 0), axis, mass, force, damping);
+}
+DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
+                                      double damping) {
+    return dem__control(world, wall, DEM_TORQUE_CONTROLLED, centre, axis, inertia, torque, damping);
+}
+
+DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    world->wall[wall].belt = velocity;
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
+/* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
+static inline void dem__kick_walls(dem_world *w, double h) {
+    for (int k = 0; k < w->walls && w->controls__; k++) {
+        dem_wall *a = &w->wall[k];
+        if (a->drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
+        const double push = a->load + dem__dot(a->drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis), half = 0.5 * h;
+        const double rate = (a->rate + half * (a->rate_change + push / a->inertia)) / (1.0 + half * a->damping / a->inertia);
+        a->coordinate += h * (a->rate + half * a->rate_change);
+        a->rate = rate;
+        a->rate_change = (push - a->damping * rate) / a->inertia;
+        a->motion_start = h > 0.0 ? w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__ : w->time;
+        dem__rated_wall(a, a->rate);
+    }
+}
+
+/* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
+    a->impulse = dem__add(a->impulse, impulse);
+    if (a->drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->spin_centre), impulse));
+    a->rate += dem__dot(a->drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->inertia;
+    dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].enabled = enabled != 0;
+    world->stale__ = world->fresh__ = 1;
+    return DEM_OK;
+}

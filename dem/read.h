@@ -1,0 +1,129 @@
+/* ----------------------------------------------------------------------------------------------- >>reading */
+
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__in_box(world, dem__at(world, i, dem__now(world, i)));
+}
+
+DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__velocity_at(world, i, dem__now(world, i));
+}
+
+DEM_API dem_vec dem_momentum(const dem_world *world) {
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = 0; world && i < world->count; i++) {
+        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->particle[i].mass, dem_velocity(world, i)));
+    }
+    return sum;
+}
+
+DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
+    dem_energy_ledger l;
+    memset(&l, 0, sizeof l);
+    if (!world) return l;
+    l = world->ledger__;
+    l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i]) continue;
+        l.kinetic += dem__kinetic(world, i);
+        l.rotational += dem__rotational(world, i);
+        l.potential += dem__potential(world, i);
+        if (world->ledger_on__) l.link_work += dem__link_work(world, i);
+    }
+    if (world->ledger_on__) {
+        DEM__EACH(world, c) { l.elastic += world->live_elastic__[c]; }
+    }
+    if (!world->ledger_started__) return l;
+    l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
+    l.released = l.released > 0.0 ? l.released : 0.0;
+    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
+              l.added - l.wall_work - l.external_work - l.link_work;
+    return l;
+}
+
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
+
+DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || k < 0 || k >= world->live_count__) return info;
+    k = dem__slot_of(world, k);
+    info.i = world->live_i__[k];
+    info.j = world->live_j__[k];
+    info.gap = world->live_gap__[k];
+    info.force = dem_vec3(world->live_out__[0][k], world->live_out__[1][k], world->live_out__[2][k]);
+    info.element = world->live_element__[k];
+    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][k];
+    return info;
+}
+
+DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
+    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
+    for (int a = 0; a < world->states__; a++) world->live_state__[a][dem__slot_of(world, slot)] = state[a];
+}
+
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->link_count__ : 0; }
+
+DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
+    dem_contact_info info;
+    memset(&info, 0, sizeof info);
+    info.gap = (double)NAN;
+    if (!world || k < 0 || k >= world->link_count__) return info;
+    info.i = world->link_i__[k];
+    info.j = world->link_j__[k];
+    info.element = world->link_element__[k];
+    info.gap = world->link_gap__[k];
+    info.force = dem_vec3(world->link_out__[0][k], world->link_out__[1][k], world->link_out__[2][k]);
+    for (int a = 0; a < world->link_states__; a++) info.state[a] = world->link_state__[a][k];
+    return info;
+}
+
+DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element) {
+    return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
+}
+
+/* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
+DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
+    dem_apertures count = {0, 0, 0};
+    if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
+    const dem_wall *s = &world->wall[wall];
+    const double pitch = s->aperture + s->wire, half = 0.5 * pitch;
+    const int nx = (int)(s->half_x / pitch) + 1, ny = (int)(s->half_y / pitch) + 1;
+    for (int a = -nx; a <= nx; a++) {
+        for (int b = -ny; b <= ny; b++) {
+            double x = fabs(a * pitch) + half, y = fabs(b * pitch) + half;
+            count.total += s->circular ? x * x + y * y <= s->half_x * s->half_x : x <= s->half_x && y <= s->half_y;
+        }
+    }
+    count.free = count.total;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        if (!world->alive[i] || world->touching[i] < 2) continue;
+        const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
+        if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
+        dem_vec normal[DEM__TOUCHES];
+        int n = 0, holding = 0;
+        for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
+            dem__touch touch;
+            if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->live_element__[c], &touch);
+            normal[n++] = touch.normal;
+        }
+        if (n < 2) continue;
+        const int m = s->material < world->material[i] ? s->material : world->material[i];
+        const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
+        const dem_vec up = s->axis[2];
+        for (int a = 0; a < n; a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+            for (int b = a + 1; b < n; b++) {
+                const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
+                const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)), flat_b = dem__sub(normal[b], dem__scale(zb, up));
+                if (dem__dot(flat_a, flat_b) < -0.5 && fabs(za) <= mu * dem__length(flat_a) && fabs(zb) <= mu * dem__length(flat_b))
+                    holding = 1;
+            }
+        }
+        count.occupied++;
+        count.free -= holding;
+    }
+    return count;
+}

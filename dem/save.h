@@ -1,0 +1,403 @@
+/* ---- bytes in and out: one description serves saving, loading and hashing ---- */
+
+typedef struct dem__stream {
+    unsigned char *to;         /* saving, or NULL to count */
+    const unsigned char *from; /* loading */
+    size_t size, at;
+    uint64_t hash;
+    int loading, failed;
+} dem__stream;
+
+static inline void dem__u64(dem__stream *s, uint64_t *v) {
+    unsigned char byte[8];
+    if (s->loading) {
+        if (s->size - s->at < 8) {
+            s->failed = 1;
+            *v = 0;
+            return;
+        }
+        *v = 0;
+        for (int k = 0; k < 8; k++) *v |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+    }
+    for (int k = 0; k < 8; k++) {
+        byte[k] = (unsigned char)(*v >> (8 * k) & 255u);
+        s->hash = (s->hash ^ byte[k]) * 0x100000001b3u;
+    }
+    if (!s->loading && s->to && s->at + 8 <= s->size) memcpy(s->to + s->at, byte, 8);
+    s->at += 8;
+}
+
+static inline void dem__f64(dem__stream *s, double *v) {
+    uint64_t bits;
+    memcpy(&bits, v, sizeof bits);
+    dem__u64(s, &bits);
+    memcpy(v, &bits, sizeof bits);
+}
+
+static inline void dem__i64(dem__stream *s, int64_t *v) {
+    uint64_t bits = (uint64_t)*v;
+    dem__u64(s, &bits);
+    *v = (int64_t)bits;
+}
+
+static inline void dem__i32(dem__stream *s, int32_t *v) {
+    int64_t wide = *v;
+    dem__i64(s, &wide);
+    if (wide < INT32_MIN || wide > INT32_MAX) s->failed = 1;
+    *v = (int32_t)wide;
+}
+
+static inline void dem__vecs(dem__stream *s, dem_vec *v, size_t n) {
+    for (size_t k = 0; k < n; k++) dem__f64(s, &v[k].x), dem__f64(s, &v[k].y), dem__f64(s, &v[k].z);
+}
+static inline void dem__ints(dem__stream *s, int *v, size_t n) {
+    for (size_t k = 0; k < n; k++) {
+        int32_t a = v[k];
+        dem__i32(s, &a);
+        v[k] = a;
+    }
+}
+
+static inline void dem__stream_def(dem__stream *s, dem_def *d) {
+    int32_t cookie = (int32_t)d->cookie;
+    dem__i32(s, &cookie);
+    d->cookie = (uint32_t)cookie;
+    dem__ints(s, &d->materials, 1), dem__ints(s, &d->threads, 1), dem__ints(s, &d->skip, 1), dem__ints(s, d->periodic, 3);
+    dem__f64(s, &d->dt), dem__f64(s, &d->skin);
+    dem__vecs(s, &d->gravity, 1), dem__vecs(s, &d->low, 1), dem__vecs(s, &d->high, 1);
+    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
+        dem__f64(s, &d->material[a].density), dem__f64(s, &d->material[a].young_modulus), dem__f64(s, &d->material[a].poisson_ratio);
+        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
+            dem_pair_def *p = &d->pair[a][b];
+            int mode = (int)p->mode;
+            dem__f64(s, &p->stiffness), dem__f64(s, &p->tangential_ratio), dem__f64(s, &p->restitution), dem__f64(s, &p->friction);
+            dem__f64(s, &p->rolling), dem__f64(s, &p->tangential_damping);
+            dem__ints(s, &mode, 1);
+            p->mode = mode == (int)DEM_NAIVE ? DEM_NAIVE : DEM_CLIPPED;
+        }
+    }
+}
+
+static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->drive};
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    double *numbers[] = {
+        &w->radius,    &w->high_radius, &w->length,    &w->aperture,     &w->wire,        &w->half_x,      &w->half_y,
+        &w->frequency, &w->spin,        &w->spin_rate, &w->coordinate,   &w->rate,        &w->rate_change, &w->inertia,
+        &w->load,      &w->damping,     &w->interval,  &w->motion_start, &w->speed_bound, &w->spin_bound,  &w->acceleration_bound,
+        &w->side_bound};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
+    dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
+    dem_vec *vectors[] = {&w->origin,   &w->belt,     &w->amplitude,    &w->phase, &w->drift,  &w->spin_axis, &w->spin_centre,
+                          &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
+}
+
+/* Particles present and contacts; remap__[i] must be the index among those present. */
+static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        dem_particle *p = &w->particle[i];
+        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
+            dem__vecs(s, &w->spin_rate[i], 1);
+        dem__f64(s, &p->radius), dem__f64(s, &p->mass);
+        for (int a = 0; a < 6; a++) dem__f64(s, &w->load__[i][a]);
+        dem__i64(s, &w->particle[i].origin);
+        dem__u64(s, &w->id[i]);
+        dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
+        for (int a = 0; a < 6; a++) {
+            if (w->links_on__) dem__f64(s, &w->external__[i][a]);
+            else if (s->loading) w->external__[i][a] = w->load__[i][a];
+        }
+        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &w->linked__[i][a]);
+        if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
+    }
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        int32_t i = remap ? remap[w->link_i__[k]] : w->link_i__[k], j = w->link_j__[k];
+        if (remap && j >= 0) j = remap[j];
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->link_element__[k]);
+        if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
+        for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
+    }
+    DEM__EACH(w, c) {
+        int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
+        if (remap && j >= 0) j = remap[j];
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
+        if (s->loading) w->live_i__[c] = i, w->live_j__[c] = j;
+        dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
+        for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
+        if (!with_forces) continue;
+        for (int a = 0; w->places__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
+        for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
+        if (w->ledger_on__) {
+            dem__f64(s, &w->live_elastic__[c]);
+            for (int a = 0; a < 3; a++) dem__f64(s, &w->live_power__[a][c]);
+        }
+    }
+}
+
+static inline void dem__number_present(const dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? n++ : -1;
+}
+
+DEM_API uint64_t dem_hash(const dem_world *world) {
+    dem__stream s;
+    memset(&s, 0, sizeof s);
+    s.hash = 0xcbf29ce484222325u;
+    if (!world || !world->def.allocator.fn) return s.hash;
+    dem_world w = *world; /* shares the arrays; a stream that saves changes none of them */
+    dem__number_present(&w);
+    dem__i64(&s, &w.step);
+    for (int k = 0; k < w.walls; k++) {
+        if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+    }
+    dem__stream_state(&s, &w, w.remap__, 0);
+    return s.hash;
+}
+
+static inline void dem__stream_sections(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
+    const int64_t all = live + DEM_BLOCK;
+    ptrdiff_t first = 0;
+    dem__ints(s, &w->sections__, 1);
+    if (w->sections__ < 1 || w->sections__ > DEM__SECTIONS) s->failed = 1;
+    for (int q = 0; q < w->sections__ && !s->failed; q++) {
+        dem__section *in = &w->section__[q];
+        int64_t of = in->live, room = in->room;
+        int32_t from = in->from;
+        if (!s->loading && from > 0) from = dem__remapped(w, from);
+        dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
+        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < w->sections__ - 1 && of > room)) s->failed = 1;
+        if (!s->loading || s->failed) continue;
+        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q < w->sections__ - 1 ? from : 0;
+        first += in->room;
+        live -= of;
+    }
+    if (s->loading && live != 0) s->failed = 1;
+}
+
+static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
+    uint64_t magic = 0x0a1a64656d52u, version = DEM_FORMAT;
+    dem__u64(s, &magic), dem__u64(s, &version);
+    if (magic != 0x0a1a64656d52u || version != DEM_FORMAT) s->failed = 1;
+    dem__stream_def(s, &w->def);
+    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
+    dem__u64(s, &w->next_id__);
+    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    const int64_t counts[] = {w->step, w->start_step__, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
+    int *flags[] = {&w->walls,      &w->fresh__,  &w->ledger_on__, &w->ledger_started__,
+                    &w->loads_on__, &w->states__, &w->links_on__,  &w->link_states__};
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
+    if (w->link_states__ < 0 || w->link_states__ > DEM_STATE_MAX) s->failed = 1;
+    dem__f64(s, &w->link_interval__), dem__f64(s, &w->link_near__);
+    for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
+    dem_energy_ledger *l = &w->ledger__;
+    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
+                      &l->added,       &l->removed,      &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
+    for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
+    int64_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
+    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->link_near__) || !dem__not_negative(w->link_interval__)) s->failed = 1;
+    if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
+    dem__stream_sections(s, w, live, *present);
+    w->live_count__ = (ptrdiff_t)live;
+    w->passed_count = (ptrdiff_t)passed;
+    w->link_count__ = (ptrdiff_t)links;
+}
+
+static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->passed_count && !s->failed; k++) {
+        dem_passed *p = &w->passed[k];
+        dem__f64(s, &p->time), dem__f64(s, &p->diameter), dem__vecs(s, &p->position, 1), dem__vecs(s, &p->velocity, 1);
+        dem__u64(s, &p->id), dem__i32(s, &p->group), dem__i32(s, &p->exit);
+    }
+}
+
+/* The triangles of meshes, which a tree is made from anew. */
+static inline dem_status dem__stream_mesh(dem__stream *s, dem_wall *a, const dem_allocator *memory) {
+    int64_t vertices = s->loading ? 0 : a->tree->vertices, triangles = s->loading ? 0 : a->tree->triangles;
+    dem_vec *vertex = s->loading ? NULL : a->tree->vertex;
+    int32_t *corner = s->loading ? NULL : a->tree->corner;
+    size_t bytes = 0;
+    dem_status status = DEM_OK;
+    dem__i64(s, &vertices), dem__i64(s, &triangles);
+    if (s->loading) {
+        const int64_t room = (int64_t)((s->size - s->at) / 24);
+        if (s->failed || vertices < 1 || triangles < 1 || vertices > room || triangles > room - vertices) return DEM_BAD_DATA;
+        bytes = (size_t)vertices * sizeof *vertex + 3 * (size_t)triangles * sizeof *corner;
+        vertex = (dem_vec *)memory->fn(memory->user, NULL, 0, bytes);
+        if (!vertex) return DEM_OUT_OF_MEMORY;
+        corner = (int32_t *)(void *)(vertex + vertices);
+    }
+    dem__vecs(s, vertex, (size_t)vertices);
+    for (int64_t k = 0; k < 3 * triangles; k++) dem__i32(s, &corner[k]);
+    if (!s->loading) return DEM_OK;
+    for (int64_t k = 0; k < vertices; k++) {
+        if (!(fabs(vertex[k].x) < 1e50 && fabs(vertex[k].y) < 1e50 && fabs(vertex[k].z) < 1e50)) s->failed = 1;
+    }
+    for (int64_t k = 0; k < 3 * triangles; k++) {
+        if (corner[k] < 0 || corner[k] >= vertices) s->failed = 1;
+    }
+    if (s->failed) status = DEM_BAD_DATA;
+    else a->tree = dem__make_tree(memory, (ptrdiff_t)vertices, vertex, (ptrdiff_t)triangles, corner, &status);
+    memory->fn(memory->user, vertex, bytes, 0);
+    return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
+}
+
+static inline dem_status dem__stream_meshes(dem__stream *s, dem_world *w) {
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind != DEM_MESH) continue;
+        const dem_status status = dem__stream_mesh(s, &w->wall[k], &w->def.allocator);
+        if (status != DEM_OK) return status;
+    }
+    return DEM_OK;
+}
+
+DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
+    dem__stream s;
+    if (!world || !world->def.allocator.fn) return 0;
+    for (int pass = 0; pass < 2; pass++) {
+        dem_world w = *world;
+        int64_t present = w.count - w.dropped__;
+        uint64_t check;
+        memset(&s, 0, sizeof s);
+        s.hash = 0xcbf29ce484222325u;
+        s.to = pass && buffer ? (unsigned char *)buffer : NULL;
+        s.size = capacity;
+        dem__number_present(&w);
+        dem__stream_head(&s, &w, &present);
+        dem__stream_state(&s, &w, w.remap__, 1);
+        dem__stream_passed(&s, &w);
+        dem__stream_meshes(&s, &w);
+        check = s.hash;
+        dem__u64(&s, &check);
+        if (s.at > capacity) break; /* too small: nothing is written */
+    }
+    return s.at;
+}
+
+/* Every index and number in loaded data that the code relies on. */
+static inline int dem__loaded_is_sound(const dem_world *w) {
+    ptrdiff_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
+            w->material[i] >= w->def.materials || w->particle[i].origin > w->step || w->particle[i].origin < 0)
+            return 0;
+        if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
+    }
+    DEM__EACH(w, c) {
+        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
+        if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
+        w->slots__[n++] = (int32_t)c;
+    }
+    dem__sort(w, w->slots__, n); /* none is there twice */
+    for (ptrdiff_t c = 1; c < n; c++) {
+        if (!dem__before(w, w->slots__[c - 1], w->slots__[c])) return 0;
+    }
+    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
+        const int32_t i = w->link_i__[k], j = w->link_j__[k];
+        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || i == j) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        const dem_wall *a = &w->wall[k];
+        if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
+        if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
+        if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+        if (a->drive < DEM_KINEMATIC || a->drive > DEM_TORQUE_CONTROLLED || (a->drive == DEM_PRESCRIBED && !(a->interval > 0.0))) return 0;
+        if (a->drive >= DEM_FORCE_CONTROLLED && !(a->inertia > 0.0)) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
+    dem_world *w = world;
+    dem__stream s;
+    int64_t present = 0;
+    uint64_t check, found = 0;
+    if (!w || !buffer) return DEM_BAD_ARGUMENT;
+    memset(w, 0, sizeof *w);
+    memset(&s, 0, sizeof s);
+    s.hash = 0xcbf29ce484222325u;
+    s.from = (const unsigned char *)buffer;
+    s.size = size;
+    s.loading = 1;
+    dem_allocator memory;
+    memory.fn = dem__default_allocator;
+    memory.user = NULL;
+    if (allocator) memory = *allocator;
+    w->def.allocator = memory;
+    dem__stream_head(&s, w, &present);
+    const size_t per_particle = 27 * 8, per_contact = 14 * 8;
+    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact ||
+        (size_t)w->passed_count > size / 80 || (size_t)w->link_count__ > size / 24) {
+        memset(w, 0, sizeof *w);
+        return DEM_BAD_DATA;
+    }
+    dem__array list[DEM__ARRAYS_MAX];
+    ptrdiff_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    int enough;
+    w->live_count__ = w->passed_count = w->link_count__ = 0;
+    for (int k = 0; k < w->walls; k++) {
+        w->meshes__ += w->wall[k].kind == DEM_MESH;
+        w->places__ += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
+        w->controls__ |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+    }
+    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
+                             (ptrdiff_t)present + 1);
+    enough = enough && dem__grow_live(w, dem__next_slot(w) + 1);
+    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
+                                                      &w->link_capacity__, links));
+    if (enough && passed > 0) {
+        w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        enough = w->passed != NULL;
+        w->passed_capacity__ = passed;
+    }
+    if (!enough) {
+        dem_free(w);
+        return DEM_OUT_OF_MEMORY;
+    }
+    w->count = (ptrdiff_t)present;
+    w->keeps_out__ = 1;
+    w->live_count__ = live;
+    w->passed_count = passed;
+    w->link_count__ = links;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = w->link_head__[i] = -1;
+    dem__stream_state(&s, w, NULL, 1);
+    dem__stream_passed(&s, w);
+    const dem_status meshes = dem__stream_meshes(&s, w);
+    check = s.hash;
+    dem__u64(&s, &found);
+    if (meshes == DEM_OUT_OF_MEMORY) {
+        dem_free(w);
+        return meshes;
+    }
+    if (meshes != DEM_OK || s.failed || found != check || s.at != size || !dem__loaded_is_sound(w)) {
+        dem_free(w);
+        return DEM_BAD_DATA;
+    }
+    w->dt__ = w->def.dt;
+    w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    w->stale__ = 1;
+    dem__find_links(w);
+    DEM__EACH(w, c) {
+        dem__activate(w, w->live_i__[c]);
+        if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
+        else {
+            w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
+            w->wall_head__[w->live_i__[c]] = (int32_t)c;
+        }
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__weigh(w, i);
+        if (dem__is_loaded(w, i) && !w->is_active__[i]) {
+            dem__activate(w, i);
+            w->touching[i]--;
+            dem__divide(w, i);
+        }
+    }
+    return DEM_OK;
+}

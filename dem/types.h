@@ -1,0 +1,480 @@
+/* ------------------------------------------------------------------------------------------------ >>types */
+
+/* Tuning constants, each with its reason. */
+#define DEM_MATERIALS_MAX 8                  /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32                     /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16                 /* constants of a law, folded per contact at its birth */
+#define DEM_STATE_MAX 16                     /* doubles that a law may keep per contact */
+#define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
+#define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM__FAR (1 << 20)                   /* steps that a list can last, and a look can be put off: rounding grows with them */
+#define DEM__OFTEN 1024                      /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
+#define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
+#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
+#define DEM__TIDY 256                        /* steps between two orderings of contacts */
+#define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
+#define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
+#define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
+#define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
+#define DEM_FORMAT 7u       /* version of dem_save */
+
+#define DEM_STATUSES(X)                                                                                                                    \
+    X(DEM_OK, "ok")                                                                                                                        \
+    X(DEM_BAD_ARGUMENT, "an argument is outside its range")                                                                                \
+    X(DEM_BAD_DEFINITION, "a field of the definition is outside its range")                                                                \
+    X(DEM_OUT_OF_MEMORY, "out of memory")                                                                                                  \
+    X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
+    X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
+    X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
+    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
+    X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
+                        "dem_set_links after dem_load")                                                                                    \
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")
+#define DEM__NAME(name, text) name,
+typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
+#undef DEM__NAME
+
+typedef struct dem_vec {
+    double x, y, z;
+} dem_vec;
+
+/* What a run computes; or them together. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
+enum {
+    DEM_LINEAR = 1,   /* linear spring-dashpot */
+    DEM_HERTZ = 2,    /* Hertz; with DEM_FRICTION, Mindlin's tangential stiffness */
+    DEM_FRICTION = 4, /* tangential spring with Coulomb limit, torques */
+    DEM_ROLLING = 8,  /* rolling resistance; needs DEM_FRICTION */
+    DEM_ENERGY = 16   /* energy ledger, dem_energy() */
+};
+
+/* Layers of skipping; all on by default. They change no bit of a result, only the time it takes. */
+enum {
+    DEM_SKIP_PAIRS = 1, /* pairs are not looked at before they can touch */
+    DEM_SKIP_SPACE = 2, /* walls are not looked at by particles that cannot reach them */
+    DEM_SKIP_ALL = 3
+};
+
+/* How the dashpot of DEM_LINEAR follows from the coefficient of restitution. */
+typedef enum dem_restitution {
+    DEM_CLIPPED, /* the dashpot never pulls: contact ends when the force is zero (Schwager & Poeschel 2007) */
+    DEM_NAIVE    /* the dashpot may pull at the end: contact ends when the overlap is zero */
+} dem_restitution;
+
+typedef struct dem_material {
+    double density;       /* [kg/m3] > 0 */
+    double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
+    double poisson_ratio; /* [-] 0 .. 0.5 */
+} dem_material;
+
+/* Parameters of contacts between two materials. */
+typedef struct dem_pair_def {
+    double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
+    double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
+    double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
+    double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
+    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
+    double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
+    dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
+} dem_pair_def;
+
+/* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
+typedef struct dem_allocator {
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
+    void *user;
+} dem_allocator;
+
+/* Everything that does not change in time. Made by dem_default_def(). */
+typedef struct dem_def {
+    uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
+    int materials;           /* number of materials, by dem_add_material() */
+    int threads;             /* >= 1; default 1; that of a world may be changed between runs */
+    int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
+    double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
+    double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35. Up to three times as much is
+                                taken where lists last under 100 steps (400 where pairs are few), less in a narrow periodic box */
+    dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
+    int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0. Walls are not
+                                repeated: let them reach a diameter past the box */
+    dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
+    dem_allocator allocator; /* default: realloc and free */
+    dem_material material[DEM_MATERIALS_MAX];
+    dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
+} dem_def;
+
+/* ---- walls ---- */
+
+typedef enum dem_profile {
+    DEM_ROUND,     /* full round wires */
+    DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
+} dem_profile;
+
+/* A woven screen as two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
+typedef struct dem_screen {
+    double aperture;     /* clear width between bars [m] > 0; default 8e-3 */
+    double wire;         /* width of a bar [m] > 0; default 2e-3 */
+    dem_profile profile; /* default DEM_SEMICIRCLE */
+    int circular;        /* 1: disc of radius half_x, 0: rectangle; default 1 */
+    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. (n + 1/2) pitches: a bar along the edge */
+    double half_y;       /* half length along y [m] > 0 if rectangular */
+    dem_vec centre;      /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
+    dem_vec normal;      /* up; default (0, 0, 1) */
+    dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+} dem_screen;
+
+/* A frustum's lateral surface, or with equal radii a tube of finite length: a thin sheet, touched from inside and outside and at its
+   rims. Made by dem_default_cone(). */
+typedef struct dem_cone {
+    dem_vec low, high;  /* centres of its ends [m], apart; default 0 and (0, 0, 0.1) */
+    double low_radius;  /* at low [m] >= 0, 0 makes a tip; default 0.02 */
+    double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
+} dem_cone;
+
+typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT, DEM_SPHERE, DEM_CONE, DEM_MESH } dem_wall_kind;
+
+/* Triangles, yours or read by dem_read_stl(). For your own arrays: set the first four fields, the rest 0. */
+typedef struct dem_mesh {
+    ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
+    double *vertex;                /* shape [vertices][3] [m] */
+    int32_t *triangle;             /* shape [triangles][3]: indices of vertices */
+    dem_allocator allocator;       /* of block */
+    void *block;                   /* what dem_free_mesh() frees */
+    size_t bytes;
+} dem_mesh;
+
+/* What dem_read_stl() found in a file. A closed, well made surface has zeros from `missing` to `wrong_normals`. */
+typedef struct dem_stl_report {
+    int binary;              /* 1: binary, 0: ASCII */
+    ptrdiff_t facets;        /* present in the file and whole */
+    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that an ASCII file breaks off or garbles */
+    ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
+    ptrdiff_t degenerate;    /* left out: without area, after welding */
+    ptrdiff_t duplicate;     /* left out: the corners of an earlier one */
+    ptrdiff_t open_edges;    /* of one triangle only: the rims of holes */
+    ptrdiff_t nonmanifold;   /* edges of more than two triangles */
+    ptrdiff_t inconsistent;  /* edges whose two triangles are turned against each other */
+    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees from the triangle's own; zero ones do not count */
+    double area;             /* [m2] */
+    double volume;           /* [m3] of a closed surface, negative if it is turned inside out; of no meaning with open edges */
+    dem_vec low, high;       /* corners of the box that holds it [m] */
+} dem_stl_report;
+
+/* Where a prescribed motion has brought a wall: turned about the centre given to dem_prescribe(), then shifted. */
+typedef struct dem_pose {
+    dem_vec shift; /* [m] */
+    dem_vec turn;  /* axis times angle [rad] */
+} dem_pose;
+/* A wall's motion: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is asked
+   for times in any order, one time step before and after the run included. *pose is zero at entry. */
+typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
+
+typedef enum dem_drive {
+    DEM_KINEMATIC,        /* at rest, or by dem_vibrate, dem_move, dem_rotate */
+    DEM_PRESCRIBED,       /* dem_prescribe */
+    DEM_FORCE_CONTROLLED, /* dem_control_force */
+    DEM_TORQUE_CONTROLLED /* dem_control_torque */
+} dem_drive;
+
+struct dem__tree;
+
+/* A wall. Read only; change it by functions. */
+typedef struct dem_wall {
+    int kind, material, enabled;
+    dem_vec origin;                       /* where it was put [m] */
+    dem_vec axis[3];                      /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec rest_axis[3];                 /* the same at time 0 */
+    double radius;                        /* cylinder, sphere; cone: at its low end, the origin [m] */
+    double high_radius, length;           /* cone: at the other end, distance of the ends [m] */
+    int inside;                           /* cylinder, sphere: 1 particles inside, 0 outside */
+    double aperture, wire;                /* screen [m] */
+    int profile, circular;                /* screen */
+    double half_x, half_y;                /* screen [m] */
+    dem_vec amplitude, phase;             /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;                     /* [Hz] */
+    dem_vec drift;                        /* constant velocity [m/s] */
+    dem_vec spin_axis, spin_centre;       /* rotation about a line; force-controlled: axis of the motion */
+    double spin, spin_rate;               /* now [rad/s], [rad/s2] */
+    dem_vec belt;                         /* velocity of its surface within itself [m/s] */
+    int slides;                           /* 1: its surface moves otherwise than its origin */
+    int drive;                            /* dem_drive */
+    double coordinate, rate, rate_change; /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
+    double inertia, load, damping;        /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
+    dem_motion_fn motion;                 /* prescribed */
+    void *motion_user;
+    double interval;                          /* prescribed: for its differences in time [s] */
+    double motion_start;                      /* time at which the motion began; controlled: of the coordinate [s] */
+    dem_vec position, velocity, acceleration; /* of its origin, now */
+    double speed_bound, spin_bound;           /* its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
+    double acceleration_bound;                /* kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
+    double side_bound;                        /* the same perpendicular to axis[2] */
+    struct dem__tree *tree;                   /* mesh: the triangles, owned */
+    dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m]; means: by impulse */
+    dem_vec impulse;                          /* time integral of the force [N s] */
+} dem_wall;
+
+/* What passed an exit. Owned by the world, in the order of passing. */
+typedef struct dem_passed {
+    double time;     /* [s] end of the step in which the centre crossed */
+    double diameter; /* [m]; mass: density pi/6 diameter^3, of several materials told apart by group */
+    dem_vec position, velocity;
+    uint64_t id;
+    int32_t group, exit; /* the number given to dem_add_spheres; wall index of the exit */
+} dem_passed;
+
+/* ---- laws ---- */
+
+/* What a law sees of one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
+typedef struct dem_contact {
+    double gap;              /* S = distance - r_i - r_j [m]; negative: overlap */
+    double closing;          /* -dS/dt [m/s]; positive: approaching */
+    double slip[3];          /* surface velocity of i against j, tangential [m/s] */
+    double translation[3];   /* the part of it that the centres' velocities make [m/s] */
+    double spin[3];          /* w_i - w_j [rad/s] */
+    double normal[3];        /* n */
+    double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is asked for */
+    double rate;             /* 1 / time step of the world [1/s] */
+    double share;            /* 1 / number of contacts of the busier partner [-] */
+    const double *constants; /* as the law's prepare function left them */
+    const void *user;        /* world->user */
+} dem_contact;
+
+/* What it answers: forces on i. A law fills normal, contact and ended, tangential (and what remains of it) with DEM_FRICTION, rolling
+   with DEM_ROLLING, the rest with DEM_ENERGY; of a link normal, tangential and ended. */
+typedef struct dem_response {
+    double normal;        /* along n, positive repels [N] */
+    double contact;       /* the part of it that the overlap makes; 0 where there is none [N] */
+    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance as the radii do */
+    double remaining[3];  /* the part of it that is there however small `contact`: lubrication, friction of what adheres [N]; default 0 */
+    double rolling[3];    /* torque on i, the opposite on j [N m] */
+    double elastic;       /* stored energy [J] */
+    double normal_power;  /* dissipated by the normal dashpot [W] */
+    double slide_loss;    /* dissipated by sliding in this step [J] */
+    double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
+    double ended;         /* 1: the contact is over and its state may be dropped; else 0 (a double, to keep vectors of one kind) */
+} dem_response;
+
+/* Everything that a law may need when a contact is born. */
+typedef struct dem_birth {
+    const dem_def *def;
+    int features; /* that the run was asked for */
+    const dem_pair_def *pair;
+    int material_i, material_j;
+    double radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
+    double curvature;          /* of the wall at the point [1/m], 0 for a plane */
+    double mass;               /* m_eff [kg] */
+    double inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
+    double damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
+    void *user;                /* world->user */
+} dem_birth;
+
+struct dem_world;
+
+/* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
+typedef struct dem_law {
+    const char *name;
+    int version;   /* of the meaning of its state */
+    int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
+    int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
+    int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
+    /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
+       the third order; else 0 */
+    double (*prepare)(const dem_birth *birth, double *constants);
+    void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
+    /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
+       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_slot_state() read and write them. */
+    void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
+    void (*ended)(struct dem_world *world, int32_t slot, void *user);
+} dem_law;
+
+/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
+   0, 0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (docs/dem.md). */
+enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
+
+/* ---- the world ---- */
+
+/* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
+typedef struct dem_energy_ledger {
+    double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
+    double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
+    double wall_work, external_work;                /* done on the particles by moving walls and loads */
+    double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
+    double added, removed; /* carried in and out by particles */
+    double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
+    double released;                                                   /* potential energy given up so far, at least 0 */
+    double error;                                                      /* what does not add up: the integration error */
+} dem_energy_ledger;
+
+typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
+
+/* Private: what timers know of a particle. In a frame that falls since the list was built, t [s] ago, its surface is within off + t ball
+   of x + t u: its velocity strays from u by less than ball until it is given another course. One cache line. */
+typedef struct dem__course {
+    double x, y, z, off;     /* [m] */
+    double ux, uy, uz, ball; /* [m/s] */
+} dem__course;
+
+typedef double dem__six[6]; /* private: force [N] and torque [N m], or place [m] and spin [rad/s] */
+
+/* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
+typedef struct dem__sum {
+    dem__six load;
+    double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
+} dem__sum;
+
+/* Private: what contacts of the same sizes and materials share. */
+typedef struct dem__kind {
+    double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
+    double constant[DEM_CONSTANTS_MAX];
+} dem__kind;
+
+/* Private: the contacts whose i are particles from `from` on, up to where the section before begins, in slots of their own: first ..
+   first + live - 1. Without room (of the last: without end) new ones go into the last section. As i < j, a particle has contacts in its own
+   section and later ones only. */
+typedef struct dem__section {
+    ptrdiff_t first, live, room;
+    ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
+    int32_t from, own; /* sums of particles from `own` on wait: see dem__claim */
+    int32_t low, high; /* least and greatest number of a particle in deferred sums; for none INT32_MAX, 0 */
+} dem__section;
+
+/* Private: what a contact does, for the sums of its particles to which another thread adds first. */
+typedef struct dem__deferral {
+    double out[9];
+    int32_t i, j;
+} dem__deferral;
+
+/* Private: what a contact that begins or ends leaves for the end of the step. */
+typedef struct dem__handed {
+    double n[3], shift; /* normal; how far apart it moves its bodies along it [kg m] */
+    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
+} dem__handed;
+
+/* Private: what a section's contacts do to a wall. */
+typedef struct dem__push {
+    dem_vec force, torque;
+} dem__push;
+
+/* Private: two particles that may meet. */
+typedef struct dem__near {
+    int32_t i, j;    /* i < j */
+    double distance; /* of centres, below which they are in contact [m] */
+} dem__near;
+
+/* Private: when near pairs, or particles and walls, are to be looked at. */
+typedef struct dem__timers {
+    int64_t from;                /* the step that others are counted from */
+    int32_t *due;                /* step, or DEM__NEVER, or DEM__STOPPED */
+    int32_t *earliest;           /* of each bunch: none of its timers is due before */
+    int32_t *list;               /* those found due */
+    ptrdiff_t sheaves, capacity; /* in use; room, in bunches */
+    void *block;
+    size_t bytes;
+} dem__timers;
+enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* on the present course; as long as it touches, or has left */
+
+/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
+   computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+typedef struct dem_particle {
+    dem_vec x;      /* [m] */
+    double radius;  /* [m] */
+    dem_vec v;      /* [m/s] */
+    double mass;    /* [kg] */
+    dem_vec a;      /* [m/s2] */
+    int64_t origin; /* step of the state */
+    dem_vec spin;   /* [rad/s] */
+    double room__;  /* how much further it may stray from its course, at least [m/s] */
+} dem_particle;
+
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
+   otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
+typedef struct dem_world {
+    dem_def def;
+    void *user;      /* yours: handed to the law's hooks; not saved */
+    int64_t step;    /* steps done */
+    double time;     /* [s] */
+    ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
+    dem_status status; /* first failure of a run; then particle and step of it */
+    uint64_t failed_id;
+    int walls;
+    dem_wall wall[DEM_WALLS_MAX];
+    ptrdiff_t passed_count;
+    dem_passed *passed;
+    int64_t particle_steps; /* sum over steps of particles present */
+    int64_t contact_steps;  /* sum over steps of live contacts */
+    int64_t looks;          /* pairs and walls looked at */
+    int64_t rebuilds;       /* of the neighbour list */
+
+    dem_particle *particle;
+    dem_vec *spin_rate;                           /* [rad/s2] */
+    uint64_t *id;                                 /* stable, in the order of adding, from 0 */
+    int32_t *material, *group, *alive, *touching; /* touching: live contacts */
+
+    /* the rest is private */
+    double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, list_fall__, blur__;
+    dem_vec list_velocity__, list_acceleration__; /* of the frame in which the list waits for somebody to move */
+    int64_t start_step__, next_check__;
+    double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
+    int keeps_out__, fresh__, stale__, meshes__, places__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
+        features__, ledger_on__, ledger_started__;
+    uint64_t next_id__;
+    const dem_law *law__;
+    dem_energy_ledger ledger__;
+    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
+    void *particle_block__, *live_block__;
+    size_t particle_bytes__, live_bytes__;
+    dem__sum *sum__;
+    dem__six *load__;     /* what does not change in a step */
+    dem__six *external__; /* the external part of it; the rest is of links */
+    dem__six *linked__;   /* place and spin when links were evaluated last */
+    dem_vec *listed_at__; /* position when the list was built */
+    dem_vec *impact__;    /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
+    dem__course *course__;
+    double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
+    double *wall_speed__; /* speed that the timers of walls count on */
+    double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
+    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
+        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
+
+    /* near pairs p, 0 .. near_count - 1; particles and walls i * walls + k */
+    ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
+    int32_t *adjacent__, *cells__;                                        /* adjacent: (pair, other particle) of each particle */
+    dem__timers pair_timers__, wall_timers__;
+    dem__near *near__;
+    uint32_t *wall_sure__; /* step, modulo 2^32, before which a wall need not be looked at, whatever the particle's course */
+    int64_t listed__;      /* step at which the list was built */
+
+    /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
+       now and then all are ordered by i, the last first. What has happened alone fixes their order, and that the order of every sum */
+    ptrdiff_t live_count__, live_capacity__, born__;
+    int sections__;
+    dem__section section__[DEM__SECTIONS];
+    dem__push push__[DEM__SECTIONS][DEM_WALLS_MAX];
+    dem__deferral *deferral__; /* with threads */
+    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
+        *slots__; /* kind: or -1, has its own; slots: a list, for the moment, or one in each section */
+    uint8_t *live_event__, *live_ended__;
+    double *live_gap__, *live_force__;
+    dem__kind kind__[DEM_KINDS_MAX];
+    int kinds__;
+    double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
+    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
+    double *live_state__[DEM_STATE_MAX];
+    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step */
+    dem__handed *live_handed__;
+    double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+
+    /* links, in the order of their making; each stands in the lists of its bodies */
+    const dem_law *link_law__;
+    dem_kernel_fn link_kernel__;
+    double link_interval__, link_near__;
+    int links_on__, link_stride__, link_states__;
+    ptrdiff_t link_count__, link_capacity__;
+    void *link_block__;
+    size_t link_bytes__;
+    int32_t *link_i__, *link_j__, *link_element__, *link_next_i__, *link_next_j__;
+    double *link_state__[DEM_STATE_MAX], *link_out__[9], *link_gap__;
+    uint8_t *link_ended__;
+} dem_world;
