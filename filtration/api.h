@@ -1,0 +1,232 @@
+/* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving.
+   Relies on base.h.
+   May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
+
+/* ==== >>fluid ==== */
+
+/* A sphere, a wire or a wall that is cut by a lattice link, fluid node to solid node, at the fraction q of its length. */
+typedef enum filtration_boundary {
+    FILTRATION_CENTRAL_LINEAR, /* central linear interpolation (Ginzburg et al. 2008): second order; default */
+    FILTRATION_HALF_WAY,       /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, a staircase */
+    FILTRATION_SINGLE_NODE     /* interpolation within the fluid node alone (Zhao and Yong 2017): needs no second fluid node */
+} filtration_boundary;
+
+/* What fills a node that a sphere leaves. */
+typedef enum filtration_refill {
+    FILTRATION_REFILL_NONEQUILIBRIUM, /* equilibrium of the neighbours' density and the wall's velocity, and the non-equilibrium part of
+                                         the fluid neighbour along the normal; default */
+    FILTRATION_REFILL_EQUILIBRIUM,    /* without the non-equilibrium part */
+    FILTRATION_REFILL_INTERPOLATION   /* mean of the fluid neighbours' populations (the paper's) */
+} filtration_refill;
+
+/* How the fluid's force on a sphere is measured. */
+typedef enum filtration_force_mode {
+    FILTRATION_MOMENTUM_EXCHANGE, /* over the links, Galilean invariant (Wen et al. 2014), mean of two steps; default */
+    FILTRATION_SHEAR_LAYER        /* the paper's (9): shear over a layer of one voxel, no pressure; for comparison: biased by -1.5 dx / R */
+} filtration_force_mode;
+
+typedef enum filtration_lattice { FILTRATION_D3Q19, FILTRATION_D3Q15 } filtration_lattice;
+typedef enum filtration_precision { FILTRATION_DOUBLE, FILTRATION_FLOAT } filtration_precision; /* of what is stored of the fluid */
+
+/* Kinds of the box's six faces. Periodic faces come in pairs. */
+typedef enum filtration_face {
+    FILTRATION_PERIODIC,
+    FILTRATION_WALL,     /* no slip, at the face, which may move within its plane */
+    FILTRATION_PRESSURE, /* given pressure, open */
+    FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. A sphere cut by it gives the force on the part inside the box */
+} filtration_face;
+enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
+
+/* A solid at rest, by functions of the caller, called in filtration_fluid_init and when spheres touch it. */
+typedef struct filtration_solid {
+    /* Signed distance from a point [m] to the surface [m], > 0 in the fluid. The sign and the zero must be right; elsewhere it may be
+       smaller than the true distance, never larger. Points lie up to a voxel outside the box: periodic solids repeat themselves. NULL:
+       no solid. */
+    double (*distance)(const void *self, const double point[3]);
+    /* Fraction of the way from a fluid point to a solid one at which the surface lies, above 0 .. 1 [-]. NULL: found from `distance`. */
+    double (*cut)(const void *self, const double fluid[3], const double solid[3]);
+    const void *self;
+} filtration_solid;
+
+/* Everything that does not change in time. Made by filtration_fluid_default_def(). The box reaches from 0 to nodes[a] * voxel on each
+   axis; node i lies at (i + 1/2) voxel. */
+typedef struct filtration_fluid_def {
+    uint32_t cookie;     /* set by filtration_fluid_default_def(); a definition without it is refused */
+    int nodes[3];        /* along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows along x of 64 and more are fastest */
+    double voxel;        /* distance of nodes [m] > 0; default 2.5e-6 */
+    double density;      /* of the fluid [kg/m3] > 0; default 1000 */
+    double viscosity;    /* dynamic [Pa s] > 0; default 1e-3 */
+    double tau;          /* relaxation time [-], 0.5 < tau <= 20; default 1: sets the time step (tau - 1/2) voxel^2 / (3 nu) */
+    double bulk_ratio;   /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. More damps sound: below about
+                            100 where spheres move */
+    double magic;        /* Lambda of the two relaxation times [-] > 0; default 3/16: walls half way are exact; < 0 is refused;
+                            HUGE_VAL: one relaxation time (BGK) */
+    filtration_lattice lattice;     /* default D3Q19; D3Q15 is stored in doubles only */
+    filtration_precision precision; /* default DOUBLE */
+    filtration_boundary boundary;   /* default CENTRAL_LINEAR */
+    filtration_refill refill;       /* default NONEQUILIBRIUM */
+    filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
+    filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
+    double face_velocity[6][3];     /* of WALL faces, within their plane [m/s]; default 0 */
+    double face_pressure[6];        /* of PRESSURE faces [Pa], over the mean; default 0 */
+    double body_force[3];           /* on the fluid [N/m3]; default 0. Gravity is not put here: pressure is dynamic */
+    filtration_solid solid;         /* default: none */
+    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, > 0 .. 0.5; default 0.3 */
+    int skip;                       /* 1: slabs that are all solid and fluid at exact rest are not updated; 0: all; same bits; default 1 */
+    int threads;                    /* >= 1; default 1; same bits for any number */
+    filtration_parallel parallel;   /* default: OpenMP if there */
+    filtration_memory memory;       /* default: realloc and free */
+} filtration_fluid_def;
+
+/* Spheres, in arrays of the caller. A step reads the first four and writes force and torque. */
+typedef struct filtration_spheres {
+    ptrdiff_t n;      /* number, >= 0; may grow from step to step */
+    double *centre;   /* [n][3] [m]; on periodic axes anywhere */
+    double *velocity; /* [n][3] [m/s] */
+    double *spin;     /* [n][3] angular velocity [rad/s] */
+    double *radius;   /* [n] [m] > 0; 0: there is no sphere at this index */
+    double *force;    /* [n][3] of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *torque;   /* [n][3] about the centre [N m] */
+} filtration_spheres;
+
+/* Why a run stopped. */
+#define FILTRATION_CAUSES(X)                                                                          \
+    X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                        \
+    X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                              \
+    X(FILTRATION_SPEED, "the speed exceeds the limit: smaller tau, or finer voxels")                  \
+    X(FILTRATION_SPHERE, "a sphere's centre, velocity, spin or radius is out of range")
+typedef enum filtration_cause { FILTRATION_CAUSES(FILTRATION__ENUM) FILTRATION_CAUSE_COUNT } filtration_cause;
+FILTRATION_API const char *filtration_cause_text(filtration_cause cause); /* never NULL; static storage */
+
+typedef struct filtration_problem {
+    filtration_cause cause;
+    int node[3];          /* the first bad node, by z, y, x; of FILTRATION_SPHERE: {index, 0, 0} */
+    int64_t step;         /* at which it was found */
+    double speed;         /* there, in lattice units [-] */
+    double cell_reynolds; /* there, u dx / nu [-]: above 20 to 30 the flow between two nodes is not resolved */
+} filtration_problem;
+
+struct filtration__lattice;
+
+/* The fluid's state. Read the fields, change it by functions. */
+typedef struct filtration_fluid {
+    filtration_fluid_def def;    /* a copy; tau, body_force, faces as they are now */
+    double time;                 /* [s] */
+    double dt;                   /* time step [s] */
+    int64_t steps;               /* taken */
+    double mass_correction;      /* added by filtration_fluid_keep_mass so far, as a share of the liquid [-] */
+    double solid_force[3];       /* of the fluid on def.solid in the last step [N] */
+    double face_force[6][3];     /* of the fluid on WALL faces in the last step [N] */
+    int64_t updates;             /* nodes updated so far, skipped ones not counted */
+    filtration_problem problem;  /* of the last step */
+    struct filtration__lattice *lattice; /* private */
+} filtration_fluid;
+
+FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void);
+/* BAD_DEF if a field is out of range; *field (may be NULL) then names it; static storage. */
+FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field);
+/* Sets up a fluid at rest. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
+FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def);
+FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid);
+/* Bytes that a definition will allocate, without spheres and links [B]; 0 for a bad one. */
+FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
+
+/* One time step: the fluid flows around the spheres where they are now; force and torque are of this step. Then the caller moves the
+   spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. After an error the fluid
+   can be read, saved and freed. */
+FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
+/* Steps with spheres that stay where they are (their surfaces may move: velocity and spin hold). */
+FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
+
+/* ---- changes during a run ---- */
+/* Another time step, by another tau: the flow is rescaled (velocity, pressure, stress keep their SI values). */
+FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
+FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
+FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
+FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
+/* A flow to start from: fn gives velocity [m/s] and pressure [Pa] at a point [m]. Equilibrium, and the stress of its velocity differences.
+   */
+FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
+                                                           void (*fn)(void *user, const double point[3], double velocity[3], double *pressure),
+                                                           void *user);
+/* Adds to every fluid node the same density so that the liquid's mass is that of the start, less what spheres displace. Closed boxes only;
+   mass_correction keeps the sum. */
+FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
+
+/* ---- measuring ---- */
+typedef struct filtration_sample {
+    double velocity[3]; /* [m/s]; 0 in solids */
+    double pressure;    /* dynamic, over the mean [Pa]; 0 in solids */
+    int owner;          /* -1 fluid, -2 solid, else the index of the sphere */
+} filtration_sample;
+/* At node (x, y, z), each 0 .. nodes - 1 (BAD_ARGUMENT else). */
+FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample);
+/* Whole fields, arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure [nz][ny][nx], owner [nz][ny][nx]. */
+FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner);
+/* Mean over the whole box, solids counted as 0: superficial velocity [m/s]. */
+FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]);
+/* Volume flow along an axis (0 x, 1 y, 2 z) over the cross-section of the box at a slab of nodes: superficial velocity [m/s]. */
+FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
+FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     /* of the liquid [kg] */
+FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); /* share of fluid nodes [-] */
+FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid); /* [m/s] */
+
+/* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */
+typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
+typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
+/* Into a fluid of filtration_fluid_init with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or STREAM the
+   fluid is at rest at time 0. */
+FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
+
+/* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
+
+typedef struct filtration_motion_def {
+    uint32_t cookie;
+    double density;      /* of the spheres [kg/m3] > 0; default 2200 */
+    double gravity[3];   /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
+    double modulus;      /* reduced modulus E* of two spheres touching [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
+    double restitution;  /* coefficient of restitution of the dry contact [-], above 0 .. 1; default 0.5 */
+    double friction;     /* Coulomb coefficient [-] >= 0; default 0.3 */
+    int sub_steps;       /* contact steps in a fluid step, >= 1; default 10 */
+    int lubrication;     /* 1: force of the film thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
+    double least_gap;    /* of the lubrication, over the diameter [-] > 0; default 1e-3: roughness */
+    int fixed_axes[3];   /* 1: no motion along this axis (symmetry); default 0 */
+    int spin;            /* 0: spheres do not turn; default 1 */
+} filtration_motion_def;
+FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
+FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
+
+/* Moves the spheres by one step of the fluid (velocity Verlet in sub_steps, force and torque of the fluid held): centre, velocity and spin
+   change; spheres of density infinite are not moved: leave them out. contact [n][3] (may be NULL): mean contact and lubrication force in
+   the step [N]. Walls and the solid of the fluid are touched as they are. share: of the force that a symmetric box sees (1, 2 or 4: the
+   force is multiplied by it). */
+FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *spheres,
+                                                 double share, double *contact);
+/* Contact time of two equal spheres (Hertz) over the fluid's step and the sub-step [-]: stable above about 10 sub-steps. radius [m],
+   speed of approach [m/s] > 0. */
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
+/* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
+   [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
+static inline double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
+                                                  double least);
+
+/* ==== >>permeability: steady flow through any solid ==== */
+
+typedef struct filtration_permeability_result {
+    double permeability;  /* k = mu v / (pressure gradient) [m2] */
+    double resistance;    /* dp / (mu v) [1/m] of the box's length */
+    double velocity;      /* superficial, along the axis [m/s] */
+    double pressure_drop; /* over the box [Pa] */
+    double porosity;      /* of the box [-] */
+    double reynolds;      /* largest speed * voxel / nu [-] */
+    double change;        /* relative change of the velocity in the last test interval [-] */
+    int64_t steps;        /* taken */
+} filtration_permeability_result;
+
+/* Drives the fluid along an axis by pressure_drop [Pa] over the box, as a body force, until the flow changes by less than tolerance
+   (default 1e-5 for 0) in the time that momentum needs to spread over the pores. spheres (may be NULL) rest. NOT_STEADY after max_steps.
+   The flow stays in fluid and may be read. */
+FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
+                                                               double pressure_drop, double tolerance, int64_t max_steps,
+                                                               filtration_permeability_result *result);

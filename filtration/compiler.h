@@ -1,0 +1,67 @@
+/* compiler.h: what compilers call differently, and the switch between static inline and one shared copy.
+   Relies on nothing.
+   May be changed here alone: everything that leaves the macros' meaning. */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "filtration.h needs NaN and exact arithmetic: compile without -ffast-math and -ffinite-math-only"
+#endif
+
+#ifndef FILTRATION_API
+#define FILTRATION_API static inline
+#define FILTRATION__BODIES
+#elif defined(FILTRATION_IMPLEMENTATION)
+#define FILTRATION__BODIES
+#endif
+
+/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: the functions here bring their own options. clang fuses
+   products and sums only if it may. */
+#if defined(__clang__)
+#define FILTRATION__FAST
+#pragma float_control(push)
+#pragma clang fp contract(off)
+#elif defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
+#pragma GCC push_options
+#pragma GCC optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")
+#else
+#define FILTRATION__FAST
+#endif
+
+#if defined(__GNUC__)
+#define FILTRATION__INLINE static inline __attribute__((always_inline)) FILTRATION__FAST
+#elif defined(_MSC_VER)
+#define FILTRATION__INLINE static __forceinline
+#else
+#define FILTRATION__INLINE static inline
+#endif
+
+/* No node of a row reads what another of the row writes. */
+#if defined(__clang__)
+#define FILTRATION__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define FILTRATION__INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define FILTRATION__INDEPENDENT
+#endif
+
+/* On x86-64 the kernels are there twice, for AVX2 and without: same bits, as neither fuses. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
+#define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
+    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_wide parameters { call; }                                          \
+    FILTRATION__FAST static void name parameters {                                                                                         \
+        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
+        else call;                                                                                                                         \
+    }
+#else
+#define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
+    FILTRATION__FAST static void name parameters { call; }
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
