@@ -1,0 +1,124 @@
+/* test_dem_guard.c: what must hold inside a world, in every scene of dem_scenes.h and dem_guard_scenes.h and after every kind of change;
+   a world that was saved goes on as if it had not been. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "dem_guard_scenes.h"
+#include "dem_invariants.h"
+
+static void check(const dem_world *w, const char *name) {
+    int32_t *scratch = (int32_t *)malloc(((size_t)w->count + 1) * sizeof *scratch);
+    assert_non_null(scratch);
+    const char *broken = dem_broken_invariant(w, scratch);
+    free(scratch);
+    if (broken) fail_msg("%s, step %ld: %s", name, (long)w->step, broken);
+}
+
+static void test_scenes_hold(void **state) {
+    (void)state;
+    for (int scene = 0; scene < SCENE_COUNT; scene++) {
+        for (int threads = 1; threads < 3; threads++) {
+            dem_world w;
+            const int parts = scene == SCENE_DEEP ? 1 : 7; /* every pair is asked: few looks at a large one */
+            assert_int_equal(scene_make(&w, scene, DEM_SKIP_ALL, threads, NULL), DEM_OK);
+            for (int part = 0; part < parts; part++) {
+                assert_int_equal(dem_run(&w, scene_duration(scene) / parts, scene_features(scene)), DEM_OK);
+                check(&w, scene_name(scene));
+            }
+            dem_free(&w);
+        }
+    }
+}
+
+static void test_guard_scenes_hold(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        dem_world w;
+        const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
+        assert_int_equal(k == 0 ? guard_links_begin(&w, 1, 4e-5) : k == 1 ? guard_mesh_begin(&w, 1) : guard_driven_begin(&w, 1), DEM_OK);
+        for (int part = 0; part < 12; part++) {
+            assert_int_equal(dem_run(&w, 377.0 * w.def.dt, features), DEM_OK);
+            check(&w, guard_name(GUARD_LINKS + k));
+        }
+        dem_free(&w);
+    }
+}
+
+/* What a host does between two runs. */
+static void change(dem_world *w, int part) {
+    const double late[3] = {0, 0, 0.05}, one = 4e-3;
+    const dem_region part_of = dem_box_region(dem_vec3(-0.02, -0.02, 0.03), dem_vec3(0, 0, 0.1));
+    const ptrdiff_t last = w->count - 1;
+    switch (part) {
+    case 0: assert_int_equal(dem_add_spheres(w, 1, late, &one, 0, 0), DEM_OK); break;
+    case 1: assert_int_equal(dem_remove(w, 3), DEM_OK); break;
+    case 2: assert_int_equal(dem_set_motion(w, last, dem_vec3(1, 0, -1), dem_vec3(0, 0, 0)), DEM_OK); break;
+    case 3: assert_int_equal(dem_enable_wall(w, 4, 0), DEM_OK); break;
+    case 4: assert_int_equal(dem_enable_wall(w, 4, 1), DEM_OK); break;
+    case 5: assert_int_equal(dem_set_time_step(w, 3e-6), DEM_OK); break;
+    case 6: assert_true(dem_add_plane(w, 1, dem_vec3(0, 0, 0.001), dem_vec3(0, 0, 1)) >= 0); break;
+    case 7: assert_true(dem_remove_region(w, &part_of) >= 0); break;
+    case 8: assert_int_equal(dem_set_load(w, last, dem_vec3(1e-3, 0, 0), dem_vec3(0, 0, 0)), DEM_OK); break;
+    default: assert_int_equal(guard_reload(w), DEM_OK); break;
+    }
+}
+
+static void test_changes_hold(void **state) {
+    (void)state;
+    for (int features = 0; features < 2; features++) {
+        dem_world w;
+        uint64_t hash = 0;
+        assert_int_equal(guard_ledger(&w, 1, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (features ? DEM_ENERGY : 0), &hash), DEM_OK);
+        for (int part = 0; part < 10; part++) {
+            change(&w, part);
+            check(&w, "after a change");
+            assert_int_equal(dem_run(&w, 321.0 * w.def.dt, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING), DEM_OK);
+            check(&w, "after a run");
+        }
+        dem_free(&w);
+    }
+}
+
+static void test_checker_sees(void **state) {
+    (void)state;
+    dem_world w;
+    int32_t scratch[400];
+    assert_int_equal(guard_driven_begin(&w, 1), DEM_OK);
+    assert_int_equal(dem_run(&w, 0.01, DEM_LINEAR), DEM_OK);
+    assert_null(dem_broken_invariant(&w, scratch));
+    assert_true(dem_contact_count(&w) > 10 && w.count <= 400);
+    w.touching[w.live_i__[w.section__[0].first]]++;
+    assert_non_null(dem_broken_invariant(&w, scratch));
+    w.touching[w.live_i__[w.section__[0].first]]--;
+    w.pair_timers__.due[0] = (int32_t)(w.step - w.pair_timers__.from);
+    assert_non_null(dem_broken_invariant(&w, scratch));
+    dem_free(&w);
+}
+
+static void test_saved_goes_on(void **state) {
+    (void)state;
+    for (int threads = 1; threads < 3; threads++) {
+        uint64_t hash[2] = {0, 0};
+        for (int saves = 0; saves < 2; saves++) {
+            dem_world w;
+            assert_int_equal(guard_saved(&w, threads, saves, &hash[saves]), DEM_OK);
+            dem_free(&w);
+        }
+        assert_true(hash[0] == hash[1]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scenes_hold),  cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
+        cmocka_unit_test(test_checker_sees), cmocka_unit_test(test_saved_goes_on),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
