@@ -22,9 +22,9 @@
        return common_exit_status();                            // 0, 1 if an output failed, 130 after Ctrl-C
    }
 
-   options.h   the command line         output.h  folders and files that are whole or absent   plot.h     SVG figures
-   progress.h  bar, Ctrl-C, exit status json.h    csv.h    table.h                             vtk.h      .vtp .vti .pvd
-   machine.h   clock, memory, cores, jobs on threads                                                   particles.h spheres from CSV or .vtp
+   io.h        riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
+   progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
+   machine.h   clock, memory, cores, jobs on threads
    Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL), and every
    function takes the NULL that another returned and does nothing. A program that only ends with common_exit_status() is right. */
 #ifndef RIDDLE_COMMON_H
@@ -32,14 +32,11 @@
 
 #include "csv.h"
 #include "input.h"
+#include "io.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"
-#include "output.h"
 #include "particles.h"
-#include "plot.h"
 #include "progress.h"
-#include "table.h"
-#include "vtk.h"
 
 #endif

@@ -11,54 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct csv {
-    output *file;
-};
-
-csv *csv_open(const char *folder, const char *name, const char *header) {
-    csv *c = calloc(1, sizeof *c);
-    if (!c) {
-        common_fail("%s: out of memory", name);
-        return NULL;
-    }
-    c->file = output_open(folder, name);
-    if (!c->file) {
-        free(c);
-        return NULL;
-    }
-    output_print(c->file, "%s\n", header);
-    return c;
-}
-
-int csv_row(csv *c, const double *values, int n) {
-    if (!c) return -1;
-    for (int i = 0; i < n; i++) {
-        if (i) output_print(c->file, ",");
-        if (values[i] - values[i] == 0.0) output_print(c->file, "%.17g", values[i]);
-    }
-    return output_print(c->file, "\n");
-}
-
-int csv_line(csv *c, const char *format, ...) {
-    if (!c) return -1;
-    char line[4000];
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    if (length < 0 || length >= (int)sizeof line) return common_fail("a row of %d characters is too long", length);
-    return output_print(c->file, "%s\n", line);
-}
-
-int csv_close(csv *c) {
-    if (!c) return -1;
-    int status = output_close(c->file);
-    free(c);
-    return status;
-}
-
-/* ---- reading ---- */
-
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 static bool to_number(const char *cell, double *value) {

@@ -1,20 +1,9 @@
-/* csv.h: tables of numbers to and from files. Lines that begin with '#' are comments, the first other line names the columns. */
+/* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns. */
 #ifndef RIDDLE_CSV_H
 #define RIDDLE_CSV_H
 
-#include "output.h"
+#include "progress.h"
 
-/* ---- writing ---- */
-typedef struct csv csv;
-
-/* header: "time_s,retained_small". A '#' comment line may stand before it: "# a comment\ntime_s,...".
-   NULL after an error, which has been printed. */
-csv *csv_open(const char *folder, const char *name, const char *header);
-int csv_row(csv *c, const double *values, int n);                  /* %.17g, empty where not finite */
-int csv_line(csv *c, const char *format, ...) COMMON_PRINTF(2, 3); /* a row by hand, without the newline */
-int csv_close(csv *c);
-
-/* ---- reading ---- */
 /* A column is of text if its first cell that is not empty is no number; its values are NaN. An empty cell is NaN. */
 typedef struct csv_data {
     int rows, columns;

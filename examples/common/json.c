@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "output.h"
+#include "io.h"
 
 enum { DEEPEST = 32 };
 

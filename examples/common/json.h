@@ -10,7 +10,7 @@ typedef struct json json;
 
 /* Begins the object. path NULL: returns NULL, and every call below does nothing. */
 json *json_open(const char *path);
-int json_close(json *j); /* ends the object; 0, or -1 after one line on stderr */
+int json_close(json *j); /* ends the object; 0, or else one line was printed on stderr */
 void json_discard(json *j);
 
 /* Keys carry the SI unit: "wall_s". key is NULL inside an array. */

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "machine.h"
-#include "output.h"
+#include "io.h"
 #include "progress.h"
 
 enum { COMMON_OPTIONS = 7, LONGEST_NAME = 60 };

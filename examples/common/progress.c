@@ -1,15 +1,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "progress.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "machine.h"
 
 static volatile sig_atomic_t caught_signal;
 static volatile sig_atomic_t failed;
@@ -68,66 +65,25 @@ int common_fail(const char *format, ...) {
     return -1;
 }
 
-static void clock_text(double seconds, char *text, size_t size) {
-    if (!(seconds >= 0.0) || seconds > 360000.0) snprintf(text, size, "--:--");
-    else if (seconds < 3600.0) snprintf(text, size, "%d:%02d", (int)seconds / 60, (int)seconds % 60);
-    else snprintf(text, size, "%d:%02d:%02d", (int)seconds / 3600, (int)seconds / 60 % 60, (int)seconds % 60);
-}
-
-static void draw(progress *bar, double now) {
-    double share = bar->total > 0.0 ? bar->done / bar->total : 1.0;
-    if (!(share > 0.0)) share = 0.0;
-    if (share > 1.0) share = 1.0;
-    double elapsed = now - bar->began;
-    char left[32];
-    clock_text(share > 0.0 ? elapsed * (1.0 - share) / share : -1.0, left, sizeof left);
-    if (bar->terminal) {
-        enum { WIDTH = 30 };
-        char cells[WIDTH + 1];
-        int full = (int)(share * WIDTH);
-        for (int i = 0; i < WIDTH; i++) cells[i] = i < full ? '#' : '.';
-        cells[WIDTH] = '\0';
-        fprintf(stderr, "\r%-24.24s [%s] %3d %%  %s left \033[K", bar->what, cells, (int)(100.0 * share), left);
-        fflush(stderr);
-    } else if ((int)(4.0 * share) > bar->quarter && share < 1.0) {
-        bar->quarter = (int)(4.0 * share);
-        fprintf(stderr, "%s: %d %%, %s left\n", bar->what, 25 * bar->quarter, left);
-    }
-    bar->printed = now;
-}
-
 void progress_begin(progress *bar, const char *what, double total) {
-    bar->what = what;
-    bar->total = total;
-    bar->done = 0.0;
-    bar->began = machine_seconds();
-    bar->printed = -HUGE_VAL;
-    bar->quarter = 0;
-    bar->terminal = isatty(STDERR_FILENO) == 1;
+    riddle_io_progress_begin(bar, what, total);
     bar->active = !quiet_run;
 }
 
-static void advance(progress *bar, double done, double more) {
-    if (!bar->active) return;
+void progress_update(progress *bar, double done) {
     pthread_mutex_lock(&printing);
-    bar->done = (more != 0.0 ? bar->done : done) + more;
-    double now = machine_seconds();
-    if (now - bar->printed >= 0.1) draw(bar, now);
+    riddle_io_progress_update(bar, done);
     pthread_mutex_unlock(&printing);
 }
 
-void progress_update(progress *bar, double done) { advance(bar, done, 0.0); }
-
 void progress_add(progress *bar, double more) {
-    if (more != 0.0) advance(bar, 0.0, more);
+    pthread_mutex_lock(&printing);
+    riddle_io_progress_update(bar, bar->done + more);
+    pthread_mutex_unlock(&printing);
 }
 
 void progress_end(progress *bar) {
-    if (!bar->active) return;
     pthread_mutex_lock(&printing);
-    double elapsed = machine_seconds() - bar->began;
-    if (bar->terminal) fprintf(stderr, "\r\033[K");
-    fprintf(stderr, "%s: %s %.1f s\n", bar->what, common_interrupted() ? "stopped after" : "done in", elapsed);
+    riddle_io_progress_end(bar, common_interrupted() ? "stopped after" : NULL);
     pthread_mutex_unlock(&printing);
-    bar->active = false;
 }

@@ -4,6 +4,11 @@
 
 #include <stdbool.h>
 
+#ifndef RIDDLE_IO_API
+#define RIDDLE_IO_API extern /* the one copy of the bodies is in io.c */
+#endif
+#include "riddle_io.h"
+
 #if defined(__GNUC__)
 #define COMMON_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #else
@@ -23,15 +28,8 @@ void common_print(const char *format, ...) COMMON_PRINTF(1, 2);
 /* Prints "<program>: ..." as one line on stderr and marks the run as failed: common_exit_status() is then 1. Returns -1. */
 int common_fail(const char *format, ...) COMMON_PRINTF(1, 2);
 
-/* A bar with the time left on a terminal (stderr), else a line at each quarter; nothing when --quiet.
-   Owned by the caller; safe to update from several threads. */
-typedef struct progress {
-    const char *what;
-    double total, done;    /* in any unit, progress is done / total */
-    double began, printed; /* machine_seconds() */
-    int quarter;
-    bool terminal, active;
-} progress;
+/* The bar of riddle_io.h, that several threads may share; nothing when --quiet. */
+typedef struct riddle_io_progress progress;
 
 void progress_begin(progress *bar, const char *what, double total);
 void progress_update(progress *bar, double done); /* cheap: at most 10 prints a second; one clock read each */

@@ -1,0 +1,81 @@
+#define _XOPEN_SOURCE 700
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void created(const char *name);
+static void gone(const char *name);
+static void tell(const char *line);
+
+#define RIDDLE_IO_API extern
+#define RIDDLE_IO_IMPLEMENTATION
+#define RIDDLE_IO_FAIL(line) tell(line)
+#define RIDDLE_IO_CREATED(name) created(name)
+#define RIDDLE_IO_GONE(name) gone(name)
+#include "io.h"
+
+static void tell(const char *line) { common_fail("%s", line); }
+
+/* Every file that is half written, so that leaving early removes it. */
+enum { MOST_FILES = 256 };
+static char *half_written[MOST_FILES];
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
+static void remove_half_written(void) {
+    for (int i = 0; i < MOST_FILES; i++)
+        if (half_written[i]) unlink(half_written[i]);
+}
+
+static void created(const char *name) {
+    static int registered;
+    char *copy = malloc(strlen(name) + 1);
+    pthread_mutex_lock(&lock);
+    if (!registered) registered = atexit(remove_half_written) == 0;
+    for (int i = 0; copy && i < MOST_FILES; i++)
+        if (!half_written[i]) {
+            half_written[i] = strcpy(copy, name);
+            copy = NULL;
+        }
+    pthread_mutex_unlock(&lock);
+    free(copy);
+}
+
+static void gone(const char *name) {
+    pthread_mutex_lock(&lock);
+    for (int i = 0; i < MOST_FILES; i++)
+        if (half_written[i] && strcmp(half_written[i], name) == 0) {
+            free(half_written[i]);
+            half_written[i] = NULL;
+        }
+    pthread_mutex_unlock(&lock);
+}
+
+const char *output_find(char *buffer, size_t size, const char *name) {
+    output_path(buffer, size, NULL, name);
+#ifdef RIDDLE_ROOT /* meson.build sets it */
+    if (access(buffer, F_OK) != 0) output_path(buffer, size, RIDDLE_ROOT, name);
+#endif
+    return buffer;
+}
+
+csv *csv_open(const char *folder, const char *name, const char *header) {
+    csv *c = output_open(folder, name);
+    output_print(c, "%s\n", header);
+    return c;
+}
+
+int csv_line(csv *c, const char *format, ...) {
+    if (!c) return -1;
+    char line[4000];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    if (length < 0 || length >= (int)sizeof line) return common_fail("a row of %d characters is too long", length);
+    return output_print(c, "%s\n", line);
+}
+
+void table_end(table *t) { table_end_to(t, common_quiet() ? NULL : stdout); }

@@ -1,0 +1,252 @@
+/* riddle_io.h on its own, as a host includes it: files are whole or absent, missing folders are made, and running out of memory anywhere
+   leaves nothing behind. What stands in the files is read back in test_common.c and test_plot.c. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static long allowed = -1; /* how many more blocks there are; -1: any number */
+static int blocks;        /* held now */
+static int said, created_files;
+static char last_line[1000];
+
+static void *resize(void *old, size_t size) {
+    if (allowed == 0) return NULL;
+    if (allowed > 0) allowed--;
+    void *memory = realloc(old, size);
+    if (!old && memory) blocks++;
+    return memory;
+}
+
+static void give_back(void *old) {
+    blocks--;
+    free(old);
+}
+
+static void told(const char *line) {
+    said++;
+    snprintf(last_line, sizeof last_line, "%s", line);
+}
+
+#define RIDDLE_IO_REALLOC(old, size) resize(old, size)
+#define RIDDLE_IO_FREE(old) give_back(old)
+#define RIDDLE_IO_FAIL(line) told(line)
+#define RIDDLE_IO_CREATED(name) (created_files += *(name) != 0)
+#define RIDDLE_IO_GONE(name) (created_files -= *(name) != 0)
+#include "riddle_io.h"
+
+static char folder[200];
+
+static int begin(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    allowed = -1;
+    blocks = said = created_files = 0;
+    snprintf(folder, sizeof folder, "%s/riddle-io.XXXXXX", base ? base : "/tmp");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+/* Counts the files below a folder, and removes all of it when asked. */
+static int files_below(const char *path, bool clear) {
+    int n = 0;
+    DIR *d = opendir(path);
+    for (struct dirent *e; d && (e = readdir(d)) != NULL;) {
+        char inner[700];
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, e->d_name);
+        struct stat info;
+        if (lstat(inner, &info) == 0 && S_ISDIR(info.st_mode)) n += files_below(inner, clear);
+        else {
+            n++;
+            if (clear) remove(inner);
+        }
+    }
+    if (d) closedir(d);
+    if (clear) rmdir(path);
+    return n;
+}
+
+static int end(void **state) {
+    (void)state;
+    files_below(folder, true);
+    return blocks || created_files ? -1 : 0; /* nothing is kept */
+}
+
+static void expect_text(const char *path, const char *expected) {
+    char text[500] = "";
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    assert_string_equal(text, expected);
+}
+
+static void test_missing_folders_are_made(void **state) {
+    (void)state;
+    char inner[400], path[500];
+    const double row[] = {1.5, (double)NAN, -HUGE_VAL, 1e-300};
+    riddle_io_path(inner, sizeof inner, folder, "a/b//c");
+    riddle_io_file *f = riddle_io_open(inner, "d/table.csv");
+    assert_non_null(f);
+    assert_int_equal(riddle_io_print(f, "x,y,z,w\n"), RIDDLE_IO_OK);
+    assert_int_equal(riddle_io_row(f, row, 4), RIDDLE_IO_OK);
+    assert_int_equal(riddle_io_row(f, NULL, 0), RIDDLE_IO_OK);
+    riddle_io_path(path, sizeof path, inner, "d/table.csv");
+    assert_int_equal(access(path, F_OK), -1); /* not there before it is whole */
+    assert_int_equal(created_files, 1);
+    assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
+    expect_text(path, "x,y,z,w\n1.5,,,1e-300\n\n");
+    assert_int_equal(files_below(folder, false), 1);
+}
+
+static void test_the_older_file_stays(void **state) {
+    (void)state;
+    char path[400];
+    riddle_io_file *f = riddle_io_open(folder, "a");
+    riddle_io_print(f, "old");
+    assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
+    f = riddle_io_open(folder, "a");
+    riddle_io_print(f, "new");
+    riddle_io_discard(f);
+    expect_text(riddle_io_path(path, sizeof path, folder, "a"), "old");
+    assert_int_equal(files_below(folder, false), 1);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    char path[400], message[100] = "";
+    assert_null(riddle_io_open(NULL, NULL));
+    assert_null(riddle_io_open(folder, ".."));
+    riddle_io_close(riddle_io_open(folder, "file"));
+    assert_null(riddle_io_open(riddle_io_path(path, sizeof path, folder, "file/sub"), "x"));
+    assert_non_null(strstr(last_line, "/file/sub/x: Not a directory"));
+    assert_int_equal(riddle_io_make_folder(path, message, sizeof message), RIDDLE_IO_NOT_WRITTEN);
+    assert_string_equal(message, "Not a directory");
+    assert_int_equal(riddle_io_make_folder("", message, sizeof message), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_make_folder(NULL, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_can_write(NULL, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_can_write(folder, message, sizeof message), RIDDLE_IO_NOT_WRITTEN);
+    assert_int_equal(riddle_io_write(NULL, "x", 1), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_print(NULL, "x"), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_row(NULL, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_close(NULL), RIDDLE_IO_BAD_ARGUMENT);
+    riddle_io_discard(NULL);
+    assert_null(riddle_io_series_open(folder, NULL));
+    assert_null(riddle_io_series_name(NULL, 0.0));
+    assert_int_equal(riddle_io_series_close(NULL), RIDDLE_IO_BAD_ARGUMENT);
+    riddle_io_array nothing = riddle_io_scalar("x", NULL);
+    assert_int_equal(riddle_io_points(folder, "p.vtp", 1, nothing, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_points(folder, "p.vtp", -1, riddle_io_vector("position", NULL), NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_points(folder, "p.vtp", 0, riddle_io_vector("position", NULL), NULL, 0), RIDDLE_IO_OK);
+    assert_int_equal(riddle_io_lines(folder, "l.vtp", 0, riddle_io_vector("position", NULL), 1, NULL, NULL, NULL, 0),
+                     RIDDLE_IO_BAD_ARGUMENT);
+    const double square[12] = {0.0};
+    const int falling[] = {3, 2}, corners[] = {0, 1, 4}, triangle[] = {3};
+    assert_int_equal(riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 2, falling, corners, NULL, 0),
+                     RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 1, triangle, corners, NULL, 0),
+                     RIDDLE_IO_BAD_ARGUMENT);
+    const int none[3] = {0, 1, 1};
+    const double place[3] = {0.0, 0.0, 0.0};
+    assert_int_equal(riddle_io_cells(folder, "c.vti", none, place, place, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    riddle_io_table t = riddle_io_table_begin("a|b");
+    riddle_io_table_end(&t, NULL);
+    assert_int_equal(files_below(folder, false), 2);
+    for (int i = 0; i <= RIDDLE_IO_STATUS_COUNT + 1; i++) assert_true(strlen(riddle_io_status_text((riddle_io_status)i)) > 0);
+}
+
+static void test_a_full_disk_is_told(void **state) {
+    (void)state;
+    if (access("/dev/full", W_OK) != 0) skip();
+    const double xyz[] = {1.0, 2.0, 3.0};
+    assert_int_equal(riddle_io_points(NULL, "/dev/full", 1, riddle_io_vector("position", xyz), NULL, 0), RIDDLE_IO_NOT_WRITTEN);
+    assert_string_equal(last_line, "/dev/full: No space left on device");
+    assert_int_equal(riddle_io_plot_write(riddle_io_plot_new(NULL, 1, 1), NULL, "/dev/full"), RIDDLE_IO_NOT_WRITTEN);
+    assert_int_equal(said, 2);
+}
+
+/* Everything that takes memory. True if every step told that it worked. */
+static bool write_everything(void) {
+    const double x[] = {0.0, 1.0, 2.0}, xyz[9] = {0.0};
+    static const char *const names[] = {"a", "b", "c"};
+    const int ends[] = {3}, corners[] = {0, 1, 2}, size[3] = {3, 1, 1};
+    bool worked = true;
+    riddle_io_array array = riddle_io_scalar("x", x), position = riddle_io_vector("position", xyz);
+    riddle_io_series *series = riddle_io_series_open(folder, "s.pvd");
+    for (int i = 0; i < 3; i++)
+        worked &= riddle_io_points(folder, riddle_io_series_name(series, i), 3, position, &array, 1) == RIDDLE_IO_OK;
+    worked &= riddle_io_series_close(series) == RIDDLE_IO_OK;
+    worked &= riddle_io_polygons(folder, "t.vtp", 3, position, 1, ends, corners, NULL, 0) == RIDDLE_IO_OK;
+    worked &= riddle_io_cells(folder, "c.vti", size, x, x, &array, 1) == RIDDLE_IO_OK;
+    riddle_io_plot *p = riddle_io_plot_new("title", 1, 2);
+    riddle_io_plot_panel(p, 0, 0, "x", "y");
+    riddle_io_plot_title(p, "panel");
+    riddle_io_plot_line(p, "line", x, x, 3);
+    riddle_io_plot_band(p, "band", x, x, x, 3);
+    riddle_io_plot_error_bars(p, "error", x, x, x, 3);
+    riddle_io_plot_horizontal(p, "h", 1.0);
+    for (int i = 0; i < 20; i++) riddle_io_plot_text(p, 0.0, 0.0, "text");
+    riddle_io_plot_panel(p, 0, 1, "x", "y");
+    riddle_io_plot_bars(p, "bars", names, x, 3);
+    riddle_io_plot_heat(p, "heat", x, 3, 1, 0.0, 1.0, 0.0, 1.0);
+    riddle_io_plot_heat_range(p, 0.0, 1.0);
+    worked &= riddle_io_plot_write(p, folder, "p.svg") == RIDDLE_IO_OK;
+    char message[100];
+    worked &= riddle_io_make_folder(folder, message, sizeof message) == RIDDLE_IO_OK;
+    int before = said;
+    riddle_io_table t = riddle_io_table_begin("a|b");
+    riddle_io_table_cell(&t, "%300d", 1);
+    riddle_io_table_end(&t, NULL);
+    return worked && said == before;
+}
+
+static void test_every_block_may_be_missing(void **state) {
+    (void)state;
+    int failures = 0;
+    for (long n = 0;; n++) {
+        allowed = n;
+        said = 0;
+        bool worked = write_everything();
+        assert_int_equal(blocks, 0);
+        assert_int_equal(created_files, 0);
+        if (worked) break;
+        failures++;
+        assert_true(n < 1000);
+    }
+    assert_true(failures > 50);
+    assert_int_equal(files_below(folder, false), 7); /* three frames and their index, polygons, cells, figure; no temporary ones */
+}
+
+static void test_progress(void **state) {
+    (void)state;
+    riddle_io_progress bar;
+    riddle_io_progress_begin(&bar, "nothing", (double)NAN);
+    bar.active = 0;
+    riddle_io_progress_update(&bar, 1.0);
+    riddle_io_progress_end(&bar, NULL);
+    assert_true(riddle_io_seconds() > 0.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_missing_folders_are_made, begin, end),
+        cmocka_unit_test_setup_teardown(test_the_older_file_stays, begin, end),
+        cmocka_unit_test_setup_teardown(test_refused, begin, end),
+        cmocka_unit_test_setup_teardown(test_a_full_disk_is_told, begin, end),
+        cmocka_unit_test_setup_teardown(test_every_block_may_be_missing, begin, end),
+        cmocka_unit_test(test_progress),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
