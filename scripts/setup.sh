@@ -43,6 +43,7 @@ is_there() {
     ninja) command -v ninja >/dev/null 2>&1 || command -v ninja-build >/dev/null 2>&1 || command -v samu >/dev/null 2>&1 ;;
     pkg-config) command -v pkg-config >/dev/null 2>&1 || command -v pkgconf >/dev/null 2>&1 ;;
     cmocka) pkg-config --exists cmocka 2>/dev/null || pkgconf --exists cmocka 2>/dev/null ;;
+    liblammps) pkg-config --exists liblammps 2>/dev/null ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
 }
@@ -54,6 +55,8 @@ package_of() {
     ninja) echo ninja-build ;;
     cmocka) echo libcmocka-dev ;;
     nm) echo binutils ;;
+    mpirun) echo "openmpi-bin libopenmpi-dev" ;;
+    liblammps) echo liblammps-dev ;;
     *) echo "$1" ;;
     esac
 }
