@@ -145,6 +145,7 @@ static void measure(csv *file, const wet_scene *wet, const dem_world *world, int
 
 int main(int argc, char **argv) {
     int scene = 0;
+    bool dry = false;
     double duration = 0.1, every = 1e-3, moisture = 0.01;
     char place[600];
     const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *data = NULL;
@@ -153,6 +154,7 @@ int main(int argc, char **argv) {
         option_positive("time", "S", &duration, 1e3, "simulated time [s]"),
         option_positive("every", "S", &every, 1e3, "between two lines of the course [s]"),
         option_double("moisture", "SHARE", &moisture, 1e-4, 0.05, "mass of water over mass of spheres [-]"),
+        option_flag("dry", &dry, "without liquid: what the wet run is compared with"),
         option_string("beds", "DIR", &folder, "folder of the bed's start"),
         option_string("data", "FILE", &data, "write the start as a LAMMPS data file and run nothing"),
     };
@@ -174,16 +176,16 @@ int main(int argc, char **argv) {
         for (int i = 0; i < s.n && status == DEM_OK; i++)
             status = dem_set_motion(&world, i, dem_vec3(s.velocity[3 * i], s.velocity[3 * i + 1], s.velocity[3 * i + 2]),
                                     dem_vec3(0.0, 0.0, 0.0));
-        if (status == DEM_OK && wet(&books, &world, &s, group, moisture) != 0) status = DEM_BAD_ARGUMENT;
+        if (status == DEM_OK && !dry && wet(&books, &world, &s, group, moisture) != 0) status = DEM_BAD_ARGUMENT;
         csv *file = csv_open(self.out, "course.csv", "time_s,bridges,liquid_m3,height_m,kinetic_energy_J");
         double cpu = 0.0;
         progress bar;
         progress_begin(&bar, scene ? "drum" : "bed", duration);
         while (status == DEM_OK && world.time < duration - 0.5 * world.def.dt && !common_interrupted()) {
             const double begun = machine_processor_seconds();
-            status = wet_run(&world, every, 0);
+            status = dry ? dem_run(&world, every, DEM_LINEAR | DEM_FRICTION) : wet_run(&world, every, 0);
             cpu += machine_processor_seconds() - begun;
-            measure(file, &books, &world, scene ? 1 : 2);
+            if (!dry) measure(file, &books, &world, scene ? 1 : 2);
             progress_update(&bar, world.time);
         }
         progress_end(&bar);
