@@ -1,5 +1,5 @@
 /* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving.
-   Relies on base.h.
+   Relies on base.h, solids_api.h (filtration_solid).
    May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
 
 /* ==== >>fluid ==== */
@@ -36,17 +36,6 @@ typedef enum filtration_face {
     FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. A sphere cut by it gives the force on the part inside the box */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
-
-/* A solid at rest, by functions of the caller, called in filtration_fluid_init and when spheres touch it. */
-typedef struct filtration_solid {
-    /* Signed distance from a point [m] to the surface [m], > 0 in the fluid. The sign and the zero must be right; elsewhere it may be
-       smaller than the true distance, never larger. Points lie up to a voxel outside the box: periodic solids repeat themselves. NULL:
-       no solid. */
-    double (*distance)(const void *self, const double point[3]);
-    /* Fraction of the way from a fluid point to a solid one at which the surface lies, above 0 .. 1 [-]. NULL: found from `distance`. */
-    double (*cut)(const void *self, const double fluid[3], const double solid[3]);
-    const void *self;
-} filtration_solid;
 
 /* Everything that does not change in time. Made by filtration_fluid_default_def(). The box reaches from 0 to nodes[a] * voxel on each
    axis; node i lies at (i + 1/2) voxel. */

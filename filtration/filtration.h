@@ -1,4 +1,4 @@
-/* filtration.h: cake filtration: the filtration equation, the evaluation of filter curves, prediction.
+/* filtration.h: cake filtration: the filtration equation, the evaluation of filter curves, prediction; solids.
 
    #include <stdio.h>
    #include "filtration.h"
@@ -16,11 +16,11 @@
    Models. Filtration equation (1) to (3): Puderbach, Schmidt and Antonyuk (2021), "the paper"; evaluation in the manner of VDI 2762;
    Kozeny and Carman (1937); compressible cakes: power laws, Tiller (1953).
 
-   Find your way: >>base, >>process; the bodies have the same tags. It is developed in parts: filtration/.
+   Find your way: >>base, >>process, >>solids; the bodies have the same tags. It is developed in parts: filtration/.
 
    Units: SI. Fractions and numbers without unit [-].
 
-   Memory, threads: nothing is allocated, no object is shared.
+   Memory, threads: only filtration_bed_init allocates, through its hook. No object is shared.
 
    Determinism: same input, same bits on every machine and compiler (without fused multiply-add: -ffp-contract=off).
 
@@ -33,11 +33,13 @@
 #include "compiler.h"
 #include "base.h"
 #include "process_api.h"
+#include "solids_api.h"
 #include "../tests/portable_math.h"
 #include "process_laws.h"
 #ifdef FILTRATION__BODIES
 #include "process.h"
 #include "evaluate.h"
+#include "solids.h"
 #endif
 
 #ifdef __cplusplus

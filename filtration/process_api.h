@@ -56,8 +56,8 @@ static inline double filtration_student(double confidence, double freedom);
 /* shares[i] d[i]^power, made to add up to 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns back. out may be shares.
    BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
 FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out);
-/* Cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0] must be 0:
-   what is below the first size has no number. BAD_ARGUMENT. out may be Q3. */
+/* Cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0] must be
+   0: what is below the first size has no number. BAD_ARGUMENT. out may be Q3. */
 FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out);
 /* Sauter diameter [m] of volume shares. NaN where filtration_convert_shares would refuse. */
 FILTRATION_API double filtration_sauter(size_t n, const double *d, const double *volume_shares);
