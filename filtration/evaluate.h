@@ -22,7 +22,7 @@ FILTRATION_API filtration_curve_def filtration_curve_default_def(void) {
     d.last_volume = HUGE_VAL;
     d.automatic = 1;
     d.least_readings = 6;
-    d.bend_level = 0.2;
+    d.bend_level = 0.1;
     d.tolerance = 0.005;
     d.confidence = 0.95;
     return d;
@@ -49,7 +49,7 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     else if (!(d->first_volume >= 0.0)) bad = "first_volume";
     else if (!(d->last_volume > d->first_volume)) bad = "last_volume";
     else if (d->automatic != 0 && d->automatic != 1) bad = "automatic";
-    else if (d->least_readings < 4) bad = "least_readings";
+    else if (d->least_readings < 5) bad = "least_readings";
     else if (!(d->bend_level > 0.0 && d->bend_level <= 1.0)) bad = "bend_level";
     else if (!(d->tolerance >= 0.0)) bad = "tolerance";
     else if (!(d->confidence > 0.0 && d->confidence < 1.0)) bad = "confidence";
@@ -79,16 +79,18 @@ static inline int filtration__reading(const filtration__readings *r, size_t i, d
     return 1;
 }
 
-/* Weighted straight line, and the parabola orthogonal to it. */
+/* Weighted straight line, and the parabola and the cubic orthogonal to it. x' = x - mean_x. */
 typedef struct filtration__line {
     size_t n;
     double weights, mean_x, mean_y, sxx, sxy, syy, low, high; /* low, high: range of x */
-    double curvature, s22;                                    /* of the parabola x'^2 - skew x' - sxx / weights, x' = x - mean_x */
+    double curvature[2];                                      /* factors of the parabola x'^2 ..., of the cubic x'^3 ... */
+    double explained;                                         /* sum of weighted squares that both explain */
     double squares, neighbours;                               /* sum of weighted squared residuals; of neighbours' products */
 } filtration__line;
 
-static inline void filtration__fit(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
-    double x, y, weight, cubes = 0.0, bent = 0.0, before = 0.0;
+/* Means and moments up to the straight line; returns the sum of weight x'^3. */
+static inline double filtration__fit_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
+    double x, y, weight, cubes = 0.0;
     memset(line, 0, sizeof *line);
     line->low = HUGE_VAL, line->high = -HUGE_VAL;
     for (size_t i = first; i <= last; i++) {
@@ -105,32 +107,45 @@ static inline void filtration__fit(const filtration__readings *r, size_t first, 
         line->sxx += weight * x * x, line->sxy += weight * x * y, line->syy += weight * y * y;
         cubes += weight * x * x * x;
     }
+    return cubes;
+}
+
+/* The line, its residuals, and by the three-term recurrence of orthogonal polynomials (Forsythe 1957) what is bent. */
+static inline void filtration__fit(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
+    const double skew = filtration__fit_line(r, first, last, line) / line->sxx, spread = line->sxx / line->weights;
+    double x, y, weight, before = 0.0, s22 = 0.0, s33 = 0.0, in_2 = 0.0, in_3 = 0.0, shift = 0.0;
     for (size_t i = first; i <= last; i++) {
         if (!filtration__reading(r, i, &x, &y, &weight)) continue;
         x -= line->mean_x, y -= line->mean_y;
-        const double parabola = x * x - cubes / line->sxx * x - line->sxx / line->weights;
-        const double residual = sqrt(weight) * (y - line->sxy / line->sxx * x);
-        line->s22 += weight * parabola * parabola, bent += weight * parabola * y;
+        const double parabola = (x - skew) * x - spread, residual = sqrt(weight) * (y - line->sxy / line->sxx * x);
+        s22 += weight * parabola * parabola, in_2 += weight * parabola * y, shift += weight * x * parabola * parabola;
         line->squares += residual * residual, line->neighbours += residual * before;
         before = residual;
     }
-    line->curvature = bent / line->s22;
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &weight)) continue;
+        x -= line->mean_x, y -= line->mean_y;
+        const double cubic = (x - shift / s22) * ((x - skew) * x - spread) - s22 / line->sxx * x;
+        s33 += weight * cubic * cubic, in_3 += weight * cubic * y;
+    }
+    line->curvature[0] = s22 > 0.0 ? in_2 / s22 : 0.0, line->curvature[1] = s33 > 0.0 ? in_3 / s33 : 0.0;
+    line->explained = line->curvature[0] * in_2 + line->curvature[1] * in_3;
 }
 
+/* Largest departure of parabola and cubic from the line over the stretch, about, over the mean ordinate. */
 static inline double filtration__bend(const filtration__line *line) {
-    const double span = line->high - line->low;
-    return fabs(line->curvature) * span * span * 0.25 / line->mean_y;
+    const double half = 0.5 * (line->high - line->low);
+    return (fabs(line->curvature[0]) + fabs(line->curvature[1]) * half) * half * half / line->mean_y;
 }
 
-/* Is the parabola's share more than chance would make, and more than the tolerance? */
+/* Do parabola and cubic explain more than chance would make them (F test with 2 and n - 4 degrees of freedom), and more than the tolerance?
+   A parabola alone would not see the S of flat, steep, less steep. */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line) {
     if (!(line->sxx > 0.0)) return 0;
     if (filtration__bend(line) <= r->def->tolerance) return 1;
-    const double freedom = (double)line->n - 3.0, explained = line->curvature * line->curvature * line->s22;
-    const double rest = line->squares - explained;
-    double density;
-    if (!(rest > 0.0)) return 0;
-    return filtration__student_tail(freedom, sqrt(explained * freedom / rest), &density) >= r->def->bend_level;
+    const double freedom = (double)line->n - 4.0, rest = line->squares - line->explained;
+    if (!(rest > 0.0 && freedom > 0.0)) return 0;
+    return riddle_exp(-0.5 * freedom * riddle_log1p(line->explained / rest)) >= r->def->bend_level;
 }
 
 /* The stretch over the widest range of volumes that is straight, of up to `grid` starts and ends; first and last unchanged if there is

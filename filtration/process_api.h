@@ -110,9 +110,9 @@ typedef struct filtration_curve_def {
     double first_volume;    /* readings from here ... [m3] >= 0; default 0 */
     double last_volume;     /* ... to here [m3]; default HUGE_VAL */
     int automatic;          /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
-    size_t least_readings;  /* of a stretch, >= 4; default 6 */
+    size_t least_readings;  /* of a stretch, >= 5; default 6 */
     double bend_level;      /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
-                               default 0.2 */
+                               default 0.1 */
     double tolerance;       /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
     double confidence;      /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
@@ -126,7 +126,7 @@ typedef struct filtration_estimate {
 /* What a reader of the result should know. */
 #define FILTRATION_REMARKS(X)                                                                         \
     X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                     \
-    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: settled solids, or a late start of the clock") \
+    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late") \
     X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen") \
     X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring residuals are alike: the interval was widened")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
@@ -146,7 +146,7 @@ typedef struct filtration_curve {
     double student;                /* factor of the interval of slope and intercept [-] */
     double scatter;                /* standard deviation of t / V about the line, over its mean [-] */
     double r2;                     /* coefficient of determination [-] */
-    double bend;                   /* sagitta of the best parabola over the stretch, over the mean t / V [-] */
+    double bend;                   /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
     double correlation;            /* of neighbouring residuals [-] */
     unsigned remarks;              /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */

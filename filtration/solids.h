@@ -31,17 +31,6 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
 
 /* ---- woven cloth ---- */
 
-static inline double filtration_cloth_period(const filtration_cloth *cloth) {
-    return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
-}
-
-static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
-    const double ratio = cloth->opening / (cloth->wire + cloth->opening);
-    return ratio * ratio;
-}
-
-static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; }
-
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre) {
     if (!cloth || !(wire > 0.0 && opening > 0.0 && filtration__is_finite(wire) && filtration__is_finite(opening)) ||

@@ -42,10 +42,15 @@ typedef struct filtration_cloth {
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
 /* Length after which it repeats along x and y [m]: a box of a periodic fluid is a multiple of it. */
-static inline double filtration_cloth_period(const filtration_cloth *cloth);
+static inline double filtration_cloth_period(const filtration_cloth *cloth) {
+    return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
+}
 /* Share of the plane not covered, seen from above: (opening / pitch)^2 [-]. */
-static inline double filtration_cloth_open_area(const filtration_cloth *cloth);
-static inline double filtration_cloth_thickness(const filtration_cloth *cloth); /* two wires [m] */
+static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
+    const double ratio = cloth->opening / (cloth->wire + cloth->opening);
+    return ratio * ratio;
+}
+static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
 /* Signed distance from its surface [m], > 0 outside. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);

@@ -1,0 +1,377 @@
+/* Resistances of filter cake and medium from a measured filter curve, by filtration.h, in the manner of VDI 2762.
+
+   1. curve.svg: t / V over V, the straight stretch, its line with the interval, and what is left over.
+   2. prediction.svg: filtrate in time on another filter: --new-area-cm2, --new-pressure-pa, --new-rate-ml-s.
+
+   Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     columns time_s and volume_ml, volume_m3 or mass_g
+   Without --data the readings are drawn: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach, Schmidt & Antonyuk,
+   Processes 9 (2021) 826, R_MI 2e6 1/m, r_K K_S 4.14e9 1/m2 and 0.5 % scatter. The paper's raw readings are not printed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "filtration.h"
+
+enum { DRAWN = 56, CURVE = 200 };
+
+/* The command line in SI units. */
+typedef struct settings {
+    const char *data;
+    filtration_curve_def def;
+    double clean_volume;  /* [m3]; 0: no clean stretch */
+    double setup;         /* resistance of the empty set-up [1/m] */
+    double density;       /* of the filtrate [kg/m3] */
+    double cake_height;   /* at the end [m]; 0: unknown */
+    double sauter;        /* of the particles [m]; 0: unknown */
+    double new_area, new_pressure, new_rate, new_volume, compressibility;
+} settings;
+
+typedef struct readings {
+    double *time, *volume; /* [n] [s] [m3] */
+    size_t n;
+} readings;
+
+static readings make_readings(size_t n) {
+    readings r = {malloc(2 * (n + 1) * sizeof(double)), NULL, n};
+    if (!r.time) exit((common_fail("out of memory"), common_exit_status()));
+    r.volume = r.time + n + 1;
+    return r;
+}
+
+/* ---- readings ---- */
+
+static const char *const columns = "a file with the columns time_s and one of volume_ml, volume_m3, mass_g";
+
+static void refuse_file(const program *self, const char *path, const char *reason) {
+    char text[600];
+    snprintf(text, sizeof text, "%s; this one: %s", columns, reason);
+    program_refuse(self, "data", path, text);
+}
+
+static readings read_readings(const program *self, const settings *s) {
+    csv_data data;
+    char message[400];
+    if (csv_read(s->data, &data, message, sizeof message) != 0) refuse_file(self, s->data, message);
+    static const char *const names[] = {"volume_ml", "volume_m3", "mass_g"};
+    const double factors[] = {1e-6, 1.0, 1e-3 / s->density};
+    int kind = 0;
+    while (kind < 3 && csv_column(&data, names[kind]) < 0) kind++;
+    if (kind == 3 || csv_column(&data, "time_s") < 0) program_refuse(self, "data", s->data, columns);
+    readings r = make_readings((size_t)data.rows);
+    for (int i = 0; i < data.rows; i++) {
+        r.time[i] = csv_value(&data, i, "time_s");
+        r.volume[i] = factors[kind] * csv_value(&data, i, names[kind]);
+        if (!(isfinite(r.time[i]) && r.volume[i] >= 0.0) || (i > 0 && r.time[i] < r.time[i - 1])) {
+            snprintf(message, sizeof message, "row %d, time %g s, %s %g: not a number, negative, or before the row above", i + 1, r.time[i],
+                     names[kind], r.volume[i] / factors[kind]);
+            refuse_file(self, s->data, message);
+        }
+    }
+    csv_free(&data);
+    return r;
+}
+
+static double next_random(uint64_t *s) { /* 0 < u < 1, splitmix64 */
+    uint64_t x = *s += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
+}
+
+/* The paper's shape: the clean medium up to 1 mm of suspension (2 mL), from 3 mm (6 mL) on the line of the cake. */
+static readings draw_readings(const settings *s, uint64_t seed) {
+    const double slope = filtration_slope(4.14e9, s->def.pressure, s->def.viscosity, s->def.area);
+    const double clean = filtration_intercept(3.4e6, s->def.pressure, s->def.viscosity, s->def.area);
+    const double blocked = filtration_intercept(5.4e6, s->def.pressure, s->def.viscosity, s->def.area);
+    readings r = make_readings(DRAWN);
+    for (int i = 0; i < DRAWN; i++) {
+        const double V = r.volume[i] = 7e-3 * s->def.area * (i + 1) / DRAWN;
+        const double x = fmin(fmax((V / s->def.area - 1e-3) / 2e-3, 0.0), 1.0), share = x * x * (3.0 - 2.0 * x);
+        const double normal = sqrt(-2.0 * log(next_random(&seed))) * cos(6.283185307179586 * next_random(&seed));
+        r.time[i] = V * (clean + share * (slope * V + blocked - clean)) * (1.0 + 0.005 * normal);
+        if (i > 0) r.time[i] = fmax(r.time[i], r.time[i - 1]);
+    }
+    return r;
+}
+
+/* ---- results ---- */
+
+static void report_estimate(json *report, const char *key, const filtration_estimate *e) {
+    json_object_begin(report, key);
+    json_number(report, "value", e->value);
+    json_number(report, "standard_error", e->error);
+    json_number(report, "low", e->low);
+    json_number(report, "high", e->high);
+    json_object_end(report);
+}
+
+static void row(table *t, const char *name, const char *unit, const filtration_estimate *e) {
+    table_cell(t, "%s", name);
+    table_cell(t, "%.4g", e->value);
+    table_cell(t, "%.2g", e->error);
+    table_cell(t, "%.4g .. %.4g", e->low, e->high);
+    table_cell(t, "%s", unit);
+}
+
+static void print_curve(const settings *s, const readings *r, const filtration_curve *c, const filtration_estimate *clean) {
+    common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n", c->first + 1,
+                 c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used, 100.0 * c->scatter, c->r2);
+    common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence, c->student, c->freedom);
+    table t = table_begin("|value|standard error|interval|unit");
+    row(&t, "slope", "s/m6", &c->slope);
+    row(&t, "intercept", "s/m3", &c->intercept);
+    row(&t, "r_K K_S", "1/m2", &c->product);
+    if (c->cake.value == c->cake.value) row(&t, "specific cake resistance r_K", "1/m2", &c->cake);
+    row(&t, "medium R_M", "1/m", &c->medium);
+    if (s->clean_volume > 0.0) row(&t, "clean medium R_M0", "1/m", clean);
+    table_end(&t);
+    if (s->clean_volume > 0.0) common_print("\nInterference of the first layer R_MI = R_M - R_M0: %.3g 1/m\n", c->medium.value - clean->value);
+    if (s->sauter > 0.0 && c->cake.value > 0.0)
+        common_print("Porosity that Kozeny and Carman would give r_K at %.3g um: %.3f\n", 1e6 * s->sauter,
+                     filtration_kozeny_porosity(c->cake.value, s->sauter, FILTRATION_KOZENY_CARMAN));
+    for (unsigned bit = 1; bit <= FILTRATION_REMARK_CORRELATED; bit *= 2)
+        if (c->remarks & bit) common_print("Remark: %s\n", filtration_remark_text(bit));
+}
+
+static void report_curve(json *report, const settings *s, const readings *r, const filtration_curve *c, const filtration_estimate *clean) {
+    json_string(report, "source", s->data ? s->data : "drawn from the paper's numbers");
+    json_integer(report, "readings", (long long)r->n);
+    json_number(report, "pressure_pa", s->def.pressure);
+    json_number(report, "viscosity_pa_s", s->def.viscosity);
+    json_number(report, "area_m2", s->def.area);
+    json_number(report, "cake_ratio", s->def.cake_ratio);
+    json_object_begin(report, "stretch");
+    json_integer(report, "first", (long long)c->first);
+    json_integer(report, "last", (long long)c->last);
+    json_integer(report, "used", (long long)c->used);
+    json_number(report, "from_m3", r->volume[c->first]);
+    json_number(report, "to_m3", r->volume[c->last]);
+    json_number(report, "scatter", c->scatter);
+    json_number(report, "bend", c->bend);
+    json_number(report, "correlation", c->correlation);
+    json_number(report, "r2", c->r2);
+    json_number(report, "degrees_of_freedom", c->freedom);
+    json_number(report, "student_t", c->student);
+    json_number(report, "confidence", c->confidence);
+    json_object_end(report);
+    report_estimate(report, "slope_s_per_m6", &c->slope);
+    report_estimate(report, "intercept_s_per_m3", &c->intercept);
+    report_estimate(report, "r_k_k_s_per_m2", &c->product);
+    report_estimate(report, "r_k_per_m2", &c->cake);
+    report_estimate(report, "r_m_per_m", &c->medium);
+    if (s->clean_volume > 0.0) report_estimate(report, "r_m0_per_m", clean);
+    json_array_begin(report, "remarks");
+    for (unsigned bit = 1; bit <= FILTRATION_REMARK_CORRELATED; bit *= 2)
+        if (c->remarks & bit) json_string(report, NULL, filtration_remark_text(bit));
+    json_array_end(report);
+}
+
+/* Ordinate (t - t1) / (V - V1) over V, as measured and on the line with its interval; the residuals below. */
+static void draw_curve(const program *self, const settings *s, const readings *r, const filtration_curve *c) {
+    const double t1 = s->def.start_time, V1 = s->def.start_volume, largest = r->volume[r->n - 1];
+    double *x = malloc(6 * (r->n + 1) * sizeof *x), *y = x + r->n + 1, *used_x = y + r->n + 1, *used_y = used_x + r->n + 1;
+    double *rest = used_y + r->n + 1;
+    if (!x) exit((common_fail("out of memory"), common_exit_status()));
+    int n = 0, used = 0;
+    csv *file = csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
+    for (size_t i = 0; i < r->n; i++) {
+        const double ordinate = (r->time[i] - t1) / (r->volume[i] - V1), line = c->intercept.value + c->slope.value * (r->volume[i] + V1);
+        const int counts = i >= c->first && i <= c->last && r->volume[i] > V1 && r->time[i] > t1;
+        if (!(r->volume[i] > V1 && r->time[i] > t1)) continue;
+        const double cells[5] = {r->time[i], r->volume[i], ordinate, line, counts};
+        csv_row(file, cells, 5);
+        if (counts) used_x[used] = 1e6 * r->volume[i], used_y[used] = 1e-6 * ordinate, rest[used++] = 100.0 * (ordinate / line - 1.0);
+        else x[n] = 1e6 * r->volume[i], y[n++] = 1e-6 * ordinate;
+    }
+    csv_close(file);
+    double V[CURVE], line[CURVE], low[CURVE], high[CURVE];
+    for (int i = 0; i < CURVE; i++) {
+        const double at = largest * i / (CURVE - 1) + V1, from = c->slope.error * at, of = c->intercept.error;
+        const double error = sqrt(fmax(from * from + of * of + 2.0 * at * c->covariance, 0.0));
+        V[i] = 1e6 * (at - V1), line[i] = 1e-6 * (c->intercept.value + c->slope.value * at);
+        low[i] = line[i] - 1e-6 * c->student * error, high[i] = line[i] + 1e-6 * c->student * error;
+    }
+    plot *figure = plot_new("Filter curve", 1, 2);
+    plot_panel(figure, 0, 0, "filtrate V [mL]", V1 > 0.0 || t1 != 0.0 ? "(t − t₁) / (V − V₁) [s/mL]" : "t / V [s/mL]");
+    plot_band(figure, "interval of the line", V, low, high, CURVE);
+    plot_line(figure, "line", V, line, CURVE);
+    plot_points(figure, "readings used", used_x, used_y, used);
+    if (n > 0) {
+        plot_points(figure, "other readings", x, y, n);
+        plot_style(figure, 0, PLOT_GREY);
+    }
+    plot_panel(figure, 0, 1, "filtrate V [mL]", "reading over line − 1 [%]");
+    plot_points(figure, "", used_x, rest, used);
+    plot_horizontal(figure, "", 0.0);
+    plot_write(figure, self->out, "curve.svg");
+    free(x);
+}
+
+/* ---- prediction ---- */
+
+static filtration_operation new_operation(const settings *s, const filtration_curve *c) {
+    filtration_operation o = filtration_operation_default();
+    o.viscosity = c->viscosity, o.area = s->new_area, o.pressure = s->new_pressure, o.rate = s->new_rate;
+    o.product = fmax(c->product.value, 0.0), o.medium = fmax(c->medium.value, 0.0);
+    o.compressibility = s->compressibility, o.reference = c->pressure;
+    return o;
+}
+
+static void predict(const program *self, json *report, const settings *s, const filtration_curve *c) {
+    const filtration_operation o = new_operation(s, c);
+    const bool at_pressure = !isfinite(o.rate);
+    filtration_point end;
+    filtration_estimate time;
+    const filtration_status status = filtration_at_volume(&o, s->new_volume, &end);
+    filtration_predict(c, o.pressure, o.area, o.compressibility, s->new_volume, &time);
+    if (status != FILTRATION_OK) {
+        common_fail("no prediction: %s", filtration_status_text(status));
+        return;
+    }
+    common_print("\nOn %.4g cm2 at %.4g Pa%s, %.4g mL of filtrate take %.4g s", 1e4 * o.area, o.pressure, at_pressure ? "" : " at most",
+                 1e6 * s->new_volume, end.time);
+    if (at_pressure && c->medium.value >= 0.0) common_print(" (%.4g .. %.4g s by the fit)", time.low, time.high);
+    common_print("; at the end %.3g mL/s, %.4g Pa in all, %.4g Pa in the cake\n", 1e6 * end.flow, end.pressure, end.cake);
+    if (c->medium.value < 0.0) common_print("R_M was taken as 0 for it.\n");
+    json_object_begin(report, "prediction");
+    json_number(report, "area_m2", o.area);
+    json_number(report, "pressure_pa", o.pressure);
+    json_number(report, "rate_m3_per_s", o.rate);
+    json_number(report, "compressibility", o.compressibility);
+    json_number(report, "volume_m3", s->new_volume);
+    json_number(report, "time_s", end.time);
+    if (at_pressure) report_estimate(report, "time_by_fit_s", &time);
+    json_number(report, "flow_m3_per_s", end.flow);
+    json_number(report, "pressure_end_pa", end.pressure);
+    json_number(report, "pressure_in_cake_pa", end.cake);
+    json_object_end(report);
+
+    double t[CURVE], V[CURVE], low[CURVE], high[CURVE], flow[CURVE], pressure[CURVE];
+    csv *file = csv_open(self->out, "prediction.csv", "time_s,volume_m3,flow_m3_per_s,pressure_pa,cake_pa");
+    for (int i = 0; i < CURVE; i++) {
+        filtration_point p;
+        if (filtration_at_volume(&o, s->new_volume * (i + 1) / CURVE, &p) != FILTRATION_OK) p = end;
+        filtration_predict(c, o.pressure, o.area, o.compressibility, p.volume, &time);
+        V[i] = 1e6 * p.volume, t[i] = p.time, low[i] = time.low, high[i] = time.high, flow[i] = 1e6 * p.flow, pressure[i] = p.pressure;
+        const double cells[5] = {p.time, p.volume, p.flow, p.pressure, p.cake};
+        csv_row(file, cells, 5);
+    }
+    csv_close(file);
+    plot *figure = plot_new("Prediction", 1, 3);
+    plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
+    if (at_pressure) plot_band(figure, "interval of the fit", V, low, high, CURVE);
+    plot_line(figure, "time", V, t, CURVE);
+    plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
+    plot_line(figure, "", t, flow, CURVE);
+    plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
+    plot_line(figure, "", t, pressure, CURVE);
+    plot_write(figure, self->out, "prediction.svg");
+}
+
+/* ---- the command line ---- */
+
+/* The command line as typed, in its units. */
+typedef struct typed {
+    double pressure, viscosity, area, ratio, height, from, to, start_time, start_volume, clean, setup, density, sauter, time_error,
+        volume_error, pressure_error, area_error, viscosity_error, ratio_error, confidence, new_area, new_pressure, new_rate, new_volume,
+        compressibility;
+    bool whole;
+} typed;
+
+static settings in_si(const typed *t, const char *data, const option *options, int n) {
+    settings s;
+    memset(&s, 0, sizeof s);
+    s.data = data, s.def = filtration_curve_default_def();
+    filtration_curve_def *d = &s.def;
+    d->pressure = t->pressure, d->viscosity = t->viscosity, d->area = 1e-4 * t->area, d->cake_ratio = t->ratio > 0.0 ? t->ratio : (double)NAN;
+    d->pressure_error = 0.01 * t->pressure_error, d->area_error = 0.01 * t->area_error, d->cake_ratio_error = 0.01 * t->ratio_error;
+    d->viscosity_error = 0.01 * t->viscosity_error, d->time_error = t->time_error, d->volume_error = 1e-6 * t->volume_error;
+    d->start_time = t->start_time, d->start_volume = 1e-6 * t->start_volume;
+    d->first_volume = 1e-6 * t->from, d->last_volume = 1e-6 * t->to, d->automatic = !t->whole, d->confidence = 0.01 * t->confidence;
+    s.clean_volume = 1e-6 * t->clean, s.setup = t->setup, s.density = t->density, s.cake_height = 1e-3 * t->height, s.sauter = 1e-6 * t->sauter;
+    s.new_area = d->area, s.new_pressure = d->pressure, s.new_rate = HUGE_VAL, s.compressibility = t->compressibility;
+    for (int i = 0; i < n; i++) {
+        if (!options[i].given) continue;
+        if (strcmp(options[i].name, "new-area-cm2") == 0) s.new_area = 1e-4 * t->new_area;
+        if (strcmp(options[i].name, "new-pressure-pa") == 0) s.new_pressure = t->new_pressure;
+        if (strcmp(options[i].name, "new-rate-ml-s") == 0) s.new_rate = 1e-6 * t->new_rate;
+        if (strcmp(options[i].name, "new-volume-ml") == 0) s.new_volume = 1e-6 * t->new_volume;
+    }
+    return s;
+}
+
+/* Evaluates, or leaves with what the data lack. */
+static filtration_curve evaluate(const program *self, const settings *s, const readings *r, filtration_estimate *clean) {
+    filtration_curve c;
+    filtration_status status = filtration_evaluate(&s->def, r->n, r->time, r->volume, &c);
+    if (status == FILTRATION_OK && s->clean_volume > 0.0)
+        status = filtration_evaluate_clean(&s->def, r->n, r->time, r->volume, s->clean_volume, clean);
+    if (status != FILTRATION_OK && s->data) refuse_file(self, s->data, filtration_status_text(status));
+    if (status != FILTRATION_OK) program_refuse(self, "from-ml", NULL, "a stretch with at least 6 readings, and 6 up to --clean-ml");
+    filtration_estimate *of_medium[] = {&c.medium, clean}; /* what the empty set-up resists is not the medium's */
+    for (int i = 0; i < 2; i++) of_medium[i]->value -= s->setup, of_medium[i]->low -= s->setup, of_medium[i]->high -= s->setup;
+    return c;
+}
+
+int main(int argc, char **argv) {
+    const char *data = NULL;
+    typed t;
+    memset(&t, 0, sizeof t);
+    t.pressure = 1000.0, t.viscosity = 1e-3, t.area = 20.0, t.to = HUGE_VAL, t.density = 998.2, t.confidence = 95.0;
+    option options[] = {
+        option_string("data", "FILE", &data, "filter curve: CSV with time_s and one of volume_ml, volume_m3, mass_g"),
+        option_positive("pressure-pa", "DP", &t.pressure, 1e12, "pressure difference, constant [Pa]"),
+        option_positive("viscosity-pa-s", "MU", &t.viscosity, 1e6, "viscosity of the filtrate [Pa s]"),
+        option_positive("area-cm2", "A", &t.area, 1e12, "filter area [cm2]"),
+        option_positive("cake-ratio", "KS", &t.ratio, 1e3, "cake volume over filtrate volume K_S [-]; without it only r_K K_S is found"),
+        option_positive("cake-height-mm", "H", &t.height, 1e6, "instead: height of the cake at the last reading [mm]"),
+        option_positive("density", "RHO", &t.density, 1e5, "of the filtrate, for mass_g [kg/m3]"),
+        option_double("from-ml", "V", &t.from, 0.0, 1e15, "use readings from here on [mL]"),
+        option_positive("to-ml", "V", &t.to, 1e15, "use readings up to here [mL]; default: all"),
+        option_flag("whole", &t.whole, "use all of them, not their longest straight stretch"),
+        option_double("start-s", "T", &t.start_time, -1e12, 1e12, "time at which the stage began [s]"),
+        option_double("start-ml", "V", &t.start_volume, 0.0, 1e15, "filtrate by then [mL]"),
+        option_double("clean-ml", "V", &t.clean, 0.0, 1e15, "the medium was clean up to here [mL]: gives R_M0"),
+        option_double("setup-per-m", "R", &t.setup, 0.0, 1e30, "resistance of the set-up without the medium, subtracted [1/m]"),
+        option_positive("sauter-um", "D", &t.sauter, 1e6, "Sauter diameter of the particles [um]: porosity by Kozeny and Carman"),
+        option_double("time-error-s", "S", &t.time_error, 0.0, 1e12, "standard error of a time [s]: weighs the readings"),
+        option_double("volume-error-ml", "S", &t.volume_error, 0.0, 1e15, "standard error of a volume [mL]: weighs the readings"),
+        option_double("pressure-error-pct", "S", &t.pressure_error, 0.0, 100.0, "standard error of the pressure [%]"),
+        option_double("area-error-pct", "S", &t.area_error, 0.0, 100.0, "standard error of the area [%]"),
+        option_double("viscosity-error-pct", "S", &t.viscosity_error, 0.0, 100.0, "standard error of the viscosity [%]"),
+        option_double("cake-ratio-error-pct", "S", &t.ratio_error, 0.0, 100.0, "standard error of K_S [%]"),
+        option_double("confidence-pct", "C", &t.confidence, 50.0, 99.99, "of the intervals [%]"),
+        option_positive("new-area-cm2", "A", &t.new_area, 1e12, "predict for this area [cm2]; default: as measured"),
+        option_positive("new-pressure-pa", "DP", &t.new_pressure, 1e12, "predict for this pressure difference [Pa]; default: as measured"),
+        option_positive("new-rate-ml-s", "Q", &t.new_rate, 1e12, "at this constant filtrate flow until that pressure is reached [mL/s]"),
+        option_positive("new-volume-ml", "V", &t.new_volume, 1e15, "predict up to this filtrate volume [mL]; default: twice the last reading"),
+        option_double("compressibility", "N", &t.compressibility, 0.0, 0.99, "exponent of r_K K_S over pressure, for the prediction [-]"),
+    };
+    const int n = (int)(sizeof options / sizeof *options);
+    program self = program_start("filter_curve", "Resistances of filter cake and medium from a filter curve, and a prediction.", options, n,
+                                 argc, argv);
+    settings s = in_si(&t, data, options, n);
+    if (t.ratio > 0.0 && t.height > 0.0) program_refuse(&self, "cake-height-mm", NULL, "either --cake-ratio or --cake-height-mm");
+    if (!(t.to > t.from)) program_refuse(&self, "to-ml", NULL, "above --from-ml");
+    readings r = data ? read_readings(&self, &s) : draw_readings(&s, self.seed);
+    if (r.n == 0) refuse_file(&self, data, "no row");
+    const double last = r.volume[r.n - 1];
+    if (s.cake_height > 0.0) s.def.cake_ratio = filtration_cake_ratio_of_height(s.cake_height, s.def.area, last);
+    if (!(s.new_volume > 0.0)) s.new_volume = 2.0 * last * s.new_area / s.def.area;
+
+    filtration_estimate clean = {NAN, NAN, NAN, NAN};
+    const filtration_curve c = evaluate(&self, &s, &r, &clean);
+    json *report = json_open(self.json);
+    common_print("Filter curve: %s, %zu readings; %.4g Pa, %.4g cm2, %.4g Pa s\n", data ? data : "drawn from the paper's numbers", r.n,
+                 s.def.pressure, 1e4 * s.def.area, s.def.viscosity);
+    print_curve(&s, &r, &c, &clean);
+    report_curve(report, &s, &r, &c, &clean);
+    draw_curve(&self, &s, &r, &c);
+    if (c.slope.value > 0.0 || c.intercept.value > 0.0) predict(&self, report, &s, &c);
+    free(r.time);
+    json_program(report, &self);
+    json_close(report);
+    return common_exit_status();
+}
