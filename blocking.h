@@ -9,6 +9,7 @@
        blocking_fit_result fit;
        blocking_status     s = blocking_fit(&def, t, f, NULL, 4, &fit);
        printf("%s: f_inf %.3f, k1 %.4f, k2 %.4f 1/s\n", blocking_status_text(s), fit.f_inf, fit.k1, fit.k2);
+       printf("95 %% range of f_inf %.2f .. %.2f\n", fit.f_inf_lowest, fit.f_inf_highest); // 0.63 .. 0.81: four readings say little
        printf("mean of 60 s %.3f\n", blocking_time_mean(fit.f0, fit.f_inf, fit.k, 60.0));
    }
 
@@ -199,7 +200,9 @@ typedef struct blocking_ode_def {
     const double *breaks;     /* [n_breaks] rising times [s] at which rates jump or kink: a step ends there. default NULL */
     size_t n_breaks;          /* default 0 */
     double tolerance;         /* for the error of f and of its mean, 1e-14 .. 0.1; default 1e-10 */
-    double max_step;          /* [s] > 0, infinite: none; set it if rates has pulses shorter than the steps. default infinite */
+    double max_step;          /* [s] > 0; infinite (default): none, and unless breaks are given the rates are sampled all over the time, at
+                                 30 (tolerance 1e-3) to 1000 places (1e-10), so that no step jumps over a pulse longer than two of
+                                 their gaps, nor over one like those found before; set it for rare and shorter ones */
     size_t max_steps;         /* >= 1; default 1000000 */
     unsigned cookie;          /* set by blocking_default_ode_def */
 } blocking_ode_def;
@@ -217,7 +220,7 @@ BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def,
 /* Solves df/dt = -k1(t) f + k2(t)(1 - f) (eq 10). times[n]: rising, times[0] >= start. f[n]: free fraction at those times; mean[n], or
    NULL: mean of f from start to there (f0 at start itself). report may be NULL. Every step is exact for constant rates and stays within
    0..1 for any rates; otherwise order 4 (commutator-free Magnus: Celledoni, Marthinsen & Owren 2003), the error from two half steps.
-   Jumps that are not among the breaks are found, at a price, unless they come back within a quarter of a step: see max_step.
+   Jumps that are not among the breaks are found, at a price: see max_step.
    TOO_FEW, NOT_FINITE, NOT_RISING, BAD_DEF, BAD_RATE, TOO_MANY_STEPS, BAD_ARGUMENT; on failure f and mean are NaN from the first time not
    reached. */
 BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, const double *times, size_t n, double *f, double *mean,
@@ -265,7 +268,8 @@ typedef struct blocking_estimate {
    NON_MONOTONE    the third reading turns back or equals the second: f_inf, k NaN
    NOT_SATURATING  straight or accelerating, r >= 1 - tolerance: f_inf, k NaN
    OUT_OF_RANGE    f_inf (or the extrapolated f0) outside 0..1: all filled, see f_inf_clipped
-   and NOT_FINITE, NOT_RISING, IN_PERCENT, NEGATIVE, BAD_ARGUMENT. */
+   and NOT_FINITE (also where a rate would exceed the largest number), NOT_RISING, IN_PERCENT, NEGATIVE, BAD_ARGUMENT. An f0 that overflows,
+   with times far from 0, is NaN and OUT_OF_RANGE. */
 BLOCKING_API blocking_status blocking_three_point(const double *t, const double *f, double sigma, double tolerance, blocking_estimate *out);
 
 /* Noise amplification for readings at 0, t, 2t with r = exp(-k t), 0 < r < 1: standard error of f_inf over that of a reading, and
@@ -276,10 +280,16 @@ static inline double blocking_noise_k(double r);
 
 /* ============================================= rate constants by least squares ============================================== */
 
+/* Half-width, in standard errors, of a range that holds as much of Student's t with `dof` degrees of freedom as -z..z does of the normal
+   distribution: 12.706, 4.303, 3.182, 2.228 for z = 1.959964 and dof 1, 2, 3, 10; z itself from dof 1e6 on. z > 0 (above 7 as 7), dof >= 1
+   (whole numbers; others are rounded down). NaN outside. Student 1908. */
+BLOCKING_API double blocking_student(double z, double dof);
+
 typedef struct blocking_fit_def {
     double k_low, k_high; /* search range [1/s], 0 < k_low < k_high; default 1e-9, 1e6. The times limit it as well: to what they can show,
                              1e-4 / last time .. 40 / shortest gap */
-    double z;             /* half-width of k_lowest..k_highest in standard deviations > 0; default 1.96 */
+    double z;             /* how much the ranges of the result hold, as half-width in standard deviations of a normal distribution > 0;
+                             default 1.96: 95 %. Where the spread is taken from the readings, Student's t is used instead */
     double turn_back;     /* > 0: a reading that runs against the curve by more than this share of the readings' range is NON_MONOTONE;
                              default 0.5 */
     double tolerance;     /* readings that differ by no more than this do not change [-] >= 0; default BLOCKING_TOLERANCE */
@@ -287,13 +297,22 @@ typedef struct blocking_fit_def {
 } blocking_fit_def;
 
 typedef struct blocking_fit_result {
-    double f0, f_inf;                      /* [-], both held within 0..1 */
-    double k, k1, k2;                      /* [1/s] */
-    double sse;                            /* sum of squared deviations, each over its sigma squared if sigma is given */
-    double r2;                             /* 1 - SSE/SST; NaN if SST = 0 */
-    double error_f0, error_f_inf, error_k; /* standard errors, linearised; NaN if n = 3 without sigma; 0 for a value on its bound */
-    double k_lowest, k_highest;            /* where sse exceeds its minimum by z^2 s^2 (profile) [1/s]; 0 or infinite: open on that side */
-    int f0_on_bound, f_inf_on_bound;       /* 1: it is 0 or 1 because it is not allowed beyond */
+    double f0, f_inf; /* [-], both held within 0..1 */
+    double k, k1, k2; /* [1/s] */
+    double sse;       /* sum of squared deviations, each over its sigma squared if sigma is given */
+    double r2;        /* 1 - SSE/SST; NaN if SST = 0 */
+    double dof;       /* degrees of freedom of the spread: n - 3; infinite if sigma is given */
+    double student;   /* half-width of the ranges in standard errors: blocking_student(z, dof); infinite for dof 0 */
+    double error_f0, error_f_inf,
+        error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its bound: look at its range */
+    /* Ranges that hold the truth in 95 of 100 cases (def.z): all values with which some curve has a sum of squares within student^2 s^2 of
+       the least. They tell more than the errors, which are symmetric. NaN for dof 0. */
+    double k_lowest, k_highest;         /* [1/s]; 0 or infinite: open on that side */
+    double f0_lowest, f0_highest;       /* [-], cut at 0 and 1 */
+    double f_inf_lowest, f_inf_highest; /* [-], cut at 0 and 1 */
+    int k_determined;                   /* 1: the range of k ends on both sides; 0: the readings leave k open */
+    int f_inf_determined;               /* 1: the range of f_inf is narrower than 0.5; 0: the readings leave f_inf open */
+    int f0_on_bound, f_inf_on_bound;    /* 1: it is 0 or 1 because it is not allowed beyond */
 } blocking_fit_result;
 
 BLOCKING_API blocking_fit_def blocking_default_fit_def(void);
@@ -305,6 +324,53 @@ BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def,
    NOT_FINITE, NOT_RISING, IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
                                           blocking_fit_result *out);
+
+/* The range, as those of the result, of what the fitted curve says about a time T [s] >= 0 (infinite: f_inf), cut at 0 and 1: of f there
+   and of its mean over 0..T, which decides on the deck's area. Any of the four may be NULL. Statuses as blocking_fit; OK also where
+   blocking_fit would name something that is left open: then the range is wide. TOO_FEW also for three readings without sigma. */
+BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
+                                                size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
+                                                double *mean_highest);
+
+/* ================================================ many tests: k1 and k2 as laws ============================================= */
+
+/* Counted holes of one test. Nothing is owned. */
+typedef struct blocking_test {
+    const double *t, *f, *sigma; /* [n] as for blocking_fit; sigma may be NULL in all tests together, not in some */
+    size_t n;                    /* >= 2 */
+    double K, x_h, moisture;     /* [-] finite; any number stands for what was not measured, if it is the same in all tests */
+} blocking_test;
+
+enum { BLOCKING_LAW_TERMS = 4 }; /* 1, K, x_h, moisture */
+
+/* ln k1 = a . (1, K, x_h, moisture), ln k2 = b . (1, K, x_h, moisture); which of the terms stand in them is chosen. */
+typedef struct blocking_law {
+    double a[BLOCKING_LAW_TERMS], b[BLOCKING_LAW_TERMS]; /* 0 where the term is not used; k in 1/s */
+    int used_a, used_b;                                  /* bits 1, 2, 4, 8: which terms stand in a, in b (bit 1 always) */
+    double aicc;            /* Akaike's criterion, corrected for few readings (Hurvich & Tsai 1989); lower is better */
+    double aicc_constant;   /* that of constant k1 and k2: what the terms are worth */
+    double sse, dof, s;     /* sum of squares, degrees of freedom, spread of a reading [-] (1 where sigma is given) */
+    double student;         /* of the ranges, for 95 % */
+    double low[3], high[3]; /* K, x_h and moisture of the tests: beyond is extrapolation */
+    double covariance[2 * BLOCKING_LAW_TERMS][2 * BLOCKING_LAW_TERMS]; /* of a and b, 0 for unused terms */
+    size_t tests, readings;
+} blocking_law;
+
+/* Fits one law to the curves of all tests at once, each with an f0 of its own. Of the 64 forms the one with the lowest AICc is taken.
+   TOO_FEW (no more readings than coefficients for the simplest form), UNDETERMINED (no form converges), and those of blocking_fit; *test
+   (may be NULL) is the first bad test. */
+BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test);
+
+typedef struct blocking_law_value {
+    double k1, k2, f_inf;       /* [1/s] [1/s] [-] */
+    double k1_low95, k1_high95; /* 95 % ranges, of the law, without the scatter between tests */
+    double k2_low95, k2_high95;
+    double f_inf_low95, f_inf_high95;
+    int outside; /* bits 1, 2, 4: K, x_h, moisture lie beyond the tests by more than 1 % of their range */
+} blocking_law_value;
+
+/* k1, k2 and f_inf where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
+BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out);
 
 /* =============================================== mean free fraction (Table 3) =============================================== */
 
@@ -406,15 +472,20 @@ typedef struct blocking_duty {
     double f0, f_inf; /* free fraction just cleaned and in the long run [-] 0..1; default 1, NaN */
     double k;         /* k1 + k2 [1/s] >= 0; default NaN */
     double run_time;  /* between two cleanings [s] >= 0, infinite: never cleaned. default infinite */
-    unsigned cookie;  /* set by blocking_default_duty */
+    /* What the free fraction's range is, where it is known: blocking_fit_range at run_time gives both. Default NaN: not known */
+    double mean_lowest, mean_highest; /* of the mean over run_time [-] 0..1 */
+    double last_lowest, last_highest; /* of f at run_time [-] 0..1 */
+    unsigned cookie;                  /* set by blocking_default_duty */
 } blocking_duty;
 
 typedef struct blocking_deck {
-    double free_mean, free_lowest; /* f over the run: its mean, and its lowest value [-] */
-    double effective_area;         /* free holes needed, passing / capacity [m2] */
-    double area_clean;             /* deck needed if nothing blocked [m2] */
-    double area_mean;              /* ... to pass the duty on average over the run (eqs 17, 18 with f* = free_mean) [m2] */
-    double area_lowest;            /* ... to pass the duty at every moment of the run [m2] */
+    double free_mean, free_lowest;            /* f over the run: its mean, and its lowest value [-] */
+    double effective_area;                    /* free holes needed, passing / capacity [m2] */
+    double area_clean;                        /* deck needed if nothing blocked [m2] */
+    double area_mean;                         /* ... to pass the duty on average over the run (eqs 17, 18 with f* = free_mean) [m2] */
+    double area_lowest;                       /* ... to pass the duty at every moment of the run [m2] */
+    double area_mean_low95, area_mean_high95; /* 95 % range of area_mean [m2]; NaN if the duty has no ranges, infinite: no area is enough */
+    double area_lowest_low95, area_lowest_high95; /* the same of area_lowest */
 } blocking_deck;
 
 BLOCKING_API blocking_duty blocking_default_duty(void);
@@ -1028,9 +1099,17 @@ typedef struct blocking__rates {
     double k1, k2;
 } blocking__rates;
 
+/* Places at which rates are sampled between start and end. */
+static inline double blocking__samples(double tolerance) { return floor(7.0 * riddle_exp(-0.2155 * riddle_log(tolerance))); }
+
 typedef struct blocking__state {
     double f, integral, turnover; /* integrals since the start: of f, and of k1 + k2 */
 } blocking__state;
+
+/* Jumps that were found between breaks: where rates jump twice within a time they are expected to do so again. */
+typedef struct blocking__jumps {
+    double last, longest_step; /* [s]; longest_step: a quarter of the shortest time between two jumps so far */
+} blocking__jumps;
 
 static inline int blocking__rates_at(const blocking_ode_def *def, double t, blocking__rates *r, blocking_ode_report *report) {
     r->k1 = r->k2 = (double)NAN;
@@ -1060,12 +1139,38 @@ static inline blocking__state blocking__magnus(blocking__state s, blocking__rate
                              blocking__clip(sixth * (3.0 * b.k2 + 4.0 * m.k2 - a.k2), 0.0, HUGE_VAL), 0.5 * h);
 }
 
+/* Do the rates between t and t + step, seen at a, q1, m, q3, b, agree with what they are at the samples of the whole time that lie there?
+   Samples stand at irregular places, so that nothing periodic hides from all of them. What disagrees by less than the tolerance over a gap
+   of samples is let pass. 1, 0, or -1 for a bad rate. */
+static inline int blocking__steps_see_all(const blocking_ode_def *def, double t, double step, double span, const blocking__rates *r,
+                                          blocking_ode_report *report) {
+    const double samples = blocking__samples(def->tolerance), gap = span / samples, first = floor((t - def->start) / gap),
+                 last = floor((t + step - def->start) / gap);
+    for (double i = first; i <= last && i < samples; i++) {
+        double place = i * 0.6180339887498949, x = (def->start + (i + place - floor(place)) * gap - t) / step * 4.0;
+        if (!(x > 0.01 && x < 3.99)) continue;
+        blocking__rates seen;
+        double k1 = 0.0, k2 = 0.0;
+        if (!blocking__rates_at(def, t + 0.25 * x * step, &seen, report)) return -1;
+        for (int j = 0; j < 5; j++) { /* Lagrange's polynomial through the five */
+            double l = 1.0;
+            for (int m = 0; m < 5; m++)
+                if (m != j) l *= (x - m) / (j - m);
+            k1 += l * r[j].k1;
+            k2 += l * r[j].k2;
+        }
+        if (!((fabs(k1 - seen.k1) + fabs(k2 - seen.k2)) * gap <= 10.0 * def->tolerance + 1e-13 * gap * (seen.k1 + seen.k2))) return 0;
+    }
+    return 1;
+}
+
 /* Advances *s from *t to `end`, where nothing jumps between; *h is the step to try, kept from call to call. span: the whole time.
    Allowed errors: an error of f decays with the turnover, so a step may add (turnover share + time share)/2 of the tolerance and the sum
    stays below it. */
 static inline blocking_status blocking__advance_to(const blocking_ode_def *def, double end, double span, double *t, double *h,
-                                                   blocking__state *s, blocking_ode_report *report) {
+                                                   blocking__state *s, blocking__jumps *jumps, blocking_ode_report *report) {
     const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: look at them from within */
+    const int sampled = def->n_breaks == 0 && !(def->max_step < HUGE_VAL);
     blocking__rates a, q1, m, q3, b;
     if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report)) return BLOCKING_BAD_RATE;
     /* Never the whole way at once: rates that repeat themselves would look constant in steps of whole periods. */
@@ -1074,6 +1179,7 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
     while (*t < end) {
         if (report->steps + report->rejected >= def->max_steps) return BLOCKING_TOO_MANY_STEPS;
         double left = end - *t, step = *h < def->max_step ? *h : def->max_step;
+        if (sampled && step > jumps->longest_step) step = jumps->longest_step;
         int last = step >= left;
         if (last) step = left;
         if (!blocking__rates_at(def, *t + 0.25 * step, &q1, report) || !blocking__rates_at(def, *t + 0.5 * step, &m, report) ||
@@ -1090,10 +1196,24 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
         if (allowed_integral < 1e-15 * span) allowed_integral = 1e-15 * span;
         double share = error / allowed > error_integral / allowed_integral ? error / allowed : error_integral / allowed_integral;
         double factor = share > 0.0 ? 0.9 / sqrt(sqrt(share)) : 5.0;
+        if (share <= 1.0 && sampled && step > 0.02 * span / blocking__samples(def->tolerance)) {
+            const blocking__rates five[5] = {a, q1, m, q3, b};
+            int seen = blocking__steps_see_all(def, *t, step, span, five, report);
+            if (seen < 0) return BLOCKING_BAD_RATE;
+            if (!seen) {
+                share = 2.0;
+                factor = 0.5;
+            }
+        }
         if (share <= 1.0 || step <= inside) {
             *s = half;
             *t = last ? end : *t + step;
             a = b;
+            if (step < 1e-8 * span && !last) {
+                double since = *t - jumps->last;
+                if (since > 1e-6 * span && since < 4.0 * jumps->longest_step) jumps->longest_step = 0.25 * since;
+                jumps->last = *t;
+            }
             report->steps++;
             report->error = report->error * kept + error;
             double next = step * blocking__clip(factor, 0.2, 5.0);
@@ -1129,12 +1249,15 @@ BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, con
     s.f = def->f0;
     s.integral = s.turnover = 0.0;
     double t = def->start, h = span;
+    blocking__jumps jumps;
+    jumps.last = def->start;
+    jumps.longest_step = HUGE_VAL;
     size_t next_break = 0;
     for (size_t i = 0; i < n; i++) {
         while (t < times[i]) {
             while (next_break < def->n_breaks && !(def->breaks[next_break] > t)) next_break++;
             double end = next_break < def->n_breaks && def->breaks[next_break] < times[i] ? def->breaks[next_break] : times[i];
-            status = blocking__advance_to(def, end, span, &t, &h, &s, r);
+            status = blocking__advance_to(def, end, span, &t, &h, &s, &jumps, r);
             r->time = t;
             if (status != BLOCKING_OK) return status;
         }
@@ -1192,6 +1315,7 @@ BLOCKING_API blocking_status blocking_three_point(const double *t, const double 
     if (status != BLOCKING_OK) return status;
 
     const double first = f[1] - f[0], second = f[2] - f[1], h = t[1] - t[0], rho = (t[2] - t[0]) / h;
+    if (!blocking__finite(800.0 / h) || !blocking__finite(rho)) return BLOCKING_NOT_FINITE;
     if (!(fabs(first) > tolerance)) {
         out->f_inf = out->f_inf_clipped = out->f0 = f[0];
         out->error_f_inf = out->error_f0 = sigma;
@@ -1238,7 +1362,48 @@ BLOCKING_API blocking_status blocking_three_point(const double *t, const double 
     out->error_f_inf = sigma * sqrt(inf2);
     out->error_k = sigma * sqrt(k2) / h;
     out->error_f0 = sigma * sqrt(f02);
+    if (!blocking__finite(out->f0)) out->f0 = out->error_f0 = unknown;
     return blocking__within(out->f_inf, 0.0, 1.0) && blocking__within(out->f0, 0.0, 1.0) ? BLOCKING_OK : BLOCKING_OUT_OF_RANGE;
+}
+
+/* ======================================================== >>student ========================================================= */
+
+/* P(|Z| < z) for a normal Z: erf's series, all terms positive */
+static inline double blocking__normal_share(double z) {
+    double term = z, sum = z;
+    for (int n = 1; n < 200 && term > 1e-18 * sum; n++) {
+        term *= z * z / (2 * n + 1);
+        sum += term;
+    }
+    return sqrt(2.0 / RIDDLE_PI) * riddle_exp(-0.5 * z * z) * sum;
+}
+
+/* P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
+static inline double blocking__student_share(double theta, int dof) {
+    double s = riddle_sin(theta), c2 = blocking__square(riddle_cos(theta)), term = 1.0, sum = 0.0;
+    for (int j = dof & 1 ? 1 : 0; j <= dof - 2; j += 2) {
+        sum += term;
+        term *= c2 * (j + 1.0) / (j + 2.0);
+    }
+    return dof & 1 ? 2.0 / RIDDLE_PI * (theta + s * riddle_cos(theta) * sum) : s * sum;
+}
+
+BLOCKING_API double blocking_student(double z, double dof) {
+    if (!(z > 0.0 && dof >= 1.0)) return (double)NAN;
+    if (z > 7.0) z = 7.0;
+    if (dof >= 1e6) return z;
+    if (dof > 200.0) { /* Cornish-Fisher (Abramowitz & Stegun 26.7.5) */
+        double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+        return z + (z3 + z) / (4.0 * dof) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * dof * dof) +
+               (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * dof * dof * dof);
+    }
+    double share = blocking__normal_share(z), low = 0.0, high = 0.5 * RIDDLE_PI;
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high);
+        if (blocking__student_share(middle, (int)dof) < share) low = middle;
+        else high = middle;
+    }
+    return sqrt(floor(dof)) * riddle_sin(low) / riddle_cos(low);
 }
 
 /* ========================================================== >>fit =========================================================== */
@@ -1269,7 +1434,7 @@ BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def,
 typedef struct blocking__data {
     const double *t, *f, *sigma;
     size_t n;
-    double f_mean, target;
+    double f_mean;
 } blocking__data;
 
 /* The best curve for one k. */
@@ -1335,11 +1500,6 @@ static inline blocking__trial blocking__try(const blocking__data *d, double log_
 }
 
 static inline double blocking__slope_at(const void *data, double log_k) { return blocking__try((const blocking__data *)data, log_k).slope; }
-static inline double blocking__excess_at(const void *data, double log_k) {
-    const blocking__data *d = (const blocking__data *)data;
-    return blocking__try(d, log_k).sse - d->target;
-}
-
 /* The minimum near `at`, which is lower than its neighbours at +- step: where the slope goes from falling to rising. */
 static inline double blocking__refine(const blocking__data *d, double at, double step) {
     double here = blocking__slope_at(d, at);
@@ -1355,14 +1515,8 @@ static inline double blocking__refine(const blocking__data *d, double at, double
     return 0.5 * (low + high);
 }
 
-/* Where sse reaches d->target when ln k goes from the minimum by `step` (sign: direction) up to `end`; `open` if it does not. */
-static inline double blocking__profile(const blocking__data *d, double from, double step, double end, double open) {
-    for (double inner = from; step > 0.0 ? inner < end : inner > end; inner += step)
-        if (blocking__excess_at(d, inner + step) > 0.0) return riddle_exp(blocking__root(blocking__excess_at, d, inner, inner + step));
-    return open;
-}
-
-/* Standard errors from the inverse of the normal matrix of (f0, f_inf, ln k); values on a bound are taken as known. */
+/* Standard errors from the inverse of the normal matrix of (f0, f_inf, ln k). A value on a bound has none; the others have them given
+   that bound. */
 static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_result *out, double variance) {
     double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < d->n; i++) {
@@ -1383,7 +1537,7 @@ static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_re
     determinant =
         m[0][0] * minor[0] - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     for (int a = 0; a < 3; a++)
-        error[a] = bound[a] ? 0.0 : determinant > 0.0 && minor[a] >= 0.0 ? sqrt(variance * minor[a] / determinant) : (double)NAN;
+        error[a] = !bound[a] && determinant > 0.0 && minor[a] >= 0.0 ? sqrt(variance * minor[a] / determinant) : (double)NAN;
     out->error_f0 = error[0];
     out->error_f_inf = error[1];
     out->error_k = error[2] * out->k;
@@ -1420,99 +1574,654 @@ static inline double blocking__straight_line(const blocking__data *d) {
     return sse;
 }
 
-BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
-                                          blocking_fit_result *out) {
-    if (!out) return BLOCKING_BAD_ARGUMENT;
+/* >>ranges
+   The ranges are those of the fit without bounds, cut to what is possible: there sums of squares follow the F distribution, which they
+   don't where a bound is met, and a cut takes no true value away. So the curve is alpha + beta u(t) with any alpha and beta, and k may be
+   negative: u runs from 0 at the first time to 1 at the last, straight for k = 0. Whatever a range is asked of (f0, f_inf, f at a time,
+   its mean) is linear in alpha and beta; for one k all values within the target form an interval, and the range is the hull over all k. */
+typedef struct blocking__line {
+    double alpha, beta, sse;
+    double v_alpha, v_beta, v_cross; /* inverse of the normal matrix */
+} blocking__line;
+
+/* u at the share x of the time between first and last, for k times that time */
+static inline double blocking__shape(double kappa, double x) {
+    if (kappa < 0.0) return 1.0 - blocking__shape(-kappa, 1.0 - x);
+    return kappa > 1e-12 ? riddle_expm1(-kappa * x) / riddle_expm1(-kappa) : x;
+}
+
+static inline blocking__line blocking__regress(const blocking__data *d, double kappa) {
+    const double first = d->t[0], span = d->t[d->n - 1] - first, centre = blocking__shape(kappa, (d->t[d->n / 2] - first) / span);
+    double sw = 0.0, su = 0.0, suu = 0.0, suf = 0.0;
+    blocking__line line;
+    for (size_t i = 0; i < d->n; i++) {
+        double w = blocking__weight(d, i), u = blocking__shape(kappa, (d->t[i] - first) / span) - centre;
+        sw += w;
+        su += w * u;
+        suu += w * u * u;
+        suf += w * u * (d->f[i] - d->f_mean);
+    }
+    const double mean = su / sw, spread = suu - su * mean; /* f_mean is the weighted mean: no second sum of f */
+    line.beta = spread > 0.0 ? suf / spread : 0.0;
+    line.alpha = d->f_mean - line.beta * (centre + mean);
+    line.v_beta = spread > 0.0 ? 1.0 / spread : HUGE_VAL;
+    line.v_alpha = 1.0 / sw + (centre + mean) * (centre + mean) * line.v_beta;
+    line.v_cross = -(centre + mean) * line.v_beta;
+    line.sse = 0.0;
+    for (size_t i = 0; i < d->n; i++) {
+        double u = blocking__shape(kappa, (d->t[i] - first) / span);
+        line.sse += blocking__weight(d, i) * blocking__square(d->f[i] - line.alpha - line.beta * u);
+    }
+    return line;
+}
+
+/* kappa of a place x on the way from accelerating curves (x < 0) to saturating ones; sinh opens the logarithmic ends */
+static inline double blocking__kappa(double x) { return 0.5 * (riddle_exp(x) - riddle_exp(-x)); }
+
+enum { BLOCKING__SCAN = 120 };
+
+typedef struct blocking__region {
+    double end;    /* places from -end to end are looked at */
+    double least;  /* smallest sum of squares */
+    double target; /* what a value may have */
+    double student, variance;
+    double from, to; /* places of the range of k */
+} blocking__region;
+
+/* The place of the least sum of squares between two, by golden section. */
+static inline double blocking__least_place(const blocking__data *d, double low, double high) {
+    const double golden = 0.38196601125010515;
+    double a = low + golden * (high - low), b = high - golden * (high - low);
+    double sse_a = blocking__regress(d, blocking__kappa(a)).sse, sse_b = blocking__regress(d, blocking__kappa(b)).sse;
+    for (int i = 0; i < 32; i++) {
+        if (sse_a < sse_b) {
+            high = b, b = a, sse_b = sse_a;
+            a = low + golden * (high - low);
+            sse_a = blocking__regress(d, blocking__kappa(a)).sse;
+        } else {
+            low = a, a = b, sse_a = sse_b;
+            b = high - golden * (high - low);
+            sse_b = blocking__regress(d, blocking__kappa(b)).sse;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+static inline blocking__region blocking__region_of(const blocking__data *d, const blocking_fit_def *def, double k_high, double best) {
+    blocking__region r;
+    const double span = d->t[d->n - 1] - d->t[0], most = 2.0 * k_high * span;
+    r.end = riddle_log(most < 1e150 ? most : 1e150);
+    r.least = best;
+    r.from = r.to = 0.0;
+    const double step = 2.0 * r.end / BLOCKING__SCAN;
+    double before = HUGE_VAL, here = HUGE_VAL;
+    for (int i = 0; i <= BLOCKING__SCAN + 1; i++) { /* every minimum of the scan is refined */
+        double after = i <= BLOCKING__SCAN ? blocking__regress(d, blocking__kappa(i * step - r.end)).sse : HUGE_VAL;
+        if (here <= before && here <= after && here < HUGE_VAL) {
+            double place = blocking__least_place(d, (i - 2) * step - r.end, i * step - r.end);
+            double refined = blocking__regress(d, blocking__kappa(place)).sse;
+            if (here < r.least) r.least = here;
+            if (refined < r.least) r.least = refined;
+        }
+        before = here;
+        here = after;
+    }
+    const double dof = d->sigma ? HUGE_VAL : (double)d->n - 3.0;
+    r.student = dof >= 1.0 ? blocking_student(def->z, dof) : HUGE_VAL;
+    r.variance = d->sigma ? 1.0 : dof >= 1.0 ? r.least / dof : HUGE_VAL;
+    r.target = r.student < HUGE_VAL ? r.least + r.student * r.student * r.variance : HUGE_VAL;
+    return r;
+}
+
+/* From a place inside to one outside: where the target is met. */
+static inline double blocking__meet(const blocking__data *d, double target, double inside, double outside) {
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (inside + outside);
+        if (blocking__regress(d, blocking__kappa(middle)).sse <= target) inside = middle;
+        else outside = middle;
+    }
+    return inside;
+}
+
+/* The range of k: 0 where straight lines are within the target, infinite where steps are. */
+static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low, double *high) {
+    const double span = d->t[d->n - 1] - d->t[0], step = r->end / BLOCKING__SCAN, x = k * span;
+    const double at = riddle_log(x + sqrt(x * x + 1.0));
+    double first = at, last = at; /* outermost places seen within the target */
+    for (int i = 0; i <= BLOCKING__SCAN; i++) {
+        if (!(blocking__regress(d, blocking__kappa(i * step)).sse <= r->target)) continue;
+        if (i * step < first) first = i * step;
+        if (i * step > last) last = i * step;
+    }
+    r->from = first > 0.0 ? blocking__meet(d, r->target, first, step * (first < at ? first / step - 1.0 : floor(at / step))) : 0.0;
+    r->to = last < r->end ? blocking__meet(d, r->target, last, step * (last > at ? last / step + 1.0 : floor(at / step) + 1.0)) : r->end;
+    *low = r->from > 0.0 ? blocking__kappa(r->from) / span : 0.0;
+    *high = r->to < r->end ? blocking__kappa(r->to) / span : HUGE_VAL;
+    if (*low > k) *low = k; /* rounding */
+    if (*high < k) *high = k;
+}
+
+/* What a range is asked of: f at T, or its mean over 0..T. */
+typedef struct blocking__wish {
+    double T; /* [s] since t = 0; infinite: f_inf */
+    int mean; /* of f over 0..T */
+} blocking__wish;
+
+/* The values within the target at one place join *low and *high. */
+static inline void blocking__join(const blocking__data *d, const blocking__region *r, blocking__wish wish, double place, double *low,
+                                  double *high) {
+    const double kappa = blocking__kappa(place), first = d->t[0], span = d->t[d->n - 1] - first, k = kappa / span;
+    blocking__line line = blocking__regress(d, kappa);
+    if (!(kappa > 0.0 && line.sse <= r->target)) return;
+    /* f = alpha + beta (1 - e^(-k (t - first)))/(1 - e^(-kappa)) */
+    const double all = -riddle_expm1(-kappa), before = riddle_exp(k * first < 700.0 ? k * first : 700.0);
+    double e = wish.T < HUGE_VAL ? riddle_exp(-k * wish.T) : 0.0;
+    if (wish.mean && wish.T < HUGE_VAL) e = 1.0 - blocking__mean_share(k * wish.T);
+    const double b = (1.0 - before * e) / all, value = line.alpha + b * line.beta;
+    const double v = line.v_alpha + 2.0 * b * line.v_cross + b * b * line.v_beta;
+    const double reach = r->target > line.sse && v > 0.0 ? sqrt(v * (r->target - line.sse)) : 0.0;
+    if (!(fabs(value) < HUGE_VAL && reach < HUGE_VAL)) return;
+    if (value - reach < *low) *low = value - reach;
+    if (value + reach > *high) *high = value + reach;
+}
+
+/* The hull over all places, cut at 0 and 1; best: the fitted value, which always belongs to it. */
+static inline void blocking__range(const blocking__data *d, const blocking__region *r, blocking__wish wish, double best, double *low,
+                                   double *high) {
+    *low = *high = best;
+    for (int i = 0; i <= BLOCKING__SCAN; i++)
+        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : 0.01) / BLOCKING__SCAN, low, high);
+    *low = blocking__clip(*low, 0.0, 1.0);
+    *high = blocking__clip(*high, 0.0, 1.0);
+}
+
+static inline void blocking__clear_fit(blocking_fit_result *out) {
     const double unknown = (double)NAN;
-    out->f0 = out->f_inf = out->k = out->k1 = out->k2 = out->sse = out->r2 = unknown;
+    out->f0 = out->f_inf = out->k = out->k1 = out->k2 = out->sse = out->r2 = out->dof = out->student = unknown;
     out->error_f0 = out->error_f_inf = out->error_k = out->k_lowest = out->k_highest = unknown;
-    out->f0_on_bound = out->f_inf_on_bound = 0;
-    if (blocking_check_fit_def(def, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
-    if (n > 0 && (!t || !f)) return BLOCKING_BAD_ARGUMENT;
-    if (n < 3) return BLOCKING_TOO_FEW;
-    blocking_status status = blocking__check_readings(t, f, n);
-    if (status != BLOCKING_OK) return status;
+    out->f0_lowest = out->f0_highest = out->f_inf_lowest = out->f_inf_highest = unknown;
+    out->k_determined = out->f_inf_determined = out->f0_on_bound = out->f_inf_on_bound = 0;
+}
+
+static inline blocking_status blocking__check_sigma(const double *sigma, size_t n) {
     for (size_t i = 0; sigma && i < n; i++) {
         if (!blocking__finite(sigma[i])) return BLOCKING_NOT_FINITE;
         if (!(sigma[i] > 0.0 && blocking__finite(1.0 / (sigma[i] * sigma[i]))))
             return sigma[i] < 0.0 ? BLOCKING_NEGATIVE : BLOCKING_BAD_ARGUMENT;
     }
+    return BLOCKING_OK;
+}
 
+typedef struct blocking__search {
     blocking__data d;
-    d.t = t;
-    d.f = f;
-    d.sigma = sigma;
-    d.n = n;
-    d.f_mean = d.target = 0.0;
-    double lowest = f[0], highest = f[0], gap = t[1] - t[0], weight = 0.0, sst = 0.0;
+    double range, sst, low, high; /* of the readings; bounds of ln k */
+} blocking__search;
+
+/* Checks the readings and bounds the search. NO_CHANGE: everything is set but the bounds. */
+static inline blocking_status blocking__pose(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
+                                             blocking__search *s) {
+    s->d.f_mean = s->sst = s->range = 0.0;
+    if (blocking_check_fit_def(def, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
+    if (n > 0 && (!t || !f)) return BLOCKING_BAD_ARGUMENT;
+    if (n < 3) return BLOCKING_TOO_FEW;
+    blocking_status status = blocking__check_readings(t, f, n);
+    if (status == BLOCKING_OK) status = blocking__check_sigma(sigma, n);
+    if (status != BLOCKING_OK) return status;
+    s->d.t = t;
+    s->d.f = f;
+    s->d.sigma = sigma;
+    s->d.n = n;
+    double lowest = f[0], highest = f[0], gap = t[1] - t[0], weight = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double w = blocking__weight(&d, i);
+        double w = blocking__weight(&s->d, i);
         weight += w;
-        d.f_mean += w * (f[i] - f[0]);
+        s->d.f_mean += w * (f[i] - f[0]);
         if (f[i] < lowest) lowest = f[i];
         if (f[i] > highest) highest = f[i];
         if (i > 0 && t[i] - t[i - 1] < gap) gap = t[i] - t[i - 1];
     }
-    d.f_mean = f[0] + d.f_mean / weight;
-    for (size_t i = 0; i < n; i++) sst += blocking__weight(&d, i) * blocking__square(f[i] - d.f_mean);
-    if (!(highest - lowest > def->tolerance)) {
-        out->f0 = out->f_inf = d.f_mean;
-        out->sse = sst;
-        if (sst > 0.0) out->r2 = 0.0;
-        return BLOCKING_NO_CHANGE;
-    }
-
+    s->d.f_mean = f[0] + s->d.f_mean / weight;
+    s->range = highest - lowest;
+    for (size_t i = 0; i < n; i++) s->sst += blocking__weight(&s->d, i) * blocking__square(f[i] - s->d.f_mean);
+    if (!(s->range > def->tolerance)) return BLOCKING_NO_CHANGE;
     const double k_low = def->k_low > 1e-4 / t[n - 1] ? def->k_low : 1e-4 / t[n - 1];
     const double k_high = def->k_high < 40.0 / gap ? def->k_high : 40.0 / gap;
-    if (!(k_low > 0.0 && k_low < k_high && blocking__finite(k_high))) return BLOCKING_BAD_DEF;
-    const double low = riddle_log(k_low), high = riddle_log(k_high);
-    const int cells = 2 + (int)((high - low) / 0.25);
-    const double step = (high - low) / cells;
-    blocking__trial best = blocking__try(&d, low), before = best, here = best;
-    int at_low = 1, at_high = 0;
+    if (!(k_low > 0.0 && k_low < k_high && blocking__finite(k_high) && blocking__finite(weight))) return BLOCKING_BAD_DEF;
+    s->low = riddle_log(k_low);
+    s->high = riddle_log(k_high);
+    return BLOCKING_OK;
+}
+
+/* The best of all minima of a grid in ln k. *end: -1 or 1 if it lies at an end of the search. */
+static inline blocking__trial blocking__search_k(const blocking__search *s, int *end) {
+    const int cells = 2 + (int)((s->high - s->low) / 0.25);
+    const double step = (s->high - s->low) / cells;
+    blocking__trial best = blocking__try(&s->d, s->low), before = best, here = best;
+    *end = -1;
     for (int i = 0; i < cells; i++) {
-        blocking__trial after = blocking__try(&d, low + (i + 1) * step);
+        blocking__trial after = blocking__try(&s->d, s->low + (i + 1) * step);
         if (i > 0 && here.sse <= before.sse && here.sse < after.sse) {
-            blocking__trial refined = blocking__try(&d, blocking__refine(&d, low + i * step, step));
+            blocking__trial refined = blocking__try(&s->d, blocking__refine(&s->d, s->low + i * step, step));
             if (here.sse < refined.sse) refined = here;
             if (refined.sse < best.sse) {
                 best = refined;
-                at_low = at_high = 0;
+                *end = 0;
             }
         }
         if (i == cells - 1 && after.sse < best.sse) {
             best = after;
-            at_low = 0;
-            at_high = 1;
+            *end = 1;
         }
         before = here;
         here = after;
     }
+    return best;
+}
 
+static inline void blocking__fill_ranges(const blocking__search *s, const blocking_fit_def *def, blocking_fit_result *out) {
+    blocking__region r = blocking__region_of(&s->d, def, riddle_exp(s->high), out->sse);
+    const blocking__wish at_start = {0.0, 0}, at_end = {HUGE_VAL, 0};
+    out->dof = s->d.sigma ? HUGE_VAL : (double)s->d.n - 3.0;
+    out->student = r.student;
+    if (!(r.target < HUGE_VAL)) return; /* as many readings as unknowns: nothing is known of the spread */
+    blocking__fit_errors(&s->d, out, r.variance);
+    blocking__range_k(&s->d, &r, out->k, &out->k_lowest, &out->k_highest);
+    blocking__range(&s->d, &r, at_start, out->f0, &out->f0_lowest, &out->f0_highest);
+    blocking__range(&s->d, &r, at_end, out->f_inf, &out->f_inf_lowest, &out->f_inf_highest);
+    out->k_determined = out->k_lowest > 0.0 && out->k_highest < HUGE_VAL;
+    out->f_inf_determined = out->f_inf_highest - out->f_inf_lowest < 0.5;
+}
+
+BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
+                                          blocking_fit_result *out) {
+    if (!out) return BLOCKING_BAD_ARGUMENT;
+    blocking__search s;
+    blocking__clear_fit(out);
+    blocking_status status = blocking__pose(def, t, f, sigma, n, &s);
+    if (status == BLOCKING_NO_CHANGE) {
+        out->f0 = out->f_inf = s.d.f_mean;
+        out->sse = s.sst;
+        if (s.sst > 0.0) out->r2 = 0.0;
+    }
+    if (status != BLOCKING_OK) return status;
+    int end;
+    const blocking__trial best = blocking__search_k(&s, &end);
     out->f0 = best.f0;
     out->f_inf = best.f_inf;
     out->k = best.k;
     out->k1 = blocking_k1(best.f_inf, best.k);
     out->k2 = blocking_k2(best.f_inf, best.k);
     out->sse = best.sse;
-    if (sst > 0.0) out->r2 = 1.0 - best.sse / sst;
+    if (s.sst > 0.0) out->r2 = 1.0 - best.sse / s.sst;
     out->f0_on_bound = best.f0 <= 0.0 || best.f0 >= 1.0;
     out->f_inf_on_bound = best.f_inf <= 0.0 || best.f_inf >= 1.0;
+    blocking__fill_ranges(&s, def, out);
+    if (blocking__turns_back(def, &s.d, best.f_inf < best.f0 ? -1.0 : 1.0, s.range)) return BLOCKING_NON_MONOTONE;
+    if (end > 0 || best.k * (t[1] - t[0]) > 15.0) return BLOCKING_NOT_RESOLVED;
+    if (end < 0 || blocking__straight_line(&s.d) <= best.sse) return BLOCKING_NOT_SATURATING;
+    return BLOCKING_OK;
+}
 
-    const double variance = sigma ? 1.0 : n > 3 ? best.sse / (double)(n - 3) : unknown;
-    if (variance >= 0.0) {
-        blocking__fit_errors(&d, out, variance);
-        d.target = best.sse + blocking__square(def->z) * variance;
-        out->k_lowest = out->k_highest = best.k;
-        if (d.target > best.sse) {
-            out->k_lowest = blocking__profile(&d, riddle_log(best.k), -step, low, 0.0);
-            out->k_highest = blocking__profile(&d, riddle_log(best.k), step, high, HUGE_VAL);
+BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
+                                                size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
+                                                double *mean_highest) {
+    double low[2] = {(double)NAN, (double)NAN}, high[2] = {(double)NAN, (double)NAN};
+    blocking__search s;
+    blocking_status status = T >= 0.0 ? blocking__pose(def, t, f, sigma, n, &s) : BLOCKING_BAD_ARGUMENT;
+    if (f_lowest) *f_lowest = low[0];
+    if (f_highest) *f_highest = high[0];
+    if (mean_lowest) *mean_lowest = low[1];
+    if (mean_highest) *mean_highest = high[1];
+    if (status == BLOCKING_NO_CHANGE) status = BLOCKING_OK;
+    if (status == BLOCKING_OK && !(s.range > def->tolerance)) {
+        low[0] = low[1] = high[0] = high[1] = s.d.f_mean;
+    } else if (status == BLOCKING_OK) {
+        int end;
+        const blocking__trial best = blocking__search_k(&s, &end);
+        blocking__region r = blocking__region_of(&s.d, def, riddle_exp(s.high), best.sse);
+        double k_low, k_high;
+        if (!(r.target < HUGE_VAL)) return BLOCKING_TOO_FEW;
+        blocking__range_k(&s.d, &r, best.k, &k_low, &k_high);
+        for (int mean = 0; mean < 2; mean++) {
+            blocking__wish wish;
+            wish.T = T;
+            wish.mean = mean;
+            double value = mean ? blocking_time_mean(best.f0, best.f_inf, best.k, T) : blocking_curve(best.f0, best.f_inf, best.k, T);
+            blocking__range(&s.d, &r, wish, value, &low[mean], &high[mean]);
         }
     }
+    if (f_lowest) *f_lowest = low[0];
+    if (f_highest) *f_highest = high[0];
+    if (mean_lowest) *mean_lowest = low[1];
+    if (mean_highest) *mean_highest = high[1];
+    return status;
+}
 
-    if (blocking__turns_back(def, &d, best.f_inf < best.f0 ? -1.0 : 1.0, highest - lowest)) return BLOCKING_NON_MONOTONE;
-    if (at_high || best.k * (t[1] - t[0]) > 15.0) return BLOCKING_NOT_RESOLVED;
-    if (at_low || blocking__straight_line(&d) <= best.sse) return BLOCKING_NOT_SATURATING;
+/* ========================================================== >>law =========================================================== */
+
+enum { BLOCKING__MOST = 2 * BLOCKING_LAW_TERMS };
+
+/* Tests with covariates shifted and scaled to about -1..1: (x - centre)/width. */
+typedef struct blocking__tests {
+    const blocking_test *test;
+    size_t n, readings;
+    double centre[3], width[3]; /* width 0: the same in all tests, or without influence */
+} blocking__tests;
+
+typedef struct blocking__law_trial {
+    int used_a, used_b, terms; /* terms in all */
+    double x[BLOCKING__MOST];  /* a then b, in scaled covariates; unused ones 0 */
+    double sse;
+    double gradient[BLOCKING__MOST], normal[BLOCKING__MOST][BLOCKING__MOST]; /* of sse/2 */
+} blocking__law_trial;
+
+static inline double blocking__covariate(const blocking_test *test, int j) {
+    return j == 0 ? test->K : j == 1 ? test->x_h : test->moisture;
+}
+
+static inline double blocking__term(const blocking__tests *all, const blocking_test *test, int j) {
+    return j == 0 ? 1.0 : all->width[j - 1] > 0.0 ? (blocking__covariate(test, j - 1) - all->centre[j - 1]) / all->width[j - 1] : 0.0;
+}
+
+static inline double blocking__test_weight(const blocking_test *test, size_t i) {
+    return test->sigma ? 1.0 / (test->sigma[i] * test->sigma[i]) : 1.0;
+}
+
+/* The f0 of a test that suits k1 and k2 best, and f_inf. */
+static inline double blocking__best_f0(const blocking_test *test, double k1, double k2, double *f_inf) {
+    double ee = 0.0, ef = 0.0;
+    *f_inf = k2 / (k1 + k2);
+    for (size_t i = 0; i < test->n; i++) {
+        double e, u = blocking__gone((k1 + k2) * test->t[i], &e), w = blocking__test_weight(test, i);
+        ee += w * e * e;
+        ef += w * e * (test->f[i] - *f_inf * u);
+    }
+    return ee > 0.0 ? blocking__clip(ef / ee, 0.0, 1.0) : test->f[0];
+}
+
+/* Sum of squares, gradient and normal matrix; each f0 follows the rates (variable projection). */
+static inline void blocking__law_sums(const blocking__tests *all, blocking__law_trial *trial) {
+    const double h = 1e-6;
+    trial->sse = 0.0;
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        trial->gradient[i] = 0.0;
+        for (int j = 0; j < BLOCKING__MOST; j++) trial->normal[i][j] = 0.0;
+    }
+    for (size_t s = 0; s < all->n; s++) {
+        const blocking_test *test = &all->test[s];
+        double log_k[2] = {0.0, 0.0}, z[BLOCKING_LAW_TERMS], k1[3], k2[3], f0[3], f_inf[3];
+        for (int j = 0; j < BLOCKING_LAW_TERMS; j++) {
+            z[j] = blocking__term(all, test, j);
+            log_k[0] += trial->x[j] * z[j];
+            log_k[1] += trial->x[BLOCKING_LAW_TERMS + j] * z[j];
+        }
+        for (int m = 0; m < 3; m++) {
+            k1[m] = riddle_exp(blocking__clip(log_k[0] + (m == 1 ? h : 0.0), -80.0, 80.0));
+            k2[m] = riddle_exp(blocking__clip(log_k[1] + (m == 2 ? h : 0.0), -80.0, 80.0));
+            f0[m] = blocking__best_f0(test, k1[m], k2[m], &f_inf[m]);
+        }
+        for (size_t i = 0; i < test->n; i++) {
+            double w = blocking__test_weight(test, i), f[3], slope[BLOCKING__MOST];
+            for (int m = 0; m < 3; m++) f[m] = blocking_curve(f0[m], f_inf[m], k1[m] + k2[m], test->t[i]);
+            for (int j = 0; j < BLOCKING__MOST; j++) {
+                int second = j >= BLOCKING_LAW_TERMS, term = j % BLOCKING_LAW_TERMS;
+                int on = (second ? trial->used_b : trial->used_a) >> term & 1;
+                slope[j] = on ? (f[1 + second] - f[0]) / h * z[term] : 0.0;
+            }
+            double miss = f[0] - test->f[i];
+            trial->sse += w * miss * miss;
+            for (int a = 0; a < BLOCKING__MOST; a++) {
+                trial->gradient[a] += w * miss * slope[a];
+                for (int b = 0; b < BLOCKING__MOST; b++) trial->normal[a][b] += w * slope[a] * slope[b];
+            }
+        }
+    }
+}
+
+/* x = (A + damping diag A)^-1 x for the used terms; 0 if A is not positive. */
+static inline int blocking__law_solve(const blocking__law_trial *trial, double damping, double *x) {
+    double l[BLOCKING__MOST][BLOCKING__MOST];
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        int on = (i < BLOCKING_LAW_TERMS ? trial->used_a >> i : trial->used_b >> (i - BLOCKING_LAW_TERMS)) & 1;
+        for (int j = 0; j <= i; j++) {
+            double sum = i != j ? trial->normal[i][j] : on ? trial->normal[i][i] * (1.0 + damping) : 1.0;
+            for (int k = 0; k < j; k++) sum -= l[i][k] * l[j][k];
+            if (i == j && !(sum > 1e-12 * trial->normal[i][i])) return 0;
+            l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
+        }
+    }
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        for (int k = 0; k < i; k++) x[i] -= l[i][k] * x[k];
+        x[i] /= l[i][i];
+    }
+    for (int i = BLOCKING__MOST - 1; i >= 0; i--) {
+        for (int k = i + 1; k < BLOCKING__MOST; k++) x[i] -= l[k][i] * x[k];
+        x[i] /= l[i][i];
+    }
+    return 1;
+}
+
+/* Levenberg-Marquardt in at most 200 steps. */
+static inline void blocking__law_descend(const blocking__tests *all, blocking__law_trial *trial) {
+    double damping = 1e-3;
+    int quiet = 0;
+    blocking__law_sums(all, trial);
+    for (int it = 0; it < 200 && quiet < 3 && damping < 1e10; it++) {
+        blocking__law_trial next = *trial;
+        double step[BLOCKING__MOST];
+        for (int j = 0; j < BLOCKING__MOST; j++) step[j] = -trial->gradient[j];
+        if (blocking__law_solve(trial, damping, step)) {
+            for (int j = 0; j < BLOCKING__MOST; j++) next.x[j] += blocking__clip(step[j], -2.0, 2.0);
+            blocking__law_sums(all, &next);
+            if (next.sse <= trial->sse) {
+                quiet = trial->sse - next.sse <= 1e-12 * trial->sse ? quiet + 1 : 0;
+                *trial = next;
+                damping *= 0.1;
+                continue;
+            }
+        }
+        damping = damping < 1e-9 ? 1e-8 : 10.0 * damping;
+    }
+}
+
+static inline int blocking__bits(int mask) { return (mask & 1) + (mask >> 1 & 1) + (mask >> 2 & 1) + (mask >> 3 & 1); }
+
+/* Constant k1 and k2: the best of a grid that spans what the times can show, then descended from. */
+static inline void blocking__law_start(const blocking__tests *all, blocking__law_trial *best) {
+    enum { GRID = 24 };
+    double last = 0.0, gap = HUGE_VAL;
+    for (size_t s = 0; s < all->n; s++) {
+        const blocking_test *test = &all->test[s];
+        if (test->t[test->n - 1] > last) last = test->t[test->n - 1];
+        for (size_t i = 1; i < test->n; i++)
+            if (test->t[i] - test->t[i - 1] < gap) gap = test->t[i] - test->t[i - 1];
+    }
+    const double low = riddle_log(1e-3 / last), high = riddle_log(10.0 / gap);
+    blocking__law_trial trial;
+    trial.used_a = trial.used_b = 1;
+    trial.terms = 2;
+    for (int j = 0; j < BLOCKING__MOST; j++) trial.x[j] = 0.0;
+    best->sse = HUGE_VAL;
+    for (int i = 0; i < GRID * GRID; i++) {
+        trial.x[0] = low + (high - low) * (i % GRID) / (GRID - 1.0);
+        trial.x[BLOCKING_LAW_TERMS] = low + (high - low) * (i / GRID) / (GRID - 1.0);
+        blocking__law_sums(all, &trial);
+        if (trial.sse < best->sse) *best = trial;
+    }
+    blocking__law_descend(all, best);
+}
+
+static inline blocking_status blocking__check_tests(const blocking_test *tests, size_t n, blocking__tests *all, size_t *bad) {
+    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0};
+    all->test = tests;
+    all->n = n;
+    all->readings = 0;
+    for (size_t s = 0; s < n; s++) {
+        const blocking_test *test = &tests[s];
+        *bad = s;
+        if (!test->t || !test->f || (test->sigma != NULL) != (tests[0].sigma != NULL)) return BLOCKING_BAD_ARGUMENT;
+        if (test->n < 2) return BLOCKING_TOO_FEW;
+        blocking_status status = blocking__check_readings(test->t, test->f, test->n);
+        if (status == BLOCKING_OK) status = blocking__check_sigma(test->sigma, test->n);
+        if (status != BLOCKING_OK) return status;
+        for (int j = 0; j < 3; j++) {
+            double x = blocking__covariate(test, j);
+            if (!(fabs(x) <= 1e100)) return BLOCKING_NOT_FINITE;
+            if (s == 0 || x < low[j]) low[j] = x;
+            if (s == 0 || x > high[j]) high[j] = x;
+        }
+        all->readings += test->n;
+    }
+    *bad = n;
+    for (int j = 0; j < 3; j++) {
+        all->centre[j] = 0.5 * (low[j] + high[j]);
+        all->width[j] = high[j] - low[j] > 1e-12 * fabs(high[j]) ? 0.5 * (high[j] - low[j]) : 0.0;
+    }
+    return BLOCKING_OK;
+}
+
+static inline double blocking__aicc(const blocking__tests *all, const blocking__law_trial *trial) {
+    const int known = all->test[0].sigma != NULL;
+    double n = (double)all->readings, q = trial->terms + (double)all->n + (known ? 0.0 : 1.0);
+    if (!(n - q - 1.0 > 0.0)) return HUGE_VAL;
+    double fit = known ? trial->sse : n * riddle_log((trial->sse > 1e-30 * n ? trial->sse : 1e-30 * n) / n);
+    return fit + 2.0 * q + 2.0 * q * (q + 1.0) / (n - q - 1.0);
+}
+
+/* From scaled covariates to plain ones: a_j = x_j/width_j, and what that shifts goes into a_0. */
+static inline void blocking__law_plain(const blocking__tests *all, const blocking__law_trial *trial, blocking_law *out) {
+    double map[BLOCKING__MOST][BLOCKING__MOST] = {{0.0}}, half[BLOCKING__MOST][BLOCKING__MOST], inverse[BLOCKING__MOST][BLOCKING__MOST];
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        int first = i - i % BLOCKING_LAW_TERMS, j = i % BLOCKING_LAW_TERMS;
+        map[i][i] = j == 0 ? 1.0 : all->width[j - 1] > 0.0 ? 1.0 / all->width[j - 1] : 0.0;
+        if (j > 0) map[first][i] = -map[i][i] * all->centre[j - 1];
+    }
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        double column[BLOCKING__MOST] = {0.0};
+        int on = (i < BLOCKING_LAW_TERMS ? trial->used_a >> i : trial->used_b >> (i - BLOCKING_LAW_TERMS)) & 1;
+        column[i] = on;
+        if (on && !blocking__law_solve(trial, 0.0, column))
+            for (int j = 0; j < BLOCKING__MOST; j++) column[j] = (double)NAN;
+        for (int j = 0; j < BLOCKING__MOST; j++) inverse[j][i] = column[j];
+    }
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        double value = 0.0;
+        for (int j = 0; j < BLOCKING__MOST; j++) {
+            value += map[i][j] * trial->x[j];
+            half[i][j] = 0.0;
+            for (int k = 0; k < BLOCKING__MOST; k++) half[i][j] += map[i][k] * inverse[k][j];
+        }
+        *(i < BLOCKING_LAW_TERMS ? &out->a[i] : &out->b[i - BLOCKING_LAW_TERMS]) = value;
+    }
+    for (int i = 0; i < BLOCKING__MOST; i++)
+        for (int j = 0; j < BLOCKING__MOST; j++) {
+            out->covariance[i][j] = 0.0;
+            for (int k = 0; k < BLOCKING__MOST; k++) out->covariance[i][j] += out->s * out->s * half[i][k] * map[j][k];
+        }
+}
+
+/* Every form from its best parent, one term less; the best by AICc in *best. */
+static inline void blocking__law_forms(const blocking__tests *all, blocking__law_trial *best, blocking_law *out) {
+    blocking__law_trial form[64];
+    blocking__law_start(all, &form[0]);
+    *best = form[0];
+    out->aicc = out->aicc_constant = blocking__aicc(all, best);
+    for (int terms = 1; terms <= 6; terms++)
+        for (int f = 1; f < 64; f++) {
+            int a = f & 7, b = f >> 3, parent = -1, idle = 0;
+            if (blocking__bits(a) + blocking__bits(b) != terms) continue;
+            for (int j = 0; j < 3; j++) idle |= !(all->width[j] > 0.0) && ((a | b) >> j & 1);
+            form[f].sse = HUGE_VAL;
+            for (int j = 0; j < 6; j++)
+                if ((f >> j & 1) && (parent < 0 || form[f ^ (1 << j)].sse < form[parent].sse)) parent = f ^ (1 << j);
+            if (idle || parent < 0 || !(form[parent].sse < HUGE_VAL)) continue;
+            form[f] = form[parent];
+            form[f].used_a = 1 | a << 1;
+            form[f].used_b = 1 | b << 1;
+            form[f].terms = 2 + terms;
+            blocking__law_descend(all, &form[f]);
+            double aicc = blocking__aicc(all, &form[f]), unused[BLOCKING__MOST] = {0.0};
+            if (aicc < out->aicc && blocking__law_solve(&form[f], 0.0, unused)) {
+                out->aicc = aicc;
+                *best = form[f];
+            }
+        }
+}
+
+BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test) {
+    size_t ignored;
+    blocking__tests all;
+    if (!test) test = &ignored;
+    *test = 0;
+    if (!out || !tests) return BLOCKING_BAD_ARGUMENT;
+    out->tests = out->readings = 0;
+    out->used_a = out->used_b = 0;
+    for (int i = 0; i < BLOCKING_LAW_TERMS; i++) out->a[i] = out->b[i] = (double)NAN;
+    out->aicc = out->aicc_constant = out->sse = out->dof = out->s = out->student = (double)NAN;
+    for (int i = 0; i < BLOCKING__MOST; i++)
+        for (int j = 0; j < BLOCKING__MOST; j++) out->covariance[i][j] = (double)NAN;
+    if (n_tests == 0) return BLOCKING_TOO_FEW;
+    blocking_status status = blocking__check_tests(tests, n_tests, &all, test);
+    if (status != BLOCKING_OK) return status;
+    if (all.readings < n_tests + 3) return BLOCKING_TOO_FEW;
+    blocking__law_trial best;
+    blocking__law_forms(&all, &best, out);
+    out->tests = n_tests;
+    out->readings = all.readings;
+    out->used_a = best.used_a;
+    out->used_b = best.used_b;
+    out->sse = best.sse;
+    out->dof = (double)all.readings - (double)n_tests - best.terms;
+    out->s = tests[0].sigma ? 1.0 : sqrt(best.sse / out->dof);
+    out->student = blocking_student(1.959963984540054, tests[0].sigma ? HUGE_VAL : out->dof);
+    for (int j = 0; j < 3; j++) {
+        out->low[j] = all.centre[j] - all.width[j];
+        out->high[j] = all.centre[j] + all.width[j];
+    }
+    blocking__law_plain(&all, &best, out);
+    return out->covariance[0][0] == out->covariance[0][0] ? BLOCKING_OK : BLOCKING_UNDETERMINED;
+}
+
+/* Variance of a . z (first 0), b . z (4) or their difference (both) */
+static inline double blocking__law_variance(const blocking_law *law, const double *z, double of_a, double of_b) {
+    double sum = 0.0;
+    for (int i = 0; i < BLOCKING__MOST; i++)
+        for (int j = 0; j < BLOCKING__MOST; j++)
+            sum += (i < BLOCKING_LAW_TERMS ? of_a : of_b) * z[i % BLOCKING_LAW_TERMS] * (j < BLOCKING_LAW_TERMS ? of_a : of_b) *
+                   z[j % BLOCKING_LAW_TERMS] * law->covariance[i][j];
+    return sum > 0.0 ? sum : 0.0;
+}
+
+BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out) {
+    if (!out) return BLOCKING_BAD_ARGUMENT;
+    out->k1 = out->k2 = out->f_inf = out->k1_low95 = out->k1_high95 = out->k2_low95 = out->k2_high95 = (double)NAN;
+    out->f_inf_low95 = out->f_inf_high95 = (double)NAN;
+    out->outside = 0;
+    if (!law || law->tests == 0) return BLOCKING_BAD_ARGUMENT;
+    const double x[3] = {K, x_h, moisture}, z[BLOCKING_LAW_TERMS] = {1.0, K, x_h, moisture};
+    double log_k1 = 0.0, log_k2 = 0.0;
+    for (int j = 0; j < 3; j++) {
+        if (!blocking__finite(x[j])) return BLOCKING_NOT_FINITE;
+        double edge = 0.01 * (law->high[j] - law->low[j]);
+        if (x[j] < law->low[j] - edge || x[j] > law->high[j] + edge) out->outside |= 1 << j;
+    }
+    for (int j = 0; j < BLOCKING_LAW_TERMS; j++) {
+        log_k1 += law->a[j] * z[j];
+        log_k2 += law->b[j] * z[j];
+    }
+    const double r1 = law->student * sqrt(blocking__law_variance(law, z, 1.0, 0.0)),
+                 r2 = law->student * sqrt(blocking__law_variance(law, z, 0.0, 1.0)),
+                 rf = law->student * sqrt(blocking__law_variance(law, z, 1.0, -1.0)), odds = log_k1 - log_k2;
+    if (!(fabs(log_k1) < 700.0 && fabs(log_k2) < 700.0)) return BLOCKING_NOT_FINITE;
+    out->k1 = riddle_exp(log_k1);
+    out->k2 = riddle_exp(log_k2);
+    out->f_inf = 1.0 / (1.0 + riddle_exp(odds));
+    out->k1_low95 = riddle_exp(log_k1 - r1);
+    out->k1_high95 = riddle_exp(log_k1 + r1);
+    out->k2_low95 = riddle_exp(log_k2 - r2);
+    out->k2_high95 = riddle_exp(log_k2 + r2);
+    out->f_inf_low95 = 1.0 / (1.0 + riddle_exp(odds + rf));
+    out->f_inf_high95 = 1.0 / (1.0 + riddle_exp(odds - rf));
     return BLOCKING_OK;
 }
 
@@ -1709,8 +2418,14 @@ BLOCKING_API blocking_duty blocking_default_duty(void) {
     duty.passing = duty.capacity = duty.clearance = duty.f_inf = duty.k = (double)NAN;
     duty.f0 = 1.0;
     duty.run_time = HUGE_VAL;
+    duty.mean_lowest = duty.mean_highest = duty.last_lowest = duty.last_highest = (double)NAN;
     duty.cookie = BLOCKING__COOKIE_DUTY;
     return duty;
+}
+
+/* A range within 0..1, or none. */
+static inline int blocking__is_range(double low, double high) {
+    return (low != low && high != high) || (low >= 0.0 && low <= high && high <= 1.0);
 }
 
 BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, const char **field) {
@@ -1719,11 +2434,14 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
     else if (!(duty->passing > 0.0 && blocking__finite(duty->passing))) bad = "passing";
     else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 && blocking__finite(duty->passing / duty->capacity)))
         bad = "capacity";
-    else if (!(duty->clearance > 0.0 && duty->clearance <= 1.0)) bad = "clearance";
+    else if (!(duty->clearance > 0.0 && duty->clearance <= 1.0 && blocking__finite(duty->passing / duty->capacity / duty->clearance)))
+        bad = "clearance";
     else if (!blocking__within(duty->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__within(duty->f_inf, 0.0, 1.0)) bad = "f_inf";
     else if (!(duty->k >= 0.0 && blocking__finite(duty->k))) bad = "k";
     else if (!(duty->run_time >= 0.0)) bad = "run_time";
+    else if (!blocking__is_range(duty->mean_lowest, duty->mean_highest)) bad = "mean_lowest";
+    else if (!blocking__is_range(duty->last_lowest, duty->last_highest)) bad = "last_lowest";
     if (field) *field = bad;
     return bad ? BLOCKING_BAD_DEF : BLOCKING_OK;
 }
@@ -1731,6 +2449,7 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
 BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking_deck *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->free_mean = out->free_lowest = out->effective_area = out->area_clean = out->area_mean = out->area_lowest = (double)NAN;
+    out->area_mean_low95 = out->area_mean_high95 = out->area_lowest_low95 = out->area_lowest_high95 = (double)NAN;
     if (blocking_check_duty(duty, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
     double last = blocking_curve(duty->f0, duty->f_inf, duty->k, duty->run_time);
     out->free_mean = blocking_time_mean(duty->f0, duty->f_inf, duty->k, duty->run_time);
@@ -1739,6 +2458,11 @@ BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking
     out->area_clean = out->effective_area / duty->clearance;
     out->area_mean = out->area_clean / out->free_mean;
     out->area_lowest = out->area_clean / out->free_lowest;
+    out->area_mean_low95 = out->area_clean / duty->mean_highest;
+    out->area_mean_high95 = out->area_clean / duty->mean_lowest;
+    out->area_lowest_low95 = out->area_clean / (duty->last_highest < duty->f0 ? duty->last_highest : duty->f0);
+    out->area_lowest_high95 = out->area_clean / (duty->last_lowest < duty->f0 ? duty->last_lowest : duty->f0);
+    if (duty->last_lowest != duty->last_lowest) out->area_lowest_low95 = out->area_lowest_high95 = (double)NAN;
     return BLOCKING_OK;
 }
 

@@ -179,10 +179,12 @@ static blocking_status fit_readings(readings *r, blocking_fit_result *fit) {
 
 static void report_fit(json *report, const readings *r, blocking_status status, const blocking_fit_result *fit, const char *source) {
     common_print("\nReadings: %s, %d times\nLeast squares: %s\n", source, r->n, blocking_status_text(status));
-    common_print("  f0 %.4f +- %.4f, f_inf %.4f +- %.4f, k %.5f +- %.5f 1/s, R2 %.3f\n", fit->f0, fit->error_f0, fit->f_inf,
-                 fit->error_f_inf, fit->k, fit->error_k, fit->r2);
-    common_print("  k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking); 95 %% range of k: %.5f .. %.5f 1/s\n", fit->k1, fit->k2,
-                 fit->k_lowest, fit->k_highest);
+    common_print("  f0 %.4f, f_inf %.4f, k %.5f 1/s, R2 %.3f; k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking)\n", fit->f0, fit->f_inf,
+                 fit->k, fit->r2, fit->k1, fit->k2);
+    common_print("  95 %% ranges, %s: f0 %.4f .. %.4f, f_inf %.4f .. %.4f%s, k %.5f .. %.5f 1/s%s\n",
+                 r->counted ? "errors from the numbers of holes" : "errors from the scatter about the curve", fit->f0_lowest, fit->f0_highest,
+                 fit->f_inf_lowest, fit->f_inf_highest, fit->f_inf_determined ? "" : " (not determined)", fit->k_lowest, fit->k_highest,
+                 fit->k_determined ? "" : " (not determined)");
     json_object_begin(report, "fit");
     json_string(report, "source", source);
     json_string(report, "status", blocking_status_text(status));
@@ -197,6 +199,13 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
     json_number(report, "error_k_per_s", fit->error_k);
     json_number(report, "k_lowest_per_s", fit->k_lowest);
     json_number(report, "k_highest_per_s", fit->k_highest);
+    json_number(report, "f0_lowest", fit->f0_lowest);
+    json_number(report, "f0_highest", fit->f0_highest);
+    json_number(report, "f_inf_lowest", fit->f_inf_lowest);
+    json_number(report, "f_inf_highest", fit->f_inf_highest);
+    json_number(report, "degrees_of_freedom", fit->dof);
+    json_bool(report, "k_determined", fit->k_determined);
+    json_bool(report, "f_inf_determined", fit->f_inf_determined);
     json_number(report, "r2", fit->r2);
     json_number(report, "mean_60_s", blocking_time_mean(fit->f0, fit->f_inf, fit->k, 60.0));
     json_object_end(report);
@@ -205,7 +214,7 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
 /* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
 static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
     int found = 0;
-    table t = table_begin("three readings [s]|f_inf|+-|k [1/s]|+-|status");
+    table t = table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
     json_array_begin(report, "three_point");
     for (int i = 1; i + 1 < r->n; i++) {
         const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
@@ -328,7 +337,7 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
     plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3", 2, 2);
     csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f*|f* of Table 3|fit");
+    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f*, 95 % of counting|f* of Table 3|fit");
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
         plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");
@@ -553,6 +562,9 @@ static void design(const program *self, json *report, blocking_duty duty, const 
                  duty.capacity, duty.clearance, duty.run_time);
     common_print("  nothing blocked %.4f m2; on average over the run %.4f m2 (f %.4f); at every moment %.4f m2 (f %.4f)\n", deck.area_clean,
                  deck.area_mean, deck.free_mean, deck.area_lowest, deck.free_lowest);
+    if (deck.area_mean_low95 > 0.0)
+        common_print("  95 %% range from the readings: on average %.4f .. %.4f m2, at every moment %.4f .. %.4f m2\n", deck.area_mean_low95,
+                     deck.area_mean_high95, deck.area_lowest_low95, deck.area_lowest_high95);
     common_print("  by Table 3, %s: %.4f m2 (f* %.4f)%s\n", blocking_shape_text(shape), from_table, average->value,
                  average->flags & BLOCKING_FLAG_BOX ? ", an extrapolation" : "");
     json_object_begin(report, "deck");
@@ -566,6 +578,10 @@ static void design(const program *self, json *report, blocking_duty duty, const 
     json_number(report, "area_clean_m2", deck.area_clean);
     json_number(report, "area_mean_m2", deck.area_mean);
     json_number(report, "area_lowest_m2", deck.area_lowest);
+    json_number(report, "area_mean_low95_m2", deck.area_mean_low95);
+    json_number(report, "area_mean_high95_m2", deck.area_mean_high95);
+    json_number(report, "area_lowest_low95_m2", deck.area_lowest_low95);
+    json_number(report, "area_lowest_high95_m2", deck.area_lowest_high95);
     json_number(report, "area_table3_m2", from_table);
     json_object_end(report);
 
@@ -735,6 +751,10 @@ int main(int argc, char **argv) {
     duty.f_inf = fit.f_inf;
     duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
     duty.run_time = run_time;
+    blocking_fit_def ranges = blocking_default_fit_def();
+    ranges.z = z95;
+    blocking_fit_range(&ranges, r.t, r.f, r.counted ? r.sigma : NULL, (size_t)r.n, run_time, &duty.last_lowest, &duty.last_highest,
+                       &duty.mean_lowest, &duty.mean_highest);
     design(&self, report, duty, &average, (blocking_shape)shape);
     return finish(report, &self);
 }

@@ -78,14 +78,16 @@ static double sum_of_squares(const double *t, const double *f, const double *sig
     return sum;
 }
 
-static double best_over_f_inf(const double *t, const double *f, const double *sigma, int n, double f0, double k) {
-    double low = 0.0, high = 1.0;
-    for (int i = 0; i < 70; i++) {
-        double third = (high - low) / 3.0;
-        if (sum_of_squares(t, f, sigma, n, f0, low + third, k) < sum_of_squares(t, f, sigma, n, f0, high - third, k)) high -= third;
-        else low += third;
+/* Least sum of squares of a curve alpha + beta e^(-k t), without bounds; k may be negative, and a straight line for k = 0. */
+static double unbounded(const double *t, const double *f, const double *sigma, int n, double k) {
+    double sw = 0.0, su = 0.0, sf = 0.0, suu = 0.0, suf = 0.0, sff = 0.0;
+    for (int i = 0; i < n; i++) {
+        double x = k < 0.0 ? t[n - 1] - t[i] : t[i] - t[0], w = sigma ? 1.0 / (sigma[i] * sigma[i]) : 1.0;
+        double u = fabs(k) * (t[n - 1] - t[0]) > 1e-3 ? exp(-fabs(k) * x) : x;
+        sw += w, su += w * u, sf += w * f[i], suu += w * u * u, suf += w * u * f[i], sff += w * f[i] * f[i];
     }
-    return sum_of_squares(t, f, sigma, n, f0, 0.5 * (low + high), k);
+    double spread = suu - su * su / sw, both = suf - su * sf / sw, all = sff - sf * sf / sw;
+    return spread > 1e-14 * suu ? all - both * both / spread : all;
 }
 
 static void least_squares(void **state) {
@@ -133,20 +135,22 @@ static void least_squares(void **state) {
         if (!(fit.sse <= best * (1.0 + 1e-9) + 1e-20))
             fail_msg("trial %d: sse %.12g at f0 %g f_inf %g k %g, the grid has %.12g at %g %g %g", trial, fit.sse, fit.f0, fit.f_inf, fit.k,
                      best, at[0], at[1], exp(at[2]));
-        /* the profile range: at its ends the best sse has risen by z^2 s^2, found here by a grid over f0 and f_inf */
-        double ends[2] = {fit.k_lowest, fit.k_highest}, target = fit.sse + def.z * def.z * (s ? 1.0 : fit.sse / (n - 3));
-        for (int e = 0; e < 2; e++) {
-            if (!(ends[e] > 0.0 && ends[e] < 1e300)) continue;
-            double low = 0.0, high = 1.0, least = 1e300; /* convex in f0 and f_inf: two nested searches by thirds */
-            for (int level = 0; level < 70; level++) {
-                double third = (high - low) / 3.0, a = best_over_f_inf(t, f, s, n, low + third, ends[e]),
-                       b = best_over_f_inf(t, f, s, n, high - third, ends[e]);
-                if (a < b) high -= third;
-                else low += third;
-                least = fmin(a, b);
+        /* the profile range: at its ends the sum of squares without bounds exceeds its least by student^2 s^2 */
+        double least = fit.sse, ends[2] = {fit.k_lowest, fit.k_highest};
+        double place = 0.0, reach = 9.0;
+        for (int level = 0; level < 4; level++, reach *= 1e-2) {
+            double middle = place;
+            for (int i = -1000; i <= 1000; i++) {
+                double x = middle + reach * i / 1000.0, sse = unbounded(t, f, s, n, sinh(x) / (t[n - 1] - t[0]));
+                if (sse <= least) least = sse, place = x;
             }
-            if (!(fabs(least - target) < 1e-6 * target))
-                fail_msg("trial %d: the best sse at k %g (fitted %g) is %.10g, should be %.10g", trial, ends[e], fit.k, least, target);
+        }
+        double target = least + fit.student * fit.student * (s ? 1.0 : least / (n - 3));
+        for (int e = 0; e < 2; e++) {
+            if (!(ends[e] > 0.0 && ends[e] < 1e300) || fabs(ends[e] / fit.k - 1.0) < 1e-9) continue;
+            double sse = unbounded(t, f, s, n, ends[e]);
+            if (!(fabs(sse - target) < 1e-4 * target))
+                fail_msg("trial %d: sse at k %g (fitted %g) is %.10g, should be %.10g", trial, ends[e], fit.k, sse, target);
         }
     }
 }
@@ -296,7 +300,7 @@ static void bits(void **state) {
         mix(&hash, f[j]);
         mix(&hash, mean[j]);
     }
-    if (hash != 0x7810bf7ffceb57b2u) fail_msg("bits: %016llx", (unsigned long long)hash);
+    if (hash != 0x6c42e14a0e0ddc8cu) fail_msg("bits: %016llx", (unsigned long long)hash);
 }
 
 int main(void) {
