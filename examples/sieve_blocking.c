@@ -182,9 +182,9 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
     common_print("  f0 %.4f, f_inf %.4f, k %.5f 1/s, R2 %.3f; k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking)\n", fit->f0, fit->f_inf,
                  fit->k, fit->r2, fit->k1, fit->k2);
     common_print("  95 %% ranges, %s: f0 %.4f .. %.4f, f_inf %.4f .. %.4f%s, k %.5f .. %.5f 1/s%s\n",
-                 r->counted ? "errors from the numbers of holes" : "errors from the scatter about the curve", fit->f0_lowest, fit->f0_highest,
-                 fit->f_inf_lowest, fit->f_inf_highest, fit->f_inf_determined ? "" : " (not determined)", fit->k_lowest, fit->k_highest,
-                 fit->k_determined ? "" : " (not determined)");
+                 r->counted ? "errors from the numbers of holes" : "errors from the scatter about the curve", fit->f0_lowest,
+                 fit->f0_highest, fit->f_inf_lowest, fit->f_inf_highest, fit->f_inf_determined ? "" : " (not determined)", fit->k_lowest,
+                 fit->k_highest, fit->k_determined ? "" : " (not determined)");
     json_object_begin(report, "fit");
     json_string(report, "source", source);
     json_string(report, "status", blocking_status_text(status));

@@ -879,7 +879,7 @@ static void student(void **state) {
         {2.575829303548901, 1, 63.6567411628716},  {2.575829303548901, 5, 4.03214298355522},   {2.575829303548901, 200, 2.600634434}};
     for (size_t i = 0; i < LENGTH(table); i++) close_to(blocking_student(table[i].z, table[i].dof), table[i].t, 3e-9);
     assert_true(blocking_student(2.0, HUGE_VAL) == 2.0 && blocking_student(2.0, 2e6) == 2.0);
-    close_to(blocking_student(2.0, 200.0), blocking_student(2.0, 200.001), 1e-8);
+    close_to(blocking_student(2.0, 200.0), blocking_student(2.0, 200.001), 1e-7);
     assert_true(isnan(blocking_student(0.0, 5)) && isnan(blocking_student(nan_, 5)) && isnan(blocking_student(2, 0.5)) &&
                 isnan(blocking_student(2, nan_)) && blocking_student(HUGE_VAL, 2) > 1e4);
 }
@@ -1511,5 +1511,6 @@ int main(void) {
         cmocka_unit_test(any_numbers),
         cmocka_unit_test(texts),
     };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
