@@ -166,6 +166,9 @@ RIDDLE_IO_API void riddle_io_plot_points(riddle_io_plot *p, const char *label, c
 RIDDLE_IO_API void riddle_io_plot_band(riddle_io_plot *p, const char *label, const double *x, const double *low, const double *high, int n);
 RIDDLE_IO_API void riddle_io_plot_error_bars(riddle_io_plot *p, const char *label, const double *x, const double *y,
                                              const double *plus_minus, int n);
+/* Shaded discs, for spheres to scale: x, y and radius in the axes' unit; with riddle_io_plot_equal. Drawn in the given order. */
+RIDDLE_IO_API void riddle_io_plot_discs(riddle_io_plot *p, const char *label, const double *x, const double *y, const double *radius,
+                                        int n);
 /* Bars beside each other, one group a name; call again for the next series of the same groups. */
 RIDDLE_IO_API void riddle_io_plot_bars(riddle_io_plot *p, const char *label, const char *const *names, const double *values, int n);
 /* values[row][column], row 0 at the bottom, between the given corners; colour bar with its label at the right. */
@@ -901,6 +904,7 @@ typedef enum {
     RIDDLE_IO__POINTS,
     RIDDLE_IO__BAND,
     RIDDLE_IO__ERROR_BARS,
+    RIDDLE_IO__DISCS,
     RIDDLE_IO__BARS,
     RIDDLE_IO__HEAT,
     RIDDLE_IO__HORIZONTAL,
@@ -1141,6 +1145,11 @@ RIDDLE_IO_API void riddle_io_plot_band(riddle_io_plot *p, const char *label, con
 RIDDLE_IO_API void riddle_io_plot_error_bars(riddle_io_plot *p, const char *label, const double *x, const double *y,
                                              const double *plus_minus, int n) {
     riddle_io__add_coloured(p, RIDDLE_IO__ERROR_BARS, label, x, y, plus_minus, n);
+}
+
+RIDDLE_IO_API void riddle_io_plot_discs(riddle_io_plot *p, const char *label, const double *x, const double *y, const double *radius,
+                                        int n) {
+    riddle_io__add_coloured(p, RIDDLE_IO__DISCS, label, x, y, radius, n);
 }
 
 RIDDLE_IO_API void riddle_io_plot_bars(riddle_io_plot *p, const char *label, const char *const *names, const double *values, int n) {
@@ -1388,8 +1397,16 @@ static inline void riddle_io__power_of_ten(riddle_io_file *f, double x, double y
                     x, y, anchor, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
 }
 
-static inline void riddle_io__upright_label(riddle_io_file *f, double x, double y, const char *text) {
-    riddle_io_print(f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\">", x, y);
+/* A size for letters so that a text that would be too long for its room fits; not under half the usual one. */
+static inline double riddle_io__fitting(const char *text, double size, double room) {
+    double width = riddle_io__text_width(text, size);
+    return width > room ? fmax(0.5 * size, size * room / width) : size;
+}
+
+static inline void riddle_io__upright_label(riddle_io_file *f, double x, double y, double room, const char *text) {
+    riddle_io_print(
+        f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\" style=\"font-size:%.1fpx\">", x, y,
+        riddle_io__fitting(text, RIDDLE_IO__LABEL_SIZE, room));
     riddle_io__escaped(f, text);
     riddle_io_print(f, "</text>\n");
 }
@@ -1511,6 +1528,29 @@ static inline void riddle_io__draw_error_bars(riddle_io_file *f, const riddle_io
     riddle_io__draw_points(f, a, s);
 }
 
+static inline double riddle_io__disc_radius(const riddle_io__panel *a, const riddle_io__series *s, int i) {
+    double r = riddle_io__px(a, s->x[i] + s->z[i]) - riddle_io__px(a, s->x[i]);
+    return r > 0.0 && r < 1e5 ? r : 0.0;
+}
+
+/* Lit from the upper left: a light spot over the colour, and a dark rim. */
+static inline void riddle_io__draw_discs(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
+    const char *colour = riddle_io__colour_of(s);
+    riddle_io_print(f,
+                    "<radialGradient id=\"ball%s\" cx=\"0.36\" cy=\"0.32\" r=\"0.75\"><stop offset=\"0\" stop-color=\"white\"/>"
+                    "<stop offset=\"0.35\" stop-color=\"%s\"/><stop offset=\"1\" stop-color=\"#222\"/></radialGradient>\n",
+                    colour + 1, colour);
+    riddle_io_print(f, "<g fill=\"url(#ball%s)\">\n", colour + 1);
+    for (int i = 0; i < s->n; i++) {
+        if (!riddle_io__visible(a, s->x[i], s->y[i])) continue;
+        double r = riddle_io__disc_radius(a, s, i);
+        if (r > 0.0)
+            riddle_io_print(f, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\"/>\n", riddle_io__limited(riddle_io__px(a, s->x[i])),
+                            riddle_io__limited(riddle_io__py(a, s->y[i])), r);
+    }
+    riddle_io_print(f, "</g>\n");
+}
+
 /* Which of the bar series this one is, and how many there are. */
 static inline void riddle_io__bar_place(const riddle_io__panel *a, const riddle_io__series *s, int *index, int *count) {
     *index = *count = 0;
@@ -1617,7 +1657,7 @@ static inline void riddle_io__draw_colour_bar(riddle_io_file *f, const riddle_io
     riddle_io__power_of_ten(f, x, y - 7.0, "start", exponent);
     if (s->label && *s->label) {
         double lx = x + 23.0 + widest + 16.0, ly = y + 0.5 * height;
-        riddle_io__upright_label(f, lx, ly, s->label);
+        riddle_io__upright_label(f, lx, ly, height + 24.0, s->label);
     }
 }
 
@@ -1664,6 +1704,7 @@ static inline void riddle_io__draw_series(riddle_io_file *f, const riddle_io__pa
     case RIDDLE_IO__POINTS: riddle_io__draw_points(f, a, s); break;
     case RIDDLE_IO__BAND: riddle_io__draw_band(f, a, s); break;
     case RIDDLE_IO__ERROR_BARS: riddle_io__draw_error_bars(f, a, s); break;
+    case RIDDLE_IO__DISCS: riddle_io__draw_discs(f, a, s); break;
     case RIDDLE_IO__BARS: riddle_io__draw_bars(f, a, s); break;
     case RIDDLE_IO__HEAT: riddle_io__draw_heat(f, a, s); break;
     case RIDDLE_IO__HORIZONTAL:
@@ -1710,6 +1751,10 @@ static inline void riddle_io__find_ranges(riddle_io__panel *a) {
             if (a->x.fixed_range && s->x && s->kind != RIDDLE_IO__HORIZONTAL && (s->x[i] < a->x.low || s->x[i] > a->x.high)) continue;
             riddle_io__include(&a->y, s->y[i], &y0, &y1);
             if (s->kind == RIDDLE_IO__BAND) riddle_io__include(&a->y, s->z[i], &y0, &y1);
+            for (int side = -1; side <= 1 && s->kind == RIDDLE_IO__DISCS && riddle_io__has_length(s, i); side += 2) {
+                riddle_io__include(&a->x, s->x[i] + side * s->z[i], &x0, &x1);
+                riddle_io__include(&a->y, s->y[i] + side * s->z[i], &y0, &y1);
+            }
             if (s->kind == RIDDLE_IO__ERROR_BARS && riddle_io__has_length(s, i)) {
                 riddle_io__include(&a->y, s->y[i] - s->z[i], &y0, &y1);
                 riddle_io__include(&a->y, s->y[i] + s->z[i], &y0, &y1);
@@ -1774,7 +1819,11 @@ static inline void riddle_io__stain_series(riddle_io__raster r, const riddle_io_
         return;
     }
     for (int i = 0; i < s->n; i++) {
-        if (s->kind == RIDDLE_IO__BARS) {
+        if (s->kind == RIDDLE_IO__DISCS) {
+            if (riddle_io__visible(a, s->x[i], s->y[i]))
+                riddle_io__stain(r, a, riddle_io__limited(riddle_io__px(a, s->x[i])), riddle_io__limited(riddle_io__py(a, s->y[i])),
+                                 riddle_io__disc_radius(a, s, i));
+        } else if (s->kind == RIDDLE_IO__BARS) {
             double left, right;
             if (!riddle_io__can_show(&a->y, s->y[i])) continue;
             riddle_io__bar_edges(a, s, i, &left, &right);
@@ -1973,7 +2022,8 @@ static inline int riddle_io__draw_y_numbers(riddle_io_file *f, const riddle_io__
             a->at.x, y, a->at.x - 9.0, y + 5.0, ticks[i].text);
     }
     riddle_io__power_of_ten(f, a->at.x - 8.0, a->at.y - 7.0, "start", exponent);
-    if (a->y.label && *a->y.label) riddle_io__upright_label(f, a->at.x - 14.0 - widest - 8.0, a->at.y + 0.5 * a->at.height, a->y.label);
+    if (a->y.label && *a->y.label)
+        riddle_io__upright_label(f, a->at.x - 14.0 - widest - 8.0, a->at.y + 0.5 * a->at.height, a->at.height + 24.0, a->y.label);
     return exponent;
 }
 
@@ -2019,6 +2069,9 @@ static inline void riddle_io__draw_legend(riddle_io_file *f, const riddle_io__pa
             riddle_io__draw_marker(f, s, x + RIDDLE_IO__SWATCH / 2.0, middle, 4.0);
             riddle_io_print(f, "</g>");
         }
+        if (s->kind == RIDDLE_IO__DISCS)
+            riddle_io_print(f, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" fill=\"url(#ball%s)\"/>\n", x + RIDDLE_IO__SWATCH / 2.0, middle,
+                            riddle_io__colour_of(s) + 1);
         if (s->kind == RIDDLE_IO__BAND || s->kind == RIDDLE_IO__BARS)
             riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.0f\" height=\"12\" fill=\"%s\"%s/>\n", x, middle - 6.0,
                             RIDDLE_IO__SWATCH, riddle_io__colour_of(s), s->kind == RIDDLE_IO__BAND ? " fill-opacity=\"0.22\"" : "");

@@ -182,6 +182,7 @@ static void test_hostile_data(void **state) {
                 plot_style(p, PLOT_MARKED | PLOT_DASHED | PLOT_STEPS, PLOT_NEXT);
                 plot_band(p, "band", x, y, x, 4);
                 plot_error_bars(p, "bars", x, y, x, 4);
+                riddle_io_plot_discs(p, "discs", x, y, x, 4);
                 plot_horizontal(p, "h", y[0]);
                 plot_vertical(p, "v", x[1]);
                 plot_text(p, x[2], y[2], "text");
@@ -262,6 +263,31 @@ static void test_legend_keeps_off_the_data(void **state) {
     assert_true(inside >= 30);
 }
 
+/* To scale: a disc of radius 1 on an axis of 4 is a quarter of the frame wide. */
+static void test_discs_are_to_scale(void **state) {
+    (void)state;
+    double x[] = {0.0, 1.0}, y[] = {0.0, 0.5}, r[] = {1.0, 0.25}, box[4];
+    plot *p = plot_new(NULL, 1, 1);
+    plot_panel_size(p, 400.0, 400.0);
+    plot_panel(p, 0, 0, "x [m]", "y [m]");
+    plot_range_x(p, -2.0, 2.0);
+    plot_range_y(p, -2.0, 2.0);
+    riddle_io_plot_discs(p, NULL, x, y, r, 2);
+    char *text = drawn(p);
+    expect_well_formed(text);
+    frame(text, box);
+    const char *at = text;
+    for (int i = 0; i < 2; i++) {
+        double cx, cy, radius;
+        at = strstr(at + 1, "<circle");
+        assert_non_null(at);
+        assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\" r=\"%lf\"", &cx, &cy, &radius), 3);
+        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 && fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
+        assert_true(fabs(radius - 100.0 * r[i]) < 0.1);
+    }
+    free(text);
+}
+
 static void test_same_input_same_picture(void **state) {
     (void)state;
     double x[] = {0.0, 1.0, 2.0}, y[] = {0.3, 0.1, 0.2};
@@ -285,6 +311,7 @@ int main(void) {
         cmocka_unit_test(test_hostile_data),
         cmocka_unit_test(test_wrong_calls),
         cmocka_unit_test(test_legend_keeps_off_the_data),
+        cmocka_unit_test(test_discs_are_to_scale),
         cmocka_unit_test(test_same_input_same_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

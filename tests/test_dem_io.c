@@ -1,0 +1,272 @@
+/* dem_io.h: surfaces lie where the walls are, moving ones too; sections show circles of the right size; files hold what is there. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "failing_allocator.h"
+
+static int said;
+#define RIDDLE_IO_FAIL(line) (said += *(line) != 0)
+#include "dem_io.h"
+
+static char path[300];
+
+static const char *file(const char *end) {
+    snprintf(path, sizeof path, "%s/riddle-dem-io.%ld%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid(), end);
+    return path;
+}
+
+/* Text of a file that is then removed; the caller frees it. */
+static char *taken(const char *name) {
+    FILE *f = fopen(name, "rb");
+    assert_non_null(f);
+    fseek(f, 0, SEEK_END);
+    const long size = ftell(f);
+    rewind(f);
+    char *text = malloc((size_t)size + 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, (size_t)size, f), size);
+    text[size] = '\0';
+    fclose(f);
+    remove(name);
+    return text;
+}
+
+static void start(dem_world *world, failing_allocator *memory) {
+    dem_def def = dem_default_def();
+    if (memory) def.allocator.fn = failing_fn, def.allocator.user = memory;
+    dem_add_material(&def, 2500.0, 1e9, 0.2);
+    def.gravity = dem_vec3(0, 0, 0);
+    def.dt = 1e-4;
+    memset(world, 0, sizeof *world);
+    assert_int_equal(dem_init(world, &def, NULL), DEM_OK);
+}
+
+static dem_vec corner(const dem_io_surface *s, int v) { return dem_vec3(s->vertex[3 * v], s->vertex[3 * v + 1], s->vertex[3 * v + 2]); }
+
+/* The furthest corner of a wall from where `distance` is zero, and that there are some. */
+static double worst(const dem_io_surface *s, int wall, double (*distance)(dem_vec)) {
+    double most = 0.0;
+    int n = 0;
+    for (int v = 0; v < s->vertices; v++)
+        if (s->wall[v] == wall) most = fmax(most, fabs(distance(corner(s, v)))), n++;
+    assert_true(n > 2);
+    return most;
+}
+
+static double area(const dem_io_surface *s, int wall) {
+    double sum = 0.0;
+    for (int t = 0; t < s->triangles; t++) {
+        const int *c = &s->triangle[3 * t];
+        if (s->wall[c[0]] != wall) continue;
+        const dem_vec a = corner(s, c[0]), b = dem_io__along(corner(s, c[1]), -1.0, a), d = dem_io__along(corner(s, c[2]), -1.0, a);
+        const dem_vec n = dem_io__cross(b, d);
+        sum += 0.5 * sqrt(dem_io__dot(n, n));
+    }
+    return sum;
+}
+
+static double from_floor(dem_vec x) { return x.z + 0.1; }
+static double from_tube(dem_vec x) { return hypot(x.x, x.y) - 0.2; }
+static double from_ball(dem_vec x) { return sqrt(x.x * x.x + x.y * x.y + (x.z - 0.5) * (x.z - 0.5)) - 0.05; }
+static double from_cone(dem_vec x) { return hypot(x.x - 1.0, x.y) - (0.1 + 0.5 * (x.z - 0.2)); }
+
+static void test_surfaces_lie_on_the_walls(void **state) {
+    (void)state;
+    dem_world w;
+    dem_io_surface s;
+    start(&w, NULL);
+    dem_cone cone = dem_default_cone();
+    cone.low = dem_vec3(1, 0, 0.2), cone.high = dem_vec3(1, 0, 0.4), cone.low_radius = 0.1, cone.high_radius = 0.2;
+    const int floor = dem_add_plane(&w, 0, dem_vec3(0, 0, -0.1), dem_vec3(0, 0, 1));
+    const int ball = dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, 0.5), 0.05, 0);
+    const int funnel = dem_add_cone(&w, 0, &cone);
+    const int box = dem_add_box(&w, 0, dem_vec3(-1, -1, -0.1), dem_vec3(2, 1, 0.6));
+    const int off = dem_add_sphere_wall(&w, 0, dem_vec3(0, 0, 50), 1.0, 0);
+    const int exit = dem_add_exit(&w, dem_vec3(0, 0, -0.05), dem_vec3(0, 0, 1));
+    assert_true(floor >= 0 && ball >= 0 && funnel >= 0 && box >= 0 && off >= 0 && exit >= 0);
+    dem_enable_wall(&w, off, 0);
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+    assert_true(worst(&s, floor, from_floor) < 1e-12);
+    assert_true(worst(&s, ball, from_ball) < 1e-12);
+    assert_true(worst(&s, funnel, from_cone) < 1e-12);
+    assert_true(fabs(area(&s, floor) / (3.0 * 2.0) - 1.0) < 0.02); /* the box that holds all, and a margin */
+    assert_true(fabs(area(&s, ball) / (4.0 * RIDDLE_PI * 0.0025) - 1.0) < 0.01);
+    assert_true(fabs(area(&s, funnel) / (RIDDLE_PI * 0.3 * hypot(0.1, 0.2)) - 1.0) < 0.01);
+    assert_true(fabs(area(&s, box) - 2.0 * (3.0 * 2.0 + 3.0 * 0.7 + 2.0 * 0.7)) < 1e-9);
+    for (int v = 0; v < s.vertices; v++) assert_true(s.wall[v] != off && s.wall[v] != exit);
+    dem_io_free_surface(&s);
+    dem_io_free_surface(&s);
+    dem_free(&w);
+}
+
+/* A plane across a cylinder is its end. */
+static void test_ends_of_a_drum(void **state) {
+    (void)state;
+    dem_world w;
+    dem_io_surface s;
+    start(&w, NULL);
+    const double centre[] = {0.0, 0.0, 0.5}, diameter[] = {0.1};
+    const int tube = dem_add_cylinder(&w, 0, dem_vec3(0, 0, 3), dem_vec3(0, 0, 1), 0.2, 1);
+    const int end = dem_add_plane(&w, 0, dem_vec3(7, 7, 0.45), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+    assert_true(worst(&s, tube, from_tube) < 1e-12);
+    assert_true(worst(&s, end, from_tube) < 1e-12);
+    assert_true(fabs(area(&s, tube) / (2.0 * RIDDLE_PI * 0.2 * 0.1) - 1.0) < 0.02);
+    assert_true(fabs(area(&s, end) / (RIDDLE_PI * 0.04) - 1.0) < 0.01);
+    dem_io_free_surface(&s);
+    dem_free(&w);
+}
+
+/* What is drawn of a screen is what a sphere meets: no corner of a bar is further than half a wire from the nearest bar's axis. */
+static void test_screen(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        dem_world w;
+        dem_io_surface s;
+        dem_screen screen = dem_default_screen();
+        start(&w, NULL);
+        screen.circular = kind & 1, screen.profile = kind & 2 ? DEM_ROUND : DEM_SEMICIRCLE;
+        screen.aperture = 0.008, screen.wire = 0.002, screen.half_x = 0.035, screen.half_y = 0.025;
+        const int deck = dem_add_screen(&w, 0, &screen);
+        assert_true(deck >= 0);
+        assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+        assert_int_equal(s.vertices, 2 * DEM_IO__BAR_SIDES * (kind & 1 ? 12 : 6 + 8));
+        for (int v = 0; v < s.vertices; v++) {
+            const dem_vec x = corner(&s, v);
+            const double at_x = fabs(fmod(fabs(x.x), 0.01) - 0.005), at_y = fabs(fmod(fabs(x.y), 0.01) - 0.005);
+            assert_true(fabs(x.z) < 0.0010001 && (kind & 2 || x.z > -1e-12));
+            assert_true(fmin(at_x, at_y) < 0.0010001);
+            assert_true(kind & 1 ? hypot(x.x, x.y) < 0.0361 : fabs(x.x) < 0.0361 && fabs(x.y) < 0.0261);
+        }
+        dem_io_free_surface(&s);
+        dem_free(&w);
+    }
+}
+
+static void test_moving_walls_are_drawn_where_they_are(void **state) {
+    (void)state;
+    dem_world w;
+    dem_io_surface s;
+    start(&w, NULL);
+    const int box = dem_add_box(&w, 0, dem_vec3(0.5, -0.1, -0.1), dem_vec3(0.7, 0.1, 0.1));
+    assert_int_equal(dem_rotate(&w, box, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), RIDDLE_PI), DEM_OK);
+    assert_int_equal(dem_run(&w, 0.5, DEM_LINEAR), DEM_OK); /* a quarter turn */
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OK);
+    for (int v = 0; v < s.vertices; v++) {
+        const dem_vec x = corner(&s, v);
+        assert_true(fabs(fabs(x.x) - 0.1) < 1e-9 && fabs(fabs(x.y - 0.6) - 0.1) < 1e-9 && fabs(fabs(x.z) - 0.1) < 1e-9);
+    }
+    dem_io_free_surface(&s);
+    dem_free(&w);
+}
+
+static void test_section(void **state) {
+    (void)state;
+    dem_world w;
+    start(&w, NULL);
+    const double centres[] = {0.0, 0.03, 0.0, 0.2, 0.2, 0.0, 0.05, -0.04, 0.1}, diameters[] = {0.1, 0.1, 0.1};
+    dem_add_cylinder(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), 0.3, 1);
+    assert_int_equal(dem_add_spheres(&w, 3, centres, diameters, 0, 0), DEM_OK);
+    riddle_io_plot *p = riddle_io_plot_new("section", 1, 1);
+    riddle_io_plot_panel_size(p, 400.0, 400.0);
+    riddle_io_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+    riddle_io_plot_range_x(p, -400.0, 400.0);
+    riddle_io_plot_range_y(p, -400.0, 400.0);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_OK);
+    assert_int_equal(riddle_io_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
+    char *text = taken(path), *at = text;
+    const double radius[] = {20.0, 15.0}; /* half a millimetre a point; the second sphere does not reach the plane */
+    for (int i = 0; i < 2; i++) {
+        double cx, cy, r;
+        at = strstr(at + 1, "<circle");
+        assert_non_null(at);
+        assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\" r=\"%lf\"", &cx, &cy, &r), 3);
+        assert_true(fabs(r - radius[i]) < 0.01);
+    }
+    assert_null(strstr(at + 1, "<circle"));
+    assert_non_null(strstr(at, "M")); /* the drum */
+    free(text);
+    p = riddle_io_plot_new(NULL, 1, 1);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    riddle_io_plot_free(p);
+    dem_free(&w);
+}
+
+static void test_memory_and_wrong_calls(void **state) {
+    (void)state;
+    dem_world w;
+    dem_io_surface s;
+    failing_allocator memory;
+    failing_init(&memory);
+    start(&w, &memory);
+    const double centre[] = {0.0, 0.0, 0.5}, diameter[] = {0.1};
+    assert_int_equal(dem_add_spheres(&w, 1, centre, diameter, 0, 0), DEM_OK);
+    assert_true(dem_add_box(&w, 0, dem_vec3(0, 0, 0), dem_vec3(1, 1, 1)) >= 0);
+    riddle_io_plot *p = riddle_io_plot_new(NULL, 1, 1);
+    memory.fail_at = memory.calls;
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_OUT_OF_MEMORY);
+    assert_int_equal(dem_io_particles(&w, NULL, file(".vtp")), RIDDLE_IO_NO_MEMORY);
+    assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_NO_MEMORY);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(0, 1, 0), NULL, 0), DEM_OUT_OF_MEMORY);
+    memory.fail_at = memory.calls + 1; /* the second block of each */
+    assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_NO_MEMORY);
+    assert_int_equal(access(path, F_OK), -1);
+    riddle_io_plot_free(p);
+    dem_free(&w);
+    assert_int_equal(failing_live(&memory), 0);
+    assert_int_equal(dem_io_surface_of(NULL, &s), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_surface_of(&w, NULL), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_surface_of(&w, &s), DEM_BAD_ARGUMENT); /* freed */
+    assert_int_equal(dem_io_particles(NULL, NULL, path), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(dem_io_add(NULL, &w), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(dem_io_close(NULL), RIDDLE_IO_BAD_ARGUMENT);
+    dem_io_free_surface(NULL);
+    said = 0;
+    dem_io_series none = dem_io_open(NULL, NULL);
+    assert_true(said > 0);
+    assert_int_equal(dem_io_add(&none, &w), RIDDLE_IO_BAD_ARGUMENT);
+}
+
+/* An empty world, and one with a wall and no particle, give files that are whole. */
+static void test_empty(void **state) {
+    (void)state;
+    dem_world w;
+    start(&w, NULL);
+    for (int walls = 0; walls < 2; walls++) {
+        if (walls) dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(1, 2, 3));
+        assert_int_equal(dem_io_particles(&w, NULL, file(".vtp")), RIDDLE_IO_OK);
+        free(taken(path));
+        assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_OK);
+        char *text = taken(path);
+        assert_non_null(strstr(text, walls ? "NumberOfPolys=\"" : "NumberOfPolys=\"0\""));
+        free(text);
+    }
+    dem_free(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_surfaces_lie_on_the_walls),
+        cmocka_unit_test(test_ends_of_a_drum),
+        cmocka_unit_test(test_screen),
+        cmocka_unit_test(test_moving_walls_are_drawn_where_they_are),
+        cmocka_unit_test(test_section),
+        cmocka_unit_test(test_memory_and_wrong_calls),
+        cmocka_unit_test(test_empty),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
