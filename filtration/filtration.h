@@ -36,6 +36,7 @@
 #include "solids_api.h"
 #include "../tests/portable_math.h"
 #include "process_laws.h"
+#include "settling_laws.h"
 #ifdef FILTRATION__BODIES
 #include "process.h"
 #include "evaluate.h"

@@ -143,6 +143,35 @@ static void test_laws_out_of_domain(void **state) {
     assert_true(isnan(filtration_power_law(1, NAN, 1, 1)) && isnan(filtration_kozeny_porosity(HUGE_VAL, 1, 1)));
 }
 
+static void test_settling_laws(void **state) {
+    (void)state;
+    assert_close(filtration_stokes_velocity(1200.0, 9.81, 80e-6, 1e-3), 4.1856e-3, 1e-12);
+    /* Schiller and Naumann: 3.921 mm/s for the paper's sphere (specification, section 4) */
+    double v = 4e-3;
+    for (int i = 0; i < 100; i++) v = 4.1856e-3 / filtration_schiller_naumann(v * 80e-6 * 1000.0 / 1e-3);
+    assert_close(v, 3.921e-3, 2e-4);
+    /* Haberman and Sayre 1.350, 1.979, 5.87; Faxen 1.349, 1.977, 5.57; Ladenburg 1.263, 1.526, 2.052 */
+    const double ratio[] = {0.125, 0.25, 0.5}, hs[] = {1.350, 1.979, 5.87}, faxen[] = {1.349, 1.977, 5.57}, first[] = {1.263, 1.526, 2.052};
+    for (int i = 0; i < 3; i++) {
+        assert_close(filtration_wall_haberman_sayre(ratio[i]), hs[i], 4e-4);
+        assert_close(filtration_wall_faxen(ratio[i]), faxen[i], 4e-4);
+        assert_close(filtration_wall_ladenburg(ratio[i]), first[i], 1e-4);
+    }
+    /* Brenner's table: gap over radius cosh(alpha) - 1, alpha 0.5, 1, 1.5, 2, 3 */
+    const double alpha[] = {0.5, 1.0, 1.5, 2.0, 3.0}, drag[] = {9.2518, 3.0361, 1.8375, 1.4129, 1.1252};
+    for (int i = 0; i < 5; i++) assert_close(filtration_wall_brenner(cosh(alpha[i]) - 1.0), drag[i], 5e-5);
+    assert_close(filtration_wall_brenner(0.999e-3), filtration_wall_brenner(1.001e-3), 2.1e-3); /* the series joins the lubrication */
+    assert_close(filtration_wall_brenner(1e8), 1.0, 1e-7);
+    double before = HUGE_VAL;
+    for (double gap = 1e-9; gap < 1e9; gap *= 1.3) {
+        assert_true(filtration_wall_brenner(gap) < before && filtration_wall_brenner(gap) > 1.0);
+        before = filtration_wall_brenner(gap);
+    }
+    assert_true(isnan(filtration_wall_brenner(0.0)) && isnan(filtration_wall_brenner(NAN)) && isnan(filtration_schiller_naumann(-1.0)));
+    assert_true(isnan(filtration_schiller_naumann(1001.0)) && isnan(filtration_wall_ladenburg(1.0)) && isnan(filtration_wall_faxen(-0.1)));
+    assert_true(isnan(filtration_wall_haberman_sayre(0.8)) && isnan(filtration_stokes_velocity(1, 1, 0.0, 1)));
+}
+
 /* ---- size distributions ---- */
 
 static void test_number_shares(void **state) {
@@ -652,6 +681,7 @@ int main(void) {
         cmocka_unit_test(test_compressible_means),
         cmocka_unit_test(test_student),
         cmocka_unit_test(test_laws_out_of_domain),
+        cmocka_unit_test(test_settling_laws),
         cmocka_unit_test(test_number_shares),
         cmocka_unit_test(test_number_distribution),
         cmocka_unit_test(test_bad_distributions),
