@@ -53,7 +53,7 @@ static int impacts(double speed, double interval, double steps_per_contact, doub
     }
     const int deck = status == DEM_OK ? dem_add_plane(&world, glass, dem_vec3(0, 0, -1.0), dem_vec3(0, 0, 1)) : -1;
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, DEM_LINEAR, 1.0).contact / steps_per_contact);
-    if (deck < 0 || wet_init(&scene, n, group, diameters, class_diameter, moisture, mass * n, deck, &world, false) != BRIDGE_OK)
+    if (deck < 0 || wet_init(&scene, n, group, diameters, class_diameter, moisture, mass * n, deck, &world, false, WET_STEEL) != BRIDGE_OK)
         status = DEM_BAD_ARGUMENT;
     if (status == DEM_OK) status = dem_set_links(&world, &wet_bridges, wet_link_kernel, fmax(interval, 1e-9), WET_NEAR);
     world.user = &scene;

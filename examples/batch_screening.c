@@ -113,7 +113,9 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
     json_string(j, "laws", s->moisture > 0.0 ? s->laws ? "printed" : "corrected" : NULL);
     json_number(j, "screen_diameter_m", s->screen_diameter);
     json_number(j, "drop_height_m", s->drop);
+    json_string(j, "outlet", s->outlet ? "wall" : "delay");
     json_number(j, "outlet_delay_s", s->outlet_delay);
+    json_string(j, "side_wall", s->walls ? "pvc" : "steel");
     json_number(j, "dt_s", first->dt);
     json_integer(j, "seeds", st->seeds);
     json_array(j, "time_s", a->time, st->samples);
@@ -691,6 +693,8 @@ int main(int argc, char **argv) {
         option_double("sideways", "SHARE", &s->sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
         option_double("vertical", "SHARE", &s->vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
         option_choice("profile", &s->profile, "semicircle|round", "section of the bars"),
+        option_choice("side-wall", &s->walls, "steel|pvc", "material of the side wall: PVC has another contact angle, of water"),
+        option_choice("outlet", &s->outlet, "delay|wall", "passage counts after a delay, or at the end of an inclined wall"),
         option_choice("restitution", &s->restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
         option_double("steps-per-contact", "N", &s->dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &no_frames, "no .vtp series"),
@@ -713,6 +717,9 @@ int main(int argc, char **argv) {
     if (resume && st.kind == STUDY_ONE) program_refuse(&self, "resume", NULL, "only with a study of several runs");
     if (all_cases && (options[CASE].given || options[AMPLITUDE].given || options[FREQUENCY].given || options[MOISTURE].given))
         program_refuse(&self, "all-cases", NULL, "not together with a case, an amplitude, a frequency or a moisture");
+    if (s->outlet && s->scene != SCENE_SCREEN) program_refuse(&self, "outlet", "wall", "only with --scene screen");
+    if (s->outlet && options[OUTLET].given) program_refuse(&self, "outlet", "wall", "not together with --outlet-delay");
+    if (s->outlet) s->outlet_delay = 0.0;
     if (s->scene != SCENE_SCREEN && (all_cases || compare || sensitivity))
         program_refuse(&self, "scene", NULL, "this study is of the screen");
     choose_case(s, number);

@@ -30,19 +30,21 @@ typedef struct settings {
     double vertical, sideways;                                    /* share of the set amplitude */
     double moisture;                                              /* mass of liquid over mass of particles [-] */
     int scene, profile, restitution, laws;                        /* scene_kind; indices of the options' choices */
+    int walls, outlet;                                            /* side wall of steel or PVC; outlet as a delay or as a wall */
     int case_number;                                              /* of table 5; 0: none of them */
     bool energy;
 } settings;
 
 /* What a run depends on, as one row of numbers under names, so that a run that was written can be told from another. */
-enum { SETTINGS = 16 };
+enum { SETTINGS = 18 };
 #define SETTINGS_HEADER                                                                                                                    \
     "amplitude_m,frequency_hz,moisture,laws,scene,time_s,steps_per_contact,mass_kg,screen_diameter_m,drop_m,outlet_delay_s,exit_depth_m,"  \
-    "vertical,sideways,profile,restitution"
+    "vertical,sideways,profile,restitution,side_wall,outlet_wall"
 static void list_settings(const settings *s, double *row) {
     const double all[SETTINGS] = {s->amplitude, s->frequency, s->moisture,        s->laws,       s->scene,        s->time,
                                   s->dt_ratio,  s->mass,      s->screen_diameter, s->drop,       s->outlet_delay, s->exit_depth,
-                                  s->vertical,  s->sideways,  s->profile,         s->restitution};
+                                  s->vertical,  s->sideways,  s->profile,         s->restitution,
+                                  s->walls,     s->outlet};
     memcpy(row, all, sizeof all);
 }
 
@@ -60,14 +62,19 @@ static void choose_case(settings *s, int number) {
 
 /* ---- definition ---- */
 
-static dem_def define(const settings *s, int *glass, int *steel) {
+enum { GLASS_SPHERE, STEEL_WALL, PVC_WALL }; /* materials, in the order of table 2 of the paper */
+
+/* Tables 2 and 4. For PVC the paper prints no contact parameters: it has those of steel. */
+static dem_def define(const settings *s) {
     dem_def def = dem_default_def();
-    *glass = dem_add_material(&def, GLASS, 5.0e10, 0.2);
-    *steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
-    dem_pair_def *gg = dem_pair(&def, *glass, *glass), *gs = dem_pair(&def, *glass, *steel);
-    gg->friction = 0.1966, gg->rolling = 8.95e-5, gg->restitution = 0.7808;
-    gs->friction = 0.2866, gs->rolling = 1.09e-4, gs->restitution = 0.4351;
-    gg->mode = gs->mode = s->restitution ? DEM_NAIVE : DEM_CLIPPED;
+    dem_add_material(&def, GLASS, 5.0e10, 0.2);
+    dem_add_material(&def, 7850.0, 2.08e11, 0.3);
+    dem_add_material(&def, 1300.0, 2.2e9, 0.4);
+    for (int k = GLASS_SPHERE; k <= PVC_WALL; k++) {
+        dem_pair_def *pair = dem_pair(&def, GLASS_SPHERE, k);
+        pair->friction = k ? 0.2866 : 0.1966, pair->rolling = k ? 1.09e-4 : 8.95e-5, pair->restitution = k ? 0.4351 : 0.7808;
+        pair->mode = s->restitution ? DEM_NAIVE : DEM_CLIPPED;
+    }
     return def;
 }
 
@@ -182,8 +189,8 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
     enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
     const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
-    int glass, steel;
-    dem_def def = define(s, &glass, &steel);
+    const int glass = GLASS_SPHERE, steel = STEEL_WALL;
+    dem_def def = define(s);
     const double stiffness = fmin(fmax(pressure * class_diameter[SMALL] / overlap, 200.0), dem_pair(&def, glass, glass)->stiffness);
     dem_world world;
     for (int k = 0; k < 2; k++) {
@@ -231,10 +238,31 @@ static dem_status fill(batch *b, const settings *s, uint64_t *random) {
     return status;
 }
 
-/* The screen, its side wall, and the plane below at which passage counts; the batch at rest, `drop` above the bars. Or a plate. */
+/* Where passage counts: a plane below the wires; or, at the end of an outlet, an inclined wall at rest onto which grains fall. The outlet
+   is not printed but for the 0.5 s that a sphere takes at least: it is inclined by 30 degrees, begins 20 mm below the mesh at one side, and
+   ends 0.25 m beyond the other, where its wall crosses a level plane. */
+static dem_status add_way_out(dem_world *world, const settings *s, int steel) {
+    const double radius = 0.5 * s->screen_diameter, slope = RIDDLE_PI / 6.0, depth = 0.02 + tan(slope) * (2.0 * radius + 0.25);
+    int wall = 0;
+    if (s->outlet) wall = dem_add_plane(world, steel, dem_vec3(-radius, 0, -0.02), dem_vec3(sin(slope), 0, cos(slope)));
+    if (wall < 0 || dem_add_exit(world, dem_vec3(0, 0, s->outlet ? -depth : -s->exit_depth), dem_vec3(0, 0, 1)) < 0) return DEM_BAD_ARGUMENT;
+    return DEM_OK;
+}
+
+/* The cylinder in which the batch lies; over an outlet it ends below the wires. */
+static int add_side_wall(dem_world *world, const settings *s, int material) {
+    const double radius = 0.5 * s->screen_diameter;
+    if (!s->outlet) return dem_add_cylinder(world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), radius, 1);
+    dem_cone tube = dem_default_cone();
+    tube.low = dem_vec3(0, 0, -0.01), tube.high = dem_vec3(0, 0, 1.0 + s->drop);
+    tube.low_radius = tube.high_radius = radius;
+    return dem_add_cone(world, material, &tube);
+}
+
+/* The screen, its side wall, and where passage counts; the batch at rest, `drop` above the bars. Or a plate. */
 static dem_status build(dem_world *world, const batch *b, const settings *s, int *deck) {
-    int glass, steel;
-    dem_def def = define(s, &glass, &steel);
+    const int glass = GLASS_SPHERE, steel = STEEL_WALL;
+    dem_def def = define(s);
     def.dt = 1e-6;
     const char *field;
     dem_status status = dem_init(world, &def, &field);
@@ -245,9 +273,9 @@ static dem_status build(dem_world *world, const batch *b, const settings *s, int
     const bool plate = s->scene == SCENE_CLOSED_PLATE;
     const double top = plate ? 0.0 : 0.5 * screen.wire;
     *deck = plate ? dem_add_plane(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : dem_add_screen(world, steel, &screen);
-    const int wall = dem_add_cylinder(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1);
-    const int way_out = dem_add_exit(world, dem_vec3(0, 0, -s->exit_depth), dem_vec3(0, 0, 1));
-    if (*deck < 0 || wall < 0 || way_out < 0) status = DEM_BAD_ARGUMENT;
+    const int wall = add_side_wall(world, s, s->walls ? PVC_WALL : STEEL_WALL);
+    if (*deck < 0 || wall < 0) status = DEM_BAD_ARGUMENT;
+    if (status == DEM_OK) status = add_way_out(world, s, steel);
     const dem_vec amplitude = dem_vec3(s->sideways * s->amplitude, 0, s->vertical * s->amplitude), phase = dem_vec3(0.5 * RIDDLE_PI, 0, 0);
     if (status == DEM_OK) status = dem_vibrate(world, *deck, amplitude, phase, s->frequency);
     if (status == DEM_OK) status = dem_vibrate(world, wall, amplitude, phase, s->frequency);
@@ -301,7 +329,7 @@ static void watch_layers(layers *l, const dem_world *world, double time) {
         *head = (int)i;
     }
     for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->group[i] >= UNDERSIZE) continue;
+        if (!world->alive[i] || world->group[i] >= UNDERSIZE || l->at[i].z < 0.0) continue;
         const int x = layer_cell(l, l->at[i].x), y = layer_cell(l, l->at[i].y);
         bool covered = false;
         for (int cy = y > 0 ? y - 1 : 0; cy <= y + 1 && cy < l->cells; cy++) {
@@ -402,7 +430,7 @@ static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, 
     if (!*wet) return DEM_OUT_OF_MEMORY;
     world->user = *wet;
     const bridge_status status =
-        wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b), deck, world, s->laws == 1);
+        wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b), deck, world, s->laws == 1, s->walls ? WET_PVC : WET_STEEL);
     return status == BRIDGE_OK ? DEM_OK : DEM_BAD_ARGUMENT;
 }
 

@@ -16,20 +16,19 @@
 enum { WET_WIDTH = 3, WET_RADIUS, WET_STATES };
 /* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
 enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
-enum { WET_CLASSES = 3, WET_WALL = WET_CLASSES };
+enum { WET_CLASSES = 3, WET_DECK = WET_CLASSES, WET_SIDE, WET_PARTNERS }; /* walls by their contact angle: decks, others */
 static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
-    double angle[2];                                /* contact angle of particles, of walls [rad] */
+    double angle[3];                                /* contact angle of particles, of decks, of other walls [rad] */
     bool printed;                                   /* eqs 12-18 as printed */
-    bridge_pair kind[WET_CLASSES][WET_CLASSES + 1]; /* classes a <= b; last column: wall and wire */
+    bridge_pair kind[WET_CLASSES][WET_PARTNERS];    /* classes a <= b, or a wall */
     bridge_films films;
     const int *group; /* class of particle by id */
-    int deck;         /* wall index of the screen, or of a plate in its place */
-    bool plate;
-    double patch, pitch, wall_radius, wire;
-    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar; a plate's patches are one family */
+    int deck, decks;  /* wall index of the first screen, or of what stands in its place; how many there are */
+    double patch, wall_radius;
+    int around, up, bars; /* patches of the side wall; bars of a family, patches of a bar; without wires patches are one family */
     long long ruptures;
     double initial; /* liquid at the start [m3] */
     bridge_status status;
@@ -94,30 +93,38 @@ DEM_INLINE void wet_link_force_printed(const dem_contact *c, double *state, dem_
 
 /* ---- books ---- */
 
-/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a plate, one pitch of a bar. */
+static bool wet_is_deck(const wet_scene *s, ptrdiff_t j) { return -1 - j >= s->deck && -1 - j < s->deck + s->decks; }
+static bool wet_has_wires(const dem_world *w, int wall) { return w->wall[wall].kind == DEM_SCREEN; }
+static double wet_pitch(const wet_scene *s, const dem_world *w, int wall) {
+    return wet_has_wires(w, wall) ? w->wall[wall].aperture + w->wall[wall].wire : s->patch;
+}
+
+/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a deck without wires, one pitch of a bar. */
 static size_t wet_patch(const wet_scene *s, const dem_world *w, const dem_contact_info *c) {
     const int wall = (int)(-1 - c->j);
     const dem_vec at = dem_position(w, c->i), origin = w->wall[wall].position;
     const double x = at.x - origin.x, y = at.y - origin.y, z = at.z - origin.z;
-    const int side = s->around * s->up;
-    if (wall != s->deck) {
+    if (!wet_is_deck(s, c->j)) {
         const int a = (int)((riddle_atan2(y, x) / RIDDLE_PI + 1.0) * 0.5 * s->around), u = (int)(z / s->patch) + 2;
         return (size_t)((a < 0 ? 0 : a >= s->around ? s->around - 1 : a) + s->around * (u < 0 ? 0 : u >= s->up ? s->up - 1 : u));
     }
-    const int family = s->plate ? 0 : (int)((unsigned)c->element & 1u);
-    const int bar = s->plate ? (int)(y / s->pitch + s->bars / 2.0) : (c->element - family) / 2 + s->bars / 2;
-    const int segment = (int)((family ? y : x) / s->pitch + s->bars / 2.0);
+    const double pitch = wet_pitch(s, w, wall);
+    const bool wires = wet_has_wires(w, wall);
+    const int side = s->around * s->up + (wall - s->deck) * 2 * s->bars * s->bars;
+    const int family = wires ? (int)((unsigned)c->element & 1u) : 0;
+    const int bar = wires ? (c->element - family) / 2 + s->bars / 2 : (int)(y / pitch + s->bars / 2.0);
+    const int segment = (int)((family ? y : x) / pitch + s->bars / 2.0);
     const int b = bar < 0 ? 0 : bar >= s->bars ? s->bars - 1 : bar, k = segment < 0 ? 0 : segment >= s->bars ? s->bars - 1 : segment;
     return (size_t)(side + (family * s->bars + b) * s->bars + k);
 }
 
-static bridge_partner wet_partner(const wet_scene *s, const dem_contact_info *c) {
-    return c->j >= 0 ? BRIDGE_SPHERE : -1 - c->j == s->deck && !s->plate ? BRIDGE_WIRE : BRIDGE_WALL;
+static bridge_partner wet_partner(const dem_world *w, const dem_contact_info *c) {
+    return c->j >= 0 ? BRIDGE_SPHERE : wet_has_wires(w, (int)(-1 - c->j)) ? BRIDGE_WIRE : BRIDGE_WALL;
 }
 
 /* The prepared kind of a contact's pair; swapped: the contact's i is the kind's j. */
 static const bridge_pair *wet_kind(const wet_scene *s, const dem_world *w, const dem_contact_info *c, int *swapped) {
-    const int a = s->group[w->id[c->i]], b = c->j >= 0 ? s->group[w->id[c->j]] : WET_WALL;
+    const int a = s->group[w->id[c->i]], b = c->j >= 0 ? s->group[w->id[c->j]] : wet_is_deck(s, c->j) ? WET_DECK : WET_SIDE;
     *swapped = a > b;
     return &s->kind[a < b ? a : b][a < b ? b : a];
 }
@@ -142,7 +149,7 @@ static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const br
     if (status != BRIDGE_OK) return status;
     memcpy(state, &b, sizeof b);
     state[WET_ANGLE_I] = s->angle[0];
-    state[WET_ANGLE_J] = s->angle[c.j < 0];
+    state[WET_ANGLE_J] = s->angle[c.j >= 0 ? 0 : wet_is_deck(s, c.j) ? 1 : 2];
     state[WET_IS_WALL] = c.j < 0;
     if (dem_add_link(w, c.i, c.j, c.element, state) != DEM_OK) return BRIDGE_INVALID;
     wet_tell_contact(w, slot, &b);
@@ -171,9 +178,9 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         memset(q, 0, sizeof *q);
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
-        q->partner = wet_partner(s, &c);
+        q->partner = wet_partner(w, &c);
         q->radius_i = w->particle[c.i].radius;
-        q->radius_j = c.j >= 0 ? w->particle[c.j].radius : q->partner == BRIDGE_WIRE ? 0.5 * s->wire : (double)INFINITY;
+        q->radius_j = c.j >= 0 ? w->particle[c.j].radius : q->partner == BRIDGE_WIRE ? 0.5 * w->wall[-1 - c.j].wire : (double)INFINITY;
         bridge_volume_range(wet_kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
                             &q->volume_max);
     }
@@ -191,7 +198,7 @@ static void wet_ended(dem_world *w, int32_t slot, void *user) {
     bridge b;
     memcpy(&b, c.state, sizeof b);
     const size_t j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
-    if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet_partner(s, &c)) != BRIDGE_OK) s->status = BRIDGE_INVALID;
+    if (bridge_release(&s->films, &b, (size_t)w->id[c.i], j, wet_partner(w, &c)) != BRIDGE_OK) s->status = BRIDGE_INVALID;
     s->ruptures++;
 }
 
@@ -226,57 +233,85 @@ static inline double wet_total(const wet_scene *s, const dem_world *w, int *brid
     return volume + bridge_films_total(&s->films);
 }
 
-/* A scene of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls.
-   Free with wet_free. */
-static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter,
-                                     double moisture, double particle_mass, int deck, dem_world *w, bool printed) {
-    double area = 0.0, *block;
-    memset(s, 0, sizeof *s);
-    s->group = group;
-    s->deck = deck;
-    s->printed = printed;
-    s->angle[0] = 15.0 / 180.0 * RIDDLE_PI, s->angle[1] = 45.0 / 180.0 * RIDDLE_PI;
-    s->patch = 5e-3;
-    s->plate = w->wall[deck].kind == DEM_PLANE;
-    s->wire = s->plate ? s->patch : w->wall[deck].wire;
-    s->pitch = s->plate ? s->patch : w->wall[deck].aperture + s->wire;
-    for (int k = 0; k < w->walls; k++)
-        if (w->wall[k].kind == DEM_CYLINDER) s->wall_radius = w->wall[k].radius;
-    s->around = (int)(2.0 * RIDDLE_PI * s->wall_radius / s->patch) + 1;
-    s->up = 30;
-    s->bars = 2 * ((int)(s->wall_radius / s->pitch) + 2);
+/* Contact angles of water on walls [rad] (E&K 2019, Table 2). */
+static const double WET_STEEL = 45.0 / 180.0 * RIDDLE_PI, WET_PVC = 50.0 / 180.0 * RIDDLE_PI;
+
+/* Tables of bridges for grains of three sizes and for walls. */
+static inline bridge_status wet_prepare_kinds(wet_scene *s, const double *class_diameter) {
     for (int a = 0; a < WET_CLASSES; a++) {
-        for (int b = a; b <= WET_CLASSES; b++) {
+        for (int b = a; b < WET_PARTNERS; b++) {
             bridge_pair_def def = bridge_pair_default_def();
             def.radius_i = 0.5 * class_diameter[a];
-            def.radius_j = b == WET_WALL ? (double)INFINITY : 0.5 * class_diameter[b];
+            def.radius_j = b >= WET_DECK ? (double)INFINITY : 0.5 * class_diameter[b];
             def.angle_i = s->angle[0];
-            def.angle_j = s->angle[b == WET_WALL];
-            if (b == WET_WALL) def.volume_max = 0.02;
+            def.angle_j = s->angle[b == WET_DECK ? 1 : b == WET_SIDE ? 2 : 0];
+            if (b >= WET_DECK) def.volume_max = 0.02;
             s->liquid = def.liquid;
             const bridge_status status = bridge_pair_prepare(&s->kind[a][b], &def);
             if (status != BRIDGE_OK) return status;
         }
     }
-    const size_t patches = (size_t)(s->around * s->up + 2 * s->bars * s->bars);
-    block = calloc(2 * ((size_t)n + patches) + patches, sizeof *block);
+    return BRIDGE_OK;
+}
+
+/* Dry books for at most n particles with ids from 0 (class by id: group, of three sizes) and dry walls; `decks` walls from `deck` on are
+   screens or what stands in their place. volume: about all the liquid that there will be [m3]; side_angle: contact angle of the other
+   walls [rad]. Free with wet_free. */
+static inline bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume, int deck,
+                                        int decks, dem_world *w, bool printed, double side_angle) {
+    double reach = 0.0, pitch = HUGE_VAL;
+    memset(s, 0, sizeof *s);
+    s->group = group;
+    s->deck = deck, s->decks = decks;
+    s->printed = printed;
+    s->angle[0] = 15.0 / 180.0 * RIDDLE_PI, s->angle[1] = WET_STEEL, s->angle[2] = side_angle;
+    s->patch = 5e-3;
+    for (int k = 0; k < w->walls; k++) {
+        const dem_wall *wall = &w->wall[k];
+        if (wall->kind == DEM_CYLINDER || wall->kind == DEM_CONE) s->wall_radius = wall->radius;
+        if (wall->kind == DEM_SCREEN) reach = fmax(reach, fmax(wall->half_x, wall->half_y));
+    }
+    reach = fmax(reach, s->wall_radius);
+    for (int k = deck; k < deck + decks; k++) pitch = fmin(pitch, wet_pitch(s, w, k));
+    s->around = (int)(2.0 * RIDDLE_PI * s->wall_radius / s->patch) + 1;
+    s->up = 30;
+    s->bars = 2 * ((int)(reach / pitch) + 2);
+    const bridge_status status = wet_prepare_kinds(s, class_diameter);
+    if (status != BRIDGE_OK) return status;
+    const size_t sides = (size_t)(s->around * s->up), a_deck = 2 * (size_t)s->bars * (size_t)s->bars,
+                 patches = sides + (size_t)decks * a_deck;
+    double *block = calloc(2 * ((size_t)n + patches) + patches, sizeof *block);
     if (!block) return BRIDGE_INVALID;
     bridge_films *f = &s->films;
     double *patch_area = block + 2 * ((size_t)n + patches);
     f->particle = block, f->n_particles = (size_t)n;
     f->patch = block + n, f->n_patches = patches;
     f->scratch = block + (size_t)n + patches;
-    for (size_t k = 0; k < patches; k++) patch_area[k] = k < (size_t)(s->around * s->up) ? s->patch * s->patch : s->pitch * s->wire;
+    for (size_t k = 0; k < patches; k++) {
+        const int wall = k < sides ? -1 : deck + (int)((k - sides) / a_deck);
+        patch_area[k] = wall < 0 || !wet_has_wires(w, wall) ? s->patch * s->patch : wet_pitch(s, w, wall) * w->wall[wall].wire;
+    }
     f->patch_area = patch_area;
-    for (int i = 0; i < n; i++) area += RIDDLE_PI * diameter[i] * diameter[i];
-    const double volume = moisture * particle_mass / 1000.0;
     f->quantum = bridge_quantum(volume > 0.0 ? volume : 1e-6);
-    for (int i = 0; i < n; i++) f->particle[i] = bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, f->quantum);
-    s->initial = bridge_films_total(f);
     return dem_set_links(w, printed ? &wet_bridges_printed : &wet_bridges, printed ? wet_link_kernel_printed : wet_link_kernel,
                          WET_INTERVAL, WET_NEAR) == DEM_OK
                ? BRIDGE_OK
                : BRIDGE_INVALID;
+}
+
+/* A batch of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls,
+   those that are no deck with a contact angle of side_angle [rad]. Free with wet_free. */
+static inline bridge_status wet_init(wet_scene *s, int n, const int *group, const double *diameter, const double *class_diameter,
+                                     double moisture, double particle_mass, int deck, dem_world *w, bool printed, double side_angle) {
+    const double volume = moisture * particle_mass / 1000.0;
+    const bridge_status status = wet_prepare(s, n, group, class_diameter, volume, deck, 1, w, printed, side_angle);
+    if (status != BRIDGE_OK) return status;
+    double area = 0.0;
+    for (int i = 0; i < n; i++) area += RIDDLE_PI * diameter[i] * diameter[i];
+    for (int i = 0; i < n; i++)
+        s->films.particle[i] = bridge_quantised(volume * RIDDLE_PI * diameter[i] * diameter[i] / area, s->films.quantum);
+    s->initial = bridge_films_total(&s->films);
+    return BRIDGE_OK;
 }
 
 static inline void wet_free(wet_scene *s) {
