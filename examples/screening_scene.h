@@ -41,10 +41,9 @@ enum { SETTINGS = 18 };
     "amplitude_m,frequency_hz,moisture,laws,scene,time_s,steps_per_contact,mass_kg,screen_diameter_m,drop_m,outlet_delay_s,exit_depth_m,"  \
     "vertical,sideways,profile,restitution,side_wall,outlet_wall"
 static void list_settings(const settings *s, double *row) {
-    const double all[SETTINGS] = {s->amplitude, s->frequency, s->moisture,        s->laws,       s->scene,        s->time,
-                                  s->dt_ratio,  s->mass,      s->screen_diameter, s->drop,       s->outlet_delay, s->exit_depth,
-                                  s->vertical,  s->sideways,  s->profile,         s->restitution,
-                                  s->walls,     s->outlet};
+    const double all[SETTINGS] = {s->amplitude, s->frequency, s->moisture,        s->laws,        s->scene,        s->time,
+                                  s->dt_ratio,  s->mass,      s->screen_diameter, s->drop,        s->outlet_delay, s->exit_depth,
+                                  s->vertical,  s->sideways,  s->profile,         s->restitution, s->walls,        s->outlet};
     memcpy(row, all, sizeof all);
 }
 
@@ -245,7 +244,8 @@ static dem_status add_way_out(dem_world *world, const settings *s, int steel) {
     const double radius = 0.5 * s->screen_diameter, slope = RIDDLE_PI / 6.0, depth = 0.02 + tan(slope) * (2.0 * radius + 0.25);
     int wall = 0;
     if (s->outlet) wall = dem_add_plane(world, steel, dem_vec3(-radius, 0, -0.02), dem_vec3(sin(slope), 0, cos(slope)));
-    if (wall < 0 || dem_add_exit(world, dem_vec3(0, 0, s->outlet ? -depth : -s->exit_depth), dem_vec3(0, 0, 1)) < 0) return DEM_BAD_ARGUMENT;
+    if (wall < 0 || dem_add_exit(world, dem_vec3(0, 0, s->outlet ? -depth : -s->exit_depth), dem_vec3(0, 0, 1)) < 0)
+        return DEM_BAD_ARGUMENT;
     return DEM_OK;
 }
 
@@ -429,8 +429,8 @@ static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, 
     *wet = malloc(sizeof **wet);
     if (!*wet) return DEM_OUT_OF_MEMORY;
     world->user = *wet;
-    const bridge_status status =
-        wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b), deck, world, s->laws == 1, s->walls ? WET_PVC : WET_STEEL);
+    const bridge_status status = wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b), deck, world,
+                                          s->laws == 1, s->walls ? WET_PVC : WET_STEEL);
     return status == BRIDGE_OK ? DEM_OK : DEM_BAD_ARGUMENT;
 }
 

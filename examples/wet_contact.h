@@ -17,13 +17,13 @@ enum { WET_WIDTH = 3, WET_RADIUS, WET_STATES };
 /* State of a link: the bridge; for the printed equations also the contact angles, and 1 if j is a wall. */
 enum { WET_BRIDGE_SIZE = sizeof(bridge) / sizeof(double), WET_ANGLE_I = WET_BRIDGE_SIZE, WET_ANGLE_J, WET_IS_WALL, WET_LINK_STATES };
 enum { WET_CLASSES = 3, WET_DECK = WET_CLASSES, WET_SIDE, WET_PARTNERS }; /* walls by their contact angle: decks, others */
-static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6; /* between evaluations of links [s]; gap [m] */
+static const double WET_INTERVAL = 2e-4, WET_NEAR = 2e-6;                 /* between evaluations of links [s]; gap [m] */
 
 typedef struct wet_scene {
     bridge_liquid liquid;
-    double angle[3];                                /* contact angle of particles, of decks, of other walls [rad] */
-    bool printed;                                   /* eqs 12-18 as printed */
-    bridge_pair kind[WET_CLASSES][WET_PARTNERS];    /* classes a <= b, or a wall */
+    double angle[3];                             /* contact angle of particles, of decks, of other walls [rad] */
+    bool printed;                                /* eqs 12-18 as printed */
+    bridge_pair kind[WET_CLASSES][WET_PARTNERS]; /* classes a <= b, or a wall */
     bridge_films films;
     const int *group; /* class of particle by id */
     int deck, decks;  /* wall index of the first screen, or of what stands in its place; how many there are */
