@@ -367,8 +367,9 @@ typedef enum filtration_weave {
 } filtration_weave;
 
 /* Woven wire cloth in a plane z = centre: round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. Their axes go through wire / 2
-   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. Warp wires
-   lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or (i + j) mod 2 = 0 (plain). */
+   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut across
+   the wire's direction is a circle everywhere. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
+   (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
@@ -390,7 +391,7 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside. */
+/* Signed distance from its surface [m], > 0 outside; inside its size may be too small, by up to a third where wires slope. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
@@ -1410,27 +1411,38 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Distance in its plane from (s, z) to the axis of a wire: the nearest of several samples, refined by Newton's method. */
-static inline double filtration__cloth_axis_distance(const filtration_cloth *cloth, int warp, int own, double s, double z) {
-    double first, second, best = s, least;
-    const double straight_up = fabs(z - filtration__cloth_axis(cloth, warp, own, s, &first, &second));
-    const double step = (cloth->wire + cloth->opening) / 8.0;
-    const int samples = first == 0.0 && second == 0.0 && straight_up < 0.5 * cloth->wire ? 0 : (int)(straight_up / step) + 1;
-    least = straight_up * straight_up;
+/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from the wire's middle line.
+   Its first and second derivative by s over 2. */
+static inline double filtration__disc_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+                                               double s, double *slope, double *curve) {
+    double first, second;
+    const double away = z - filtration__cloth_axis(cloth, warp, own, s, &first, &second), way = s - along;
+    const double from_axis = sqrt(aside * aside + away * away), gap = from_axis - 0.5 * cloth->wire;
+    *slope = way, *curve = 1.0;
+    if (!(gap > 0.0)) return way * way;
+    const double cosine = away / from_axis;
+    *slope += -gap * cosine * first;
+    *curve += cosine * first * cosine * first + gap * (first * first * (1.0 - cosine * cosine) / from_axis - cosine * second);
+    return way * way + gap * gap;
+}
+
+/* Distance from a point outside to a wire, which is made of discs across it: the nearest of several, refined by Newton's method. */
+static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
+    double slope, curve, best = along;
+    double least = filtration__disc_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
+    const double reach = sqrt(least), step = (cloth->wire + cloth->opening) / 8.0;
+    const int samples = (int)(reach / step) + 1;
     for (int i = -samples; i <= samples; i++) {
-        const double at = s + straight_up * i / (samples > 0 ? samples : 1);
-        const double away = z - filtration__cloth_axis(cloth, warp, own, at, &first, &second);
-        const double square = (at - s) * (at - s) + away * away;
+        const double at = along + reach * i / samples;
+        const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
     for (int i = 0; i < 20; i++) {
-        const double away = filtration__cloth_axis(cloth, warp, own, best, &first, &second) - z;
-        const double slope = best - s + away * first, curve = 1.0 + first * first + away * second;
-        const double wanted = curve > 0.1 ? -slope / curve : -slope;
-        double move = wanted, before = least;
+        const double before = least;
+        filtration__disc_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
+        double move = curve > 0.1 ? -slope / curve : -slope;
         for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double rise = filtration__cloth_axis(cloth, warp, own, best + move, &first, &second) - z;
-            const double square = (best + move - s) * (best + move - s) + rise * rise;
+            const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
             if (!(square < least)) continue;
             least = square, best += move;
             break;
@@ -1444,15 +1456,19 @@ static inline double filtration__cloth_axis_distance(const filtration_cloth *clo
    seen from above. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
                                                 double nearest) {
-    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
+    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire, steepest = RIDDLE_PI * radius / pitch;
     const int middle = (int)floor(across / pitch);
     const int reaching = (int)(cloth->reach / pitch) + 2;
     for (int k = 0; k <= 2 * reaching; k++) {
         const int i = middle + (k % 2 ? (k + 1) / 2 : -k / 2);
         const double aside = fabs(across - (i + 0.5) * pitch);
         if (aside - radius >= nearest) continue;
-        const double in_plane = filtration__cloth_axis_distance(cloth, warp, i, along, z);
-        const double distance = sqrt(aside * aside + in_plane * in_plane) - radius;
+        double first, second;
+        const double away = z - filtration__cloth_axis(cloth, warp, i, along, &first, &second);
+        const double across_wire = sqrt(aside * aside + away * away) - radius;
+        /* inside: across the wire, over the largest slope of its axis */
+        const double distance = across_wire > 0.0 ? filtration__wire_distance(cloth, warp, i, aside, along, z)
+                                                  : across_wire / sqrt(1.0 + steepest * steepest);
         if (distance < nearest) nearest = distance;
     }
     return nearest;

@@ -28,8 +28,9 @@ typedef enum filtration_weave {
 } filtration_weave;
 
 /* Woven wire cloth in a plane z = centre: round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. Their axes go through wire / 2
-   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. Warp wires
-   lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or (i + j) mod 2 = 0 (plain). */
+   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut across
+   the wire's direction is a circle everywhere. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
+   (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
@@ -51,7 +52,7 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside. */
+/* Signed distance from its surface [m], > 0 outside; inside its size may be too small, by up to a third where wires slope. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
