@@ -294,14 +294,15 @@ static inline void deck_find_steady(deck_books *b, int windows, double tolerance
 
 /* Of a deck, over the steady windows. Curves by class: what arrives is what passes the mesh and what leaves over the end. */
 typedef struct deck_answer {
-    double duration;                                                  /* [s] */
-    deck_estimate partition[DECK_CLASSES];                            /* share of a class that leaves over the end */
-    double arrived[DECK_CLASSES], grains[DECK_CLASSES];               /* [kg]; numbers */
-    double size[DECK_CLASSES];                                        /* mean diameter by mass of what arrived [m] */
-    double retained[DECK_CLASSES][DECK_STATIONS];                     /* share still on the deck at (s + 1)/STATIONS of its length */
-    deck_estimate recovery;                                           /* share of what is smaller than the aperture that passes */
-    deck_estimate over, under;                                        /* flows [kg/s] */
-    deck_estimate undersize_in_over;                                  /* mass share of the product */
+    double duration;                                    /* [s] */
+    deck_estimate partition[DECK_CLASSES];              /* share of a class that leaves over the end */
+    double arrived[DECK_CLASSES], grains[DECK_CLASSES]; /* [kg]; numbers */
+    double size[DECK_CLASSES];                          /* mean diameter by mass of what arrived [m] */
+    double retained[DECK_CLASSES][DECK_STATIONS];       /* share still on the deck at (s + 1)/STATIONS of its length */
+    deck_estimate recovery;                             /* share of what is smaller than the aperture that passes */
+    deck_estimate over, under;                          /* flows [kg/s] */
+    deck_estimate undersize_in_over, oversize_in_under; /* mass shares of the products */
+    double largest_under;                               /* grain that passed [m]: soft ones are a little wider than the holes */
     double load[DECK_ZONES], depth[DECK_ZONES], velocity[DECK_ZONES]; /* [kg/m2], [m], [m/s] */
     deck_estimate held[DECK_ZONES], sitting[DECK_ZONES];              /* shares of the holes */
     double stay, stay_low, stay_high;                                 /* of what leaves over the end [s] */
@@ -331,7 +332,8 @@ static inline void deck_stays(const deck_books *b, int level, double from, doubl
 /* Sums of what arrived and what left over, by class and batch. */
 typedef struct deck_sums {
     double arrived[DECK_CLASSES][DECK_BATCHES], over[DECK_CLASSES][DECK_BATCHES];
-    double under_all[DECK_BATCHES], over_all[DECK_BATCHES], fine[DECK_BATCHES], fine_passed[DECK_BATCHES], fine_over[DECK_BATCHES];
+    double under_all[DECK_BATCHES], over_all[DECK_BATCHES], fine[DECK_BATCHES], fine_passed[DECK_BATCHES], fine_over[DECK_BATCHES],
+        coarse_passed[DECK_BATCHES];
 } deck_sums;
 
 static inline void deck_sum_events(const deck_books *b, const deck_def *d, int level, double from, double to, deck_sums *s,
@@ -352,7 +354,8 @@ static inline void deck_sum_events(const deck_books *b, const deck_def *d, int l
         if (size < d->aperture[level]) {
             s->fine[batch] += v->mass;
             (v->left ? s->fine_over : s->fine_passed)[batch] += v->mass;
-        }
+        } else if (!v->left) s->coarse_passed[batch] += v->mass;
+        if (!v->left) a->largest_under = fmax(a->largest_under, size);
     }
     for (int c = 0; c < b->classes.count; c++) {
         double here = 0.0;
@@ -402,6 +405,7 @@ static inline void deck_measure(const deck_books *b, const deck_def *d, int leve
     }
     a->recovery = deck_ratio(DECK_BATCHES, s.fine_passed, s.fine);
     a->undersize_in_over = deck_ratio(DECK_BATCHES, s.fine_over, s.over_all);
+    a->oversize_in_under = deck_ratio(DECK_BATCHES, s.coarse_passed, s.under_all);
     for (int q = 0; q < DECK_BATCHES; q++) {
         share[q] = s.over_all[q] * DECK_BATCHES / a->duration;
         under[q] = s.under_all[q] * DECK_BATCHES / a->duration;

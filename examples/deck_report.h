@@ -264,8 +264,9 @@ static void cell(table *t, const char *format, deck_estimate e) {
 }
 
 static void print_decks(const study *st) {
-    table t = table_begin("feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|d50 "
-                          "[mm]|imperfection|stay [s]|10 %|90 %");
+    table t = table_begin(
+        "feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize through|d50 "
+        "[mm]|imperfection|stay [s]|10 %|90 %");
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;
@@ -279,6 +280,7 @@ static void print_decks(const study *st) {
             table_cell(&t, "%.0f", grains);
             cell(&t, "%.2f +- %.2f", over), cell(&t, "%.2f +- %.2f", under);
             cell(&t, "%.3f +- %.3f", a->recovery), cell(&t, "%.3f +- %.3f", a->undersize_in_over);
+            cell(&t, "%.4f +- %.4f", a->oversize_in_under);
             table_cell(&t, "%.2f", 1e3 * s.d50), table_cell(&t, "%.3f", s.imperfection);
             table_cell(&t, "%.2f", a->stay), table_cell(&t, "%.2f", a->stay_low), table_cell(&t, "%.2f", a->stay_high);
         }
@@ -392,6 +394,8 @@ static void json_deck(json *j, const deck_run *r, int q) {
     json_estimate(j, "through_kg_s", a->under);
     json_estimate(j, "undersize_recovery", a->recovery);
     json_estimate(j, "undersize_in_over", a->undersize_in_over);
+    json_estimate(j, "oversize_in_through", a->oversize_in_under);
+    json_number(j, "largest_through_m", a->largest_under);
     json_number(j, "d50_m", s.d50);
     json_number(j, "imperfection", s.imperfection);
     json_number(j, "efficiency_hancock", s.efficiency);
@@ -449,6 +453,7 @@ static void write_json(const study *st) {
         for (int q = 0; q < r->def.decks; q++) json_deck(j, r, q);
         json_array_end(j);
         json_number(j, "dt_s", r->deck.world.def.dt);
+        json_number(j, "deck_area_by_dem_m2", r->length_by_dem * st->machine_width);
         json_number(j, "particle_steps", (double)r->deck.world.particle_steps);
         if (r->deck.wet) json_number(j, "liquid_error_rel", r->liquid_error);
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&r->deck.world));
@@ -456,6 +461,7 @@ static void write_json(const study *st) {
         json_object_end(j);
     }
     json_array_end(j);
+    json_number(j, "recovery", st->recovery);
     json_array_begin(j, "models");
     for (int m = 0; m < st->models; m++) {
         json_object_begin(j, NULL);
@@ -464,6 +470,8 @@ static void write_json(const study *st) {
         json_array(j, "parameters", st->fit[m].parameter, SCREEN_MAX_PARAMETERS);
         json_number(j, "deviation_fitted", st->run[0].deviation[m]);
         json_number(j, "deviation_predicted", st->runs > 1 ? st->run[1].deviation[m] : (double)NAN);
+        for (int k = 0; k < st->runs; k++)
+            json_number(j, k ? "deck_area_second_m2" : "deck_area_first_m2", st->run[k].length_by_model[m] * st->machine_width);
         json_object_end(j);
     }
     json_array_end(j);

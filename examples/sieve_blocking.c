@@ -19,7 +19,7 @@
 
 #include "blocking.h"
 #include "common.h"
-#include "sieve_patch.h"
+#include "sieve_continuous.h"
 
 enum { MOST_READINGS = 200, GRID = 61, CURVE = 241 };
 
@@ -653,7 +653,8 @@ static bool is_given(const option *options, const char *name) {
 
 int main(int argc, char **argv) {
     const char *data = NULL, *sizes = NULL;
-    bool simulated = false, swept = false;
+    bool simulated = false, swept = false, compared = false;
+    int seeds = 2;
     int which = 1, holes = 400, shape = 0;
     sieve_patch_def patch_def = sieve_patch_default();
     double vibrated = 8.0;
@@ -679,6 +680,8 @@ int main(int argc, char **argv) {
         option_double("run-time-s", "T", &run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
         option_flag("simulate", &simulated, "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
         option_flag("sweep", &swept, "simulations at five K and three x_h beside Table 3"),
+        option_flag("continuous", &compared, "simulations of Fig 12: intermittent and continuous screening at --k, --xh"),
+        option_int("seeds", "N", &seeds, 1, WAY_SEEDS, "continuous: layers of each"),
         option_double("vibrated-s", "T", &vibrated, 0.2, 2048.0, "simulation: time of vibration [s]"),
         option_int("patch", "N", &patch_def.across, 6, 200, "simulation: holes along each side of the periodic patch"),
         option_double("load-kg-m2", "M", &patch_def.load, 0.1, 100.0, "simulation: grains laid on the sieve [kg/m2]"),
@@ -695,10 +698,10 @@ int main(int argc, char **argv) {
         program_refuse(&self, "k", NULL, "either --k or the motion of the deck");
     if (sizes && options[4].given) program_refuse(&self, "xh", NULL, "either --xh or --sizes");
     if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
-    if ((simulated || swept) && data) program_refuse(&self, "data", data, "either --data or a simulation");
-    if ((simulated || swept) && !(wire > 0.0)) program_refuse(&self, "wire-mm", NULL, "above 0 for a simulation");
-    if (self.quick && !is_given(options, "patch")) patch_def.across = swept ? 6 : 8;
-    if (self.quick && !is_given(options, "vibrated-s")) vibrated = swept ? 0.2 : 1.0;
+    if ((simulated || swept || compared) && data) program_refuse(&self, "data", data, "either --data or a simulation");
+    if ((simulated || swept || compared) && !(wire > 0.0)) program_refuse(&self, "wire-mm", NULL, "above 0 for a simulation");
+    if (self.quick && !is_given(options, "patch")) patch_def.across = swept || compared ? 6 : 8;
+    if (self.quick && !is_given(options, "vibrated-s")) vibrated = swept || compared ? 0.25 : 1.0;
     if (self.quick && !is_given(options, "load-kg-m2")) patch_def.load = 0.5;
     if (self.quick && !is_given(options, "overlap")) patch_def.overlap = 0.04;
     patch_def.opening = 1e-3 * opening, patch_def.wire = 1e-3 * wire;
@@ -707,6 +710,10 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     if (swept) {
         sweep(&self, report, &patch_def, vibrated);
+        return finish(report, &self);
+    }
+    if (compared) {
+        compare_ways(&self, report, &patch_def, vibrated, self.quick ? 1 : seeds);
         return finish(report, &self);
     }
     readings r;

@@ -10,7 +10,10 @@
 typedef struct sieve_patch_def {
     int across;            /* apertures along each side >= 6 */
     double opening, wire;  /* l, width of the round wires [m] > 0 */
-    double K, frequency;   /* toss indicator [-] >= 0 and frequency [Hz] > 0 of a vertical vibration */
+    double K, frequency;   /* toss indicator [-] >= 0 and frequency [Hz] > 0 of a vibration perpendicular to the sieve */
+    double slope;          /* of the sieve against the horizontal [rad] 0 .. 0.8; grains that slide out at one side come in at the other */
+    int circular;          /* 1: the vibration is a circle in the plane of the slope, at its top downhill */
+    int refill;            /* 1: for each grain that passed an equal one is laid on top, so that load and mixture stay as they are */
     double x_h;            /* mass share of grains of 0.8 l .. 1.2 l [-] 0 .. 1; the rest half 0.5 .. 0.8 l, half 1.2 .. 1.6 l */
     double load;           /* of the sieve [kg/m2] > 0 */
     double density;        /* of the grains [kg/m3] > 0 */
@@ -42,13 +45,15 @@ typedef struct sieve_patch {
     sieve_patch_def def;
     dem_world world;
     int deck;
-    ptrdiff_t grains;       /* laid on */
+    ptrdiff_t grains;       /* laid on at the start */
+    ptrdiff_t laid_again;   /* of those that passed, with refill */
+    uint64_t random;        /* of the places where they are laid */
     double mass, hard_mass; /* of all, of hard-to-screen grains [kg] */
 } sieve_patch;
 
 static inline double sieve_patch_amplitude(const sieve_patch_def *d) { /* [m] */
     const double turn = 2.0 * RIDDLE_PI * d->frequency;
-    return d->K * 9.81 / (turn * turn);
+    return d->K * 9.81 * cos(d->slope) / (turn * turn);
 }
 
 /* The step for the grains that are left: those that pass are the smallest. */
@@ -65,8 +70,10 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
                  speed = sieve_patch_amplitude(d) * 2.0 * RIDDLE_PI * d->frequency;
     const double unit = RIDDLE_PI / 6.0 * l * l * l * d->density, share = (speed + 0.1) / (d->overlap * l);
     if (!(unit > 0.0 && share > 0.0 && d->wire > 0.0 && d->load > 0.0 && unit + share + d->load + side < HUGE_VAL)) return DEM_BAD_ARGUMENT;
-    if (d->across < 6 || d->across > 1000 || !(d->x_h >= 0.0 && d->x_h <= 1.0)) return DEM_BAD_ARGUMENT;
+    if (d->across < 6 || d->across > 1000 || !(d->x_h >= 0.0 && d->x_h <= 1.0) || !(d->slope >= 0.0 && d->slope <= 0.8))
+        return DEM_BAD_ARGUMENT;
     dem_def def = dem_default_def();
+    def.gravity = dem_vec3(9.81 * sin(d->slope), 0.0, -9.81 * cos(d->slope));
     const int grain = dem_add_material(&def, d->density, 5e10, 0.25), steel = dem_add_material(&def, 7800.0, 2e11, 0.3);
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, grain, k ? steel : grain);
@@ -112,16 +119,44 @@ static inline dem_status sieve_patch_lay(sieve_patch *patch) {
         status = dem_run(&patch->world, 0.15, DEM_LINEAR | DEM_FRICTION);
     }
     if (status == DEM_OK) { /* from the top of its way, so that it is at rest again after every period */
-        const dem_vec amplitude = dem_vec3(0.0, 0.0, sieve_patch_amplitude(d)), phase = dem_vec3(0.0, 0.0, 0.5 * RIDDLE_PI);
+        const double a = sieve_patch_amplitude(d);
+        const dem_vec amplitude = dem_vec3(d->circular ? a : 0.0, 0.0, a), phase = dem_vec3(0.0, 0.0, 0.5 * RIDDLE_PI);
         status = dem_vibrate(&patch->world, patch->deck, amplitude, phase, d->frequency);
     }
     return status;
 }
 
+/* Lays an equal grain on top for each that passed and was not yet replaced. One that finds no place waits. */
+static inline dem_status sieve_patch_refill(sieve_patch *patch) {
+    const sieve_patch_def *d = &patch->def;
+    const double l = d->opening, side = d->across * (l + d->wire);
+    double top = 0.5 * d->wire;
+    for (ptrdiff_t i = 0; i < patch->world.count; i++)
+        if (patch->world.alive[i]) top = fmax(top, dem_position(&patch->world, i).z);
+    while (patch->laid_again < patch->world.passed_count) {
+        const dem_passed *p = &patch->world.passed[patch->laid_again];
+        dem_feed feed = dem_default_feed();
+        feed.region = dem_box_region(dem_vec3(0.0, 0.0, fmin(top, 8.0 * l)), dem_vec3(side, side, fmin(top, 8.0 * l) + 4.0 * l));
+        feed.sizes = dem_one_size(p->diameter);
+        feed.group = p->group;
+        feed.random = ++patch->random + d->seed * 1000003u;
+        const dem_status status = dem_fill(&patch->world, &feed, 1);
+        if (status != DEM_OK || feed.placed == 0) return status;
+        patch->laid_again++;
+    }
+    return DEM_OK;
+}
+
 /* Vibrates for a number of whole periods. */
 static inline dem_status sieve_patch_vibrate(sieve_patch *patch, int periods) {
-    sieve_patch_set_step(patch);
-    return dem_run(&patch->world, periods / patch->def.frequency, DEM_LINEAR | DEM_FRICTION);
+    dem_status status = DEM_OK;
+    for (int k = 0; k < (patch->def.refill ? periods : 1) && status == DEM_OK; k++) {
+        if (patch->def.refill) status = sieve_patch_refill(patch);
+        sieve_patch_set_step(patch);
+        if (status == DEM_OK)
+            status = dem_run(&patch->world, (patch->def.refill ? 1 : periods) / patch->def.frequency, DEM_LINEAR | DEM_FRICTION);
+    }
+    return status;
 }
 
 /* Holes through which grains do not fall out by themselves after the sieve is turned upside down (section 2.1), on a copy that is stopped,

@@ -140,8 +140,36 @@ static void test_bad_definitions(void **state) {
     }
 }
 
+/* With refill each grain that passed is replaced by an equal one: number and mass on the sieve stay; without, they fall. */
+static void test_refill_keeps_the_layer(void **state) {
+    (void)state;
+    for (int refill = 0; refill <= 1; refill++) {
+        sieve_patch_def def = sieve_patch_default();
+        sieve_patch p;
+        double mass = 0.0;
+        ptrdiff_t present = 0;
+        def.across = 6, def.load = 0.5, def.overlap = 0.04, def.refill = refill, def.slope = 0.26, def.circular = 1;
+        assert_int_equal(sieve_patch_make(&p, &def), DEM_OK);
+        assert_int_equal(sieve_patch_lay(&p), DEM_OK);
+        assert_int_equal(sieve_patch_vibrate(&p, 4), DEM_OK);
+        assert_true(p.world.passed_count > 10);
+        if (refill) assert_int_equal(sieve_patch_refill(&p), DEM_OK);
+        for (ptrdiff_t i = 0; i < p.world.count; i++)
+            if (p.world.alive[i]) present++, mass += p.world.particle[i].mass;
+        assert_int_equal(present, refill ? p.grains : p.grains - p.world.passed_count);
+        if (refill) assert_true(fabs(mass / p.mass - 1.0) < 1e-12);
+        else assert_true(mass < 0.99 * p.mass);
+        dem_free(&p.world);
+    }
+    sieve_patch_def def = sieve_patch_default();
+    sieve_patch p;
+    def.slope = (double)NAN;
+    assert_int_equal(sieve_patch_make(&p, &def), DEM_BAD_ARGUMENT);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refill_keeps_the_layer),
         cmocka_unit_test(test_sides_are_no_place),
         cmocka_unit_test(test_wedge),
         cmocka_unit_test(test_a_run),
