@@ -92,15 +92,15 @@ extern double sqrt(double) __attribute__((const));
 #if defined(__GNUC__)
 #define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
 #define DEM_RESTRICT __restrict__
-#define DEM__APART __attribute__((noinline))
+#define DEM__NOINLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define DEM_INLINE static __forceinline
 #define DEM_RESTRICT __restrict
-#define DEM__APART
+#define DEM__NOINLINE
 #else
 #define DEM_INLINE static inline
 #define DEM_RESTRICT
-#define DEM__APART
+#define DEM__NOINLINE
 #endif
 
 /* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
@@ -115,24 +115,24 @@ extern double sqrt(double) __attribute__((const));
    short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
-#define DEM__ROLLED _Pragma("GCC unroll 1")
-#define DEM__IN_ROWS 0
+#define DEM__NO_UNROLL _Pragma("GCC unroll 1")
+#define DEM__COPY_ROWS 0
 #else
 #define DEM__INDEPENDENT
-#define DEM__ROLLED
-#define DEM__IN_ROWS 1
+#define DEM__NO_UNROLL
+#define DEM__COPY_ROWS 1
 #endif
 
 /* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
     DEM__FAST static void name parameters {                                                                                                \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
         else call;                                                                                                                         \
     }
 #else
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     DEM__FAST static void name parameters { call; }
 #endif
 
@@ -143,23 +143,23 @@ extern "C" {
 /* ------------------------------------------------------------------------------------------------ >>types */
 
 /* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8                  /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                     /* walls are looked at by every particle near them; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16                 /* constants of a law, folded per contact at its birth */
-#define DEM_STATE_MAX 16                     /* doubles that a law may keep per contact */
-#define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
-#define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__FAR (1 << 20)                   /* steps that a list can last, and a look can be put off: rounding grows with them */
-#define DEM__OFTEN 1024                      /* steps after which another look costs little: at turning walls nobody waits longer */
-#define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
-#define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
-#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
-#define DEM__TIDY 256                        /* steps between two orderings of contacts */
-#define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
-#define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
-#define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 7u       /* version of dem_save */
+#define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32                  /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16              /* constants of a law, folded per contact at its birth */
+#define DEM_STATE_MAX 16                  /* doubles that a law may keep per contact */
+#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: all of a few sizes and materials */
+#define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
+#define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
+#define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
+#define DEM__REORDER_STEPS 256            /* steps between two orderings of contacts */
+#define DEM__LIST_STEPS 100               /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
+#define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
+#define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
+#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
+#define DEM__FORMAT 7u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -240,6 +240,10 @@ typedef struct dem_def {
                                 repeated: let them reach a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
+    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. Default NULL:
+       OpenMP where the compiler has it, else one after the other. At most `threads` tasks at a time; not saved. */
+    void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
+    void *parallel_user;
     dem_material material[DEM_MATERIALS_MAX];
     dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
 } dem_def;
@@ -418,7 +422,7 @@ typedef struct dem_law {
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
-    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel has_friction with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
        the third order; else 0 */
@@ -450,85 +454,20 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
-/* Private: what timers know of a particle. In a frame that falls since the list was built, t [s] ago, its surface is within off + t ball
-   of x + t u: its velocity strays from u by less than ball until it is given another course. One cache line. */
-typedef struct dem__course {
-    double x, y, z, off;     /* [m] */
-    double ux, uy, uz, ball; /* [m/s] */
-} dem__course;
-
-typedef double dem__six[6]; /* private: force [N] and torque [N m], or place [m] and spin [rad/s] */
-
-/* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
-typedef struct dem__sum {
-    dem__six load;
-    double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
-} dem__sum;
-
-/* Private: what contacts of the same sizes and materials share. */
-typedef struct dem__kind {
-    double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
-    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
-    double constant[DEM_CONSTANTS_MAX];
-} dem__kind;
-
-/* Private: the contacts whose i are particles from `from` on, up to where the section before begins, in slots of their own: first ..
-   first + live - 1. Without room (of the last: without end) new ones go into the last section. As i < j, a particle has contacts in its own
-   section and later ones only. */
-typedef struct dem__section {
-    ptrdiff_t first, live, room;
-    ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
-    int32_t from, own; /* sums of particles from `own` on wait: see dem__claim */
-    int32_t low, high; /* least and greatest number of a particle in deferred sums; for none INT32_MAX, 0 */
-} dem__section;
-
-/* Private: what a contact does, for the sums of its particles to which another thread adds first. */
-typedef struct dem__deferral {
-    double out[9];
-    int32_t i, j;
-} dem__deferral;
-
-/* Private: what a contact that begins or ends leaves for the end of the step. */
-typedef struct dem__handed {
-    double n[3], shift; /* normal; how far apart it moves its bodies along it [kg m] */
-    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
-} dem__handed;
-
-/* Private: what a section's contacts do to a wall. */
-typedef struct dem__push {
-    dem_vec force, torque;
-} dem__push;
-
-/* Private: two particles that may meet. */
-typedef struct dem__near {
-    int32_t i, j;    /* i < j */
-    double distance; /* of centres, below which they are in contact [m] */
-} dem__near;
-
-/* Private: when near pairs, or particles and walls, are to be looked at. */
-typedef struct dem__timers {
-    int64_t from;                /* the step that others are counted from */
-    int32_t *due;                /* step, or DEM__NEVER, or DEM__STOPPED */
-    int32_t *earliest;           /* of each bunch: none of its timers is due before */
-    int32_t *list;               /* those found due */
-    ptrdiff_t sheaves, capacity; /* in use; room, in bunches */
-    void *block;
-    size_t bytes;
-} dem__timers;
-enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* on the present course; as long as it touches, or has left */
-
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
-    dem_vec x;      /* [m] */
-    double radius;  /* [m] */
-    dem_vec v;      /* [m/s] */
-    double mass;    /* [kg] */
-    dem_vec a;      /* [m/s2] */
-    int64_t origin; /* step of the state */
-    dem_vec spin;   /* [rad/s] */
-    double room__;  /* how much further it may stray from its course, at least [m/s] */
+    dem_vec x;               /* [m] */
+    double radius;           /* [m] */
+    dem_vec v;               /* [m/s] */
+    double mass;             /* [kg] */
+    dem_vec a;               /* [m/s2] */
+    int64_t origin;          /* step of the state */
+    dem_vec spin;            /* [rad/s] */
+    double tolerance_left__; /* private: how much its velocity may still change within its bound, at least [m/s] */
 } dem_particle;
+
+enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
@@ -541,7 +480,7 @@ typedef struct dem_world {
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
-    dem_wall wall[DEM_WALLS_MAX];
+    dem_wall *wall;
     ptrdiff_t passed_count;
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
@@ -550,75 +489,13 @@ typedef struct dem_world {
     int64_t rebuilds;       /* of the neighbour list */
 
     dem_particle *particle;
-    dem_vec *spin_rate;                           /* [rad/s2] */
-    uint64_t *id;                                 /* stable, in the order of adding, from 0 */
-    int32_t *material, *group, *alive, *touching; /* touching: live contacts */
+    dem_vec *spin_rate; /* [rad/s2] */
+    uint64_t *id;       /* stable, in the order of adding, from 0 */
+    int32_t *material, *group;
+    int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
+    int32_t *touching; /* contacts of it */
 
-    /* the rest is private */
-    double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, list_fall__, blur__;
-    dem_vec list_velocity__, list_acceleration__; /* of the frame in which the list waits for somebody to move */
-    int64_t start_step__, next_check__;
-    double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, fresh__, stale__, meshes__, places__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
-        features__, ledger_on__, ledger_started__;
-    uint64_t next_id__;
-    const dem_law *law__;
-    dem_energy_ledger ledger__;
-    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
-    void *particle_block__, *live_block__;
-    size_t particle_bytes__, live_bytes__;
-    dem__sum *sum__;
-    dem__six *load__;     /* what does not change in a step */
-    dem__six *external__; /* the external part of it; the rest is of links */
-    dem__six *linked__;   /* place and spin when links were evaluated last */
-    dem_vec *listed_at__; /* position when the list was built */
-    dem_vec *impact__;    /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
-    dem__course *course__;
-    double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
-    double *wall_speed__; /* speed that the timers of walls count on */
-    double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
-        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
-
-    /* near pairs p, 0 .. near_count - 1; particles and walls i * walls + k */
-    ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
-    int32_t *adjacent__, *cells__;                                        /* adjacent: (pair, other particle) of each particle */
-    dem__timers pair_timers__, wall_timers__;
-    dem__near *near__;
-    uint32_t *wall_sure__; /* step, modulo 2^32, before which a wall need not be looked at, whatever the particle's course */
-    int64_t listed__;      /* step at which the list was built */
-
-    /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
-       now and then all are ordered by i, the last first. What has happened alone fixes their order, and that the order of every sum */
-    ptrdiff_t live_count__, live_capacity__, born__;
-    int sections__;
-    dem__section section__[DEM__SECTIONS];
-    dem__push push__[DEM__SECTIONS][DEM_WALLS_MAX];
-    dem__deferral *deferral__; /* with threads */
-    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
-        *slots__; /* kind: or -1, has its own; slots: a list, for the moment, or one in each section */
-    uint8_t *live_event__, *live_ended__;
-    double *live_gap__, *live_force__;
-    dem__kind kind__[DEM_KINDS_MAX];
-    int kinds__;
-    double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
-    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
-    double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step */
-    dem__handed *live_handed__;
-    double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
-
-    /* links, in the order of their making; each stands in the lists of its bodies */
-    const dem_law *link_law__;
-    dem_kernel_fn link_kernel__;
-    double link_interval__, link_near__;
-    int links_on__, link_stride__, link_states__;
-    ptrdiff_t link_count__, link_capacity__;
-    void *link_block__;
-    size_t link_bytes__;
-    int32_t *link_i__, *link_j__, *link_element__, *link_next_i__, *link_next_j__;
-    double *link_state__[DEM_STATE_MAX], *link_out__[9], *link_gap__;
-    uint8_t *link_ended__;
+    struct dem__engine *engine; /* private */
 } dem_world;
 
 /* ------------------------------------------------------------------------------------------ >>declarations */
@@ -1700,6 +1577,207 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 }
 #ifdef DEM__BODIES
 
+/* -------------------------------------------------------------------------------------------- >>engine */
+
+/* Bound on a particle's motion, in the frame in free fall since the list was built, t [s] ago: its surface lies within reach + t tolerance
+   of the point x + t u, while its velocity differs from u by less than the tolerance. Then it gets a new bound. One cache line. */
+typedef struct dem__bound {
+    double x, y, z, reach;        /* [m] */
+    double ux, uy, uz, tolerance; /* [m/s] */
+} dem__bound;
+
+typedef double dem__wrench[6]; /* force [N] and torque [N m], or position [m] and spin [rad/s] */
+
+/* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
+typedef struct dem__sum {
+    dem__wrench load;
+    double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
+} dem__sum;
+
+/* Constants that contacts of the same sizes and materials share. */
+typedef struct dem__contact_type {
+    double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
+    double constant[DEM_CONSTANTS_MAX];
+} dem__contact_type;
+
+/* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the slots first ..
+   first + count - 1. When it is full, new contacts go to the last chunk, which can grow. As i < j, a particle has contacts in its own
+   chunk and in later ones only. */
+typedef struct dem__chunk {
+    ptrdiff_t first, count, capacity;
+    ptrdiff_t marked, postponed;           /* contacts that begin or end in a step, listed in slots; forces that another thread adds */
+    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__next_chunk */
+    int32_t low, high;                     /* least and greatest particle with a postponed force; without one INT32_MAX, 0 */
+} dem__chunk;
+
+/* A force that this thread may not add yet, because another thread must add to that particle first. */
+typedef struct dem__postponed {
+    double out[9];
+    int32_t i, j;
+} dem__postponed;
+
+/* Impulses of a contact that begins or ends in a step, applied at the end of the step. */
+typedef struct dem__correction {
+    double n[3], shift; /* normal; mass times the distance by which it moves its bodies apart along it [kg m] */
+    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
+} dem__correction;
+
+/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+typedef struct dem__wall_force {
+    dem_vec force, torque;
+} dem__wall_force;
+
+/* Two particles that may touch before the list is built anew. */
+typedef struct dem__near {
+    int32_t i, j;    /* i < j */
+    double distance; /* of centres, below which they are in contact [m] */
+} dem__near;
+
+/* The steps in which near pairs, or particles and walls, are tested next. */
+typedef struct dem__timers {
+    int64_t from;              /* the step that others are counted from */
+    int32_t *due;              /* step, or DEM__NEVER, or DEM__STOPPED */
+    int32_t *earliest;         /* of each line: none of its timers is due before */
+    int32_t *list;             /* those found due */
+    ptrdiff_t pages, capacity; /* in use; room, in lines */
+    void *block;
+    size_t bytes;
+} dem__timers;
+enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* with the present bounds; as long as it touches, or has left */
+
+/* Activity of a particle: in free flight; taking steps; taking steps, its bound to be checked at the end of this one. */
+enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
+
+/* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
+typedef struct dem__run {
+    double dt, kernel_dt;      /* [s]; the kernel's: 0 where forces are found but no time passes */
+    double start_time, target; /* time of start_step; time that runs have been asked for [s] */
+    int64_t start_step;
+    const dem_law *law;
+    int features;
+    int has_periodic;
+    int needs_forces; /* forces must be found before the first step */
+    int needs_lists;  /* near pairs and timers must be made anew */
+    int leaving;      /* a particle passed an exit in this step */
+    int keeps_wrenches;
+    double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
+} dem__run;
+
+/* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
+typedef struct dem__bodies {
+    ptrdiff_t capacity, dropped; /* dropped: gone, but still in the arrays */
+    uint64_t next_id;
+    int loads_on;
+    void *block;
+    size_t bytes;
+    dem__sum *sum;
+    dem__wrench *load;     /* constant within a step: external and of links */
+    dem__wrench *external; /* its external part */
+    dem__bound *bound;
+    dem_vec *impact;            /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
+    double *shifted;            /* how far first and last steps of contacts have shifted it from its bound [m] */
+    double *wall_speed;         /* speed that its wall timers count on [m/s] */
+    double *mass_share;         /* 1 / contacts [-] */
+    int32_t *activity;          /* DEM__FLYING .. */
+    int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
+    ptrdiff_t active_count, to_check_count;
+    ptrdiff_t passed_capacity;
+} dem__bodies;
+
+/* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
+typedef struct dem__wall_state {
+    ptrdiff_t capacity;
+    int meshes, touch_keepers, controls; /* number of meshes; of meshes and cones, whose contacts keep a touch; any driven by forces? */
+    dem__timers timers;                  /* of particle i and wall k: i * walls + k */
+    uint32_t *sure;                      /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
+    int32_t *first_contact;              /* of a particle with a wall, then contacts.wall_next */
+} dem__wall_state;
+
+/* Near pairs and the list's life. Written by pairs.h, bounds.h. */
+typedef struct dem__pairs {
+    ptrdiff_t count, due_count; /* due_count: tested in the last step */
+    dem__near *near;
+    dem__timers timers;
+    int32_t *adjacent_start, *adjacent; /* (pair, other particle) of each particle */
+    int32_t *cells, *cell_of;
+    ptrdiff_t adjacent_capacity, cells_capacity;
+    dem_vec *listed_at;              /* position when the list was built */
+    int64_t listed_step, next_check; /* when the list was built; when it must be checked */
+    double steps_per_second;
+    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its stretch, 1 .. 3 */
+    double least_tolerance;                     /* of bounds [m/s] */
+    double wall_reach;                          /* how far walls are looked for [m] */
+    double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
+    double gravity_size;                        /* [m/s2] */
+    dem_vec frame_velocity, frame_acceleration; /* frame in which the list checks how far particles have moved */
+    double frame_fall;                          /* acceleration of particles in that frame at most, without contacts [m/s2] */
+} dem__pairs;
+
+/* Contacts, in slots of chunks: in each chunk those of a step by partners, after those of earlier steps; gaps are filled from its end; now
+   and then all are ordered by i, the last first. The order of slots depends only on the history of the scene, never on threads; it fixes
+   the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+typedef struct dem__contacts {
+    ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
+    int chunk_count;
+    dem__chunk chunk[DEM__CHUNKS];
+    dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
+    dem__postponed *postponed;   /* with threads */
+    int states, constants;       /* arrays that there are of each */
+    void *block;
+    size_t bytes;
+    int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
+    int32_t *type;                               /* index in types, or -1: has constants of its own */
+    int32_t *slots;                              /* a list of slots, or one in each chunk */
+    uint8_t *edge, *ended;                       /* begins or ends in this step; is over */
+    double *gap, *force;
+    double *state[DEM_STATE_MAX];
+    double *touch[4];  /* with a mesh: normal and gap of the place that it follows; with a cone: its curvature */
+    double *wrench[9]; /* force on i, torques on i and j: of a run's last step */
+    dem__correction *correction;
+    double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+    dem__contact_type types[DEM__TYPES_MAX];
+    int type_count;
+    double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of those with constants of their own */
+} dem__contacts;
+
+/* Links, in the order of their making; each stands in the lists of its bodies. Written by contacts.h, kernel.h, step.h. */
+typedef struct dem__links {
+    const dem_law *law;
+    dem_kernel_fn kernel;
+    double interval, near;
+    int on, stride, states;
+    ptrdiff_t count, capacity;
+    void *block;
+    size_t bytes;
+    int32_t *i, *j, *element, *next_i, *next_j;
+    double *state[DEM_STATE_MAX], *wrench[9], *gap;
+    uint8_t *ended;
+    int32_t *first_link, *is_loaded; /* of a particle: the head of its list; does its load have a part of links? */
+    dem__wrench *evaluated_at;       /* of a particle: position and spin when links were evaluated last */
+} dem__links;
+
+/* Where energy went. Written by ledger.h. */
+typedef struct dem__ledger {
+    int on, started;
+    dem_energy_ledger sums;
+} dem__ledger;
+
+typedef struct dem__scratch {
+    int32_t *index; /* of each particle */
+} dem__scratch;
+
+typedef struct dem__engine {
+    dem__run run;
+    dem__bodies bodies;
+    dem__wall_state walls;
+    dem__pairs pairs;
+    dem__contacts contacts;
+    dem__links links;
+    dem__ledger ledger;
+    dem__scratch scratch;
+} dem__engine;
+
 /* ------------------------------------------------------------------------------------------------ >>memory */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
@@ -1718,66 +1796,81 @@ typedef struct dem__array {
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
     int n = 0;
-    double **doubles[] = {&w->wall_speed__, &w->shifted__, &w->share__};
-    dem__six **sixes[] = {&w->load__, &w->external__, &w->linked__};
-    int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
-                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
-                            &w->unsettled__};
+    double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
+    dem__wrench **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    int32_t **integers[] = {&w->material,
+                            &w->group,
+                            &w->alive,
+                            &w->touching,
+                            &bodies->active,
+                            &w->engine->walls.first_contact,
+                            &w->engine->pairs.adjacent_start,
+                            &w->engine->pairs.cell_of,
+                            &w->engine->scratch.index,
+                            &bodies->activity,
+                            &links->first_link,
+                            &links->is_loaded,
+                            &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
     for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
-        list[n].address = sixes[k], list[n].size = sizeof(dem__six);
+        list[n].address = sixes[k], list[n].size = sizeof(dem__wrench);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
-    list[n].address = &w->listed_at__, list[n++].size = sizeof(dem_vec);
-    list[n].address = &w->impact__, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
+    list[n].address = &bodies->impact, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
-    list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
-    list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
+    list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
+    list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
     return n;
 }
 
-static inline int dem__has_deferrals(const dem_world *w) { return w->deferral__ || w->def.threads > 1; }
+static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
 /* Of contacts, in the order of how long they hold something: from step to step, ... */
-static inline int dem__live_arrays(dem_world *w, dem__array *list) {
+static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
+    dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
-    int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
-    double **own[DEM__OWN_ARRAYS] = {&w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
+    int32_t **integers[] = {&contacts->i, &contacts->j, &contacts->element, &contacts->near, &contacts->wall_next, &contacts->type};
+    double **own[DEM__OWN_ARRAYS] = {&contacts->predict, &contacts->mass, &contacts->sum, &contacts->part};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    list[n].address = &w->live_gap__, list[n++].size = sizeof(double);
-    list[n].address = &w->live_force__, list[n++].size = sizeof(double);
-    for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; w->places__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
-    if (w->ledger_on__) {
-        list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &w->live_loss__[k], list[n].size = sizeof(double);
+    list[n].address = &contacts->gap, list[n++].size = sizeof(double);
+    list[n].address = &contacts->force, list[n++].size = sizeof(double);
+    for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < 4; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    if (w->engine->ledger.on) {
+        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
+        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
+        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
     }
-    list[n].address = &w->live_ended__, list[n++].size = 1;
+    list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
-    for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->constants; k++, n++) list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
     /* ... after the last step of a run, ... */
-    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
-    list[n].address = &w->live_handed__, list[n++].size = sizeof(dem__handed);
-    list[n].address = &w->live_event__, list[n++].size = 1;
-    list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
-    if (dem__has_deferrals(w)) list[n].address = &w->deferral__, list[n++].size = sizeof(dem__deferral);
+    list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
+    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
+    if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;
 }
 
 /* Of those the first so many hold something when a contact is moved to another slot. */
-static inline int dem__held_arrays(dem_world *w, dem__array *list) {
-    const int with_out = dem__live_arrays(w, list) - dem__has_deferrals(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
-    return w->keeps_out__ ? with_out : w->kinds__ > DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
+static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
+    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
+    return w->engine->run.keeps_wrenches                     ? with_out
+           : w->engine->contacts.type_count > DEM__TYPES_MAX ? with_own
+                                                             : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
@@ -1809,36 +1902,38 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
 }
 
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
     int n = 0;
-    int32_t **integers[] = {&w->link_i__, &w->link_j__, &w->link_element__, &w->link_next_i__, &w->link_next_j__};
+    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (int k = 0; k < w->link_states__; k++, n++) list[n].address = &w->link_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &w->link_out__[k], list[n].size = sizeof(double);
-    list[n].address = &w->link_gap__, list[n++].size = sizeof(double);
-    list[n].address = &w->link_ended__, list[n++].size = 1;
+    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
+    list[n].address = &links->gap, list[n++].size = sizeof(double);
+    list[n].address = &links->ended, list[n++].size = 1;
     return n;
 }
 
 /* Room for so many timers, and for what else is kept of each, so many bytes. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
-    const dem__array list[] = {{&t->due, DEM__BUNCH * sizeof *t->due},
-                               {&t->list, DEM__BUNCH * sizeof *t->list},
+    const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
+                               {&t->list, DEM__LINE * sizeof *t->list},
                                {&t->earliest, sizeof *t->earliest},
-                               {other, DEM__BUNCH * bytes}};
-    const ptrdiff_t bunches = (count / DEM__SHEAF + 1) * DEM__BUNCH;
-    return bunches <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, bunches);
+                               {other, DEM__LINE * bytes}};
+    const ptrdiff_t lines = (count / DEM__PAGE + 1) * DEM__LINE;
+    return lines <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, lines);
 }
 static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
-    return dem__grow_timers(w, &w->pair_timers__, count, &w->near__, sizeof *w->near__);
+    dem__pairs *pairs = &w->engine->pairs;
+    return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
 /* So many timers, of which those from `kept` on are stopped. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
-    t->sheaves = count / DEM__SHEAF + 1;
-    for (ptrdiff_t e = kept; e < t->sheaves * DEM__SHEAF; e++) t->due[e] = DEM__STOPPED;
-    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) {
+    t->pages = count / DEM__PAGE + 1;
+    for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) {
         t->earliest[b] = DEM__STOPPED;
-        for (const int32_t *due = t->due + b * DEM__BUNCH, *end = due + DEM__BUNCH; due < end; due++)
+        for (const int32_t *due = t->due + b * DEM__LINE, *end = due + DEM__LINE; due < end; due++)
             t->earliest[b] = *due < t->earliest[b] ? *due : t->earliest[b];
     }
 }
@@ -1846,8 +1941,8 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
 /* Steps counted from another one. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
-    for (ptrdiff_t e = 0; e < t->sheaves * DEM__SHEAF; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
-    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
     t->from = step;
 }
 
@@ -1860,6 +1955,33 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     if (*array) w->def.allocator.fn(w->def.allocator.user, *array, (size_t)*capacity * sizeof **array, 0);
     *array = fresh;
     *capacity = larger;
+    return 1;
+}
+
+/* Room for so many walls, and for the forces of every chunk on them. */
+static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
+    dem__engine *e = w->engine;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 4, room = larger > wanted ? larger : wanted;
+    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    if (wanted <= e->walls.capacity) return 1;
+    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
+    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
+    if (!walls || !forces) {
+        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
+        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
+        return 0;
+    }
+    memset(walls, 0, (size_t)room * wall);
+    memset(forces, 0, (size_t)room * force);
+    if (w->wall) {
+        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
+        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
+        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
+    }
+    w->wall = walls;
+    e->contacts.wall_force = forces;
+    e->walls.capacity = room;
     return 1;
 }
 
@@ -1968,38 +2090,60 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
+/* The private state of a world, empty. */
+static inline int dem__make_engine(dem_world *w) {
+    dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
+    if (!e) return 0;
+    memset(e, 0, sizeof *e);
+    e->run.dt = w->def.dt;
+    e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    e->run.needs_lists = e->contacts.chunk_count = 1;
+    w->engine = e;
+    return 1;
+}
+
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
     if (!world) return DEM_BAD_ARGUMENT;
     memset(world, 0, sizeof *world);
     dem_status status = dem_check_def(def, field);
     if (status != DEM_OK) return status;
     world->def = *def;
-    world->dt__ = def->dt;
-    world->fresh__ = world->stale__ = world->sections__ = 1;
-    world->has_periodic__ = def->periodic[0] | def->periodic[1] | def->periodic[2];
+    if (!dem__make_engine(world)) {
+        memset(world, 0, sizeof *world);
+        return DEM_OUT_OF_MEMORY;
+    }
+    world->engine->run.needs_forces = 1;
     return DEM_OK;
+}
+
+static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
+    if (block) a->fn(a->user, block, bytes, 0);
 }
 
 DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn) return;
-    dem_allocator a = world->def.allocator;
-    if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
-    if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
-    if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
-    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
-    if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
-    if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
-    if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
-    if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
+    const dem_allocator a = world->def.allocator;
+    dem__engine *e = world->engine;
+    dem__release(&a, e->bodies.block, e->bodies.bytes);
+    dem__release(&a, e->contacts.block, e->contacts.bytes);
+    dem__release(&a, e->links.block, e->links.bytes);
+    dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
+    dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
+    dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
+    dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
+    dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
     for (int k = 0; k < world->walls; k++) {
-        if (world->wall[k].tree) a.fn(a.user, world->wall[k].tree, world->wall[k].tree->bytes, 0);
+        if (world->wall[k].tree) dem__release(&a, world->wall[k].tree, world->wall[k].tree->bytes);
     }
+    dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
+    dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
+    dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>scene */
 
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->dt__; }
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
@@ -2028,7 +2172,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 }
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
-static inline void dem__settle(dem_world *w, ptrdiff_t i) {
+static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     dem_particle *p = &w->particle[i];
     p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
@@ -2037,11 +2181,12 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
 
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    dem__ledger *ledger = &w->engine->ledger;
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->ledger_on__) {
+    if (ledger->on) {
         const double raised = -p->mass * dem__dot(w->def.gravity, dem__sub(x, p->x));
-        w->ledger__.added += raised, w->ledger__.added_potential += raised;
+        ledger->sums.added += raised, ledger->sums.added_potential += raised;
     }
     p->x = x;
 }
@@ -2064,8 +2209,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
 
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
 
-DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
-    if (w->has_periodic__) {
+DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
+    if (w->engine->run.has_periodic) {
         if (w->def.periodic[0]) d.x = dem__nearest(d.x, w->def.high.x - w->def.low.x);
         if (w->def.periodic[1]) d.y = dem__nearest(d.y, w->def.high.y - w->def.low.y);
         if (w->def.periodic[2]) d.z = dem__nearest(d.z, w->def.high.z - w->def.low.z);
@@ -2078,32 +2223,35 @@ DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[
 
 /* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
-    const double n = floor(w->link_interval__ / w->dt__);
+    const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
 
 /* Work of the present link forces on particle i since they were evaluated. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
-    if (!w->link_loaded__[i]) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % dem__link_stride(w) + 1);
-    const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem__first(w->linked__[i])));
-    const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(w->external__[i]));
-    const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(w->external__[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(w->linked__[i])));
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    if (!links->is_loaded[i]) return 0.0;
+    const double tau = dem__now(w, i), turned = 0.5 * w->engine->run.dt * (double)((w->step - 1) % dem__link_stride(w) + 1);
+    const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
+    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
+    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
 }
 
 /* What makes accelerations of forces on particle i. */
-static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
-    dem__sum *sum = &w->sum__[i];
+static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
+    dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = 1.0 / w->particle[i].mass;
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
-    const dem__sum *sum = &w->sum__[i];
-    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(w->load__[i]));
-    w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(w->load__[i]));
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__sum *sum = &bodies->sum[i];
+    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(bodies->load[i]));
+    w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
 DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
@@ -2126,10 +2274,11 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
             !dem__finite(centres[3 * k + 2]))
             return DEM_BAD_ARGUMENT;
     }
-    if (w->count + n + 1 > w->capacity__) {
+    if (w->count + n + 1 > w->engine->bodies.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         int arrays = dem__particle_arrays(w, list);
-        if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1))
+        if (!dem__grow_group(w, list, arrays, &w->engine->bodies.block, &w->engine->bodies.bytes, &w->engine->bodies.capacity,
+                             w->count + n + 1))
             return DEM_OUT_OF_MEMORY;
     }
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -2139,48 +2288,48 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
         p->v = dem_vec3(0.0, 0.0, 0.0);
         p->spin = dem_vec3(0.0, 0.0, 0.0);
-        for (int a = 0; a < 6; a++) w->load__[i][a] = w->external__[i][a] = 0.0;
+        for (int a = 0; a < 6; a++) w->engine->bodies.load[i][a] = w->engine->bodies.external[i][a] = 0.0;
         p->radius = 0.5 * d;
         p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
-        dem__weigh(w, i);
+        dem__set_inverse_mass(w, i);
         w->particle[i].origin = w->step;
-        w->id[i] = w->next_id__++;
+        w->id[i] = w->engine->bodies.next_id++;
         w->material[i] = material;
         w->group[i] = group;
         w->alive[i] = 1;
-        w->touching[i] = w->is_active__[i] = 0;
-        w->wall_head__[i] = w->link_head__[i] = -1;
-        w->link_loaded__[i] = 0;
-        memset(&w->course__[i], 0, sizeof w->course__[i]);
-        w->impact__[i] = dem_vec3(0.0, 0.0, 0.0);
+        w->touching[i] = w->engine->bodies.activity[i] = 0;
+        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+        w->engine->links.is_loaded[i] = 0;
+        memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
+        w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
         dem__free_acceleration(w, i);
-        if (w->ledger_on__) {
-            w->ledger__.added += dem__potential(w, i);
-            w->ledger__.added_potential += dem__potential(w, i);
+        if (w->engine->ledger.on) {
+            w->engine->ledger.sums.added += dem__potential(w, i);
+            w->engine->ledger.sums.added_potential += dem__potential(w, i);
         }
     }
-    if (n > 0) w->fresh__ = w->stale__ = 1;
+    if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
 static inline void dem__set_stride(dem_world *w) {
-    if (w->link_law__) w->link_stride__ = dem__link_stride(w);
+    if (w->engine->links.law) w->engine->links.stride = dem__link_stride(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__settle(w, i);
-    w->start_time__ = w->time;
-    w->start_step__ = w->step;
-    w->def.dt = w->dt__ = dt;
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
+    w->engine->run.start_time = w->time;
+    w->engine->run.start_step = w->step;
+    w->def.dt = w->engine->run.dt = dt;
     dem__set_stride(w);
-    w->stale__ = w->fresh__ = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
 
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const double *e = w->external__[i];
+    const double *e = w->engine->bodies.external[i];
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
@@ -2189,34 +2338,34 @@ static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w &&
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
-    if (w->ledger_on__) w->ledger__.added -= dem__kinetic(w, i) + dem__rotational(w, i);
-    dem__settle(w, i);
+    if (w->engine->ledger.on) w->engine->ledger.sums.added -= dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__set_origin(w, i);
     w->particle[i].v = velocity;
     w->particle[i].spin = spin;
-    if (w->ledger_on__) w->ledger__.added += dem__kinetic(w, i) + dem__rotational(w, i);
-    w->stale__ = 1;
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += dem__kinetic(w, i) + dem__rotational(w, i);
+    w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
-    dem__settle(w, i);
-    double *load = w->load__[i], *external = w->external__[i];
+    dem__set_origin(w, i);
+    double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = !w->link_loaded__[i] ? wanted[a] : load[a] + change;
+        load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    if (!w->is_active__[i]) { /* a loaded particle is no free flight: it takes steps */
-        w->is_active__[i] = 1;
-        w->active__[w->active_count__++] = (int32_t)i;
+    if (!w->engine->bodies.activity[i]) { /* a loaded particle is no free flight: it takes steps */
+        w->engine->bodies.activity[i] = 1;
+        w->engine->bodies.active[w->engine->bodies.active_count++] = (int32_t)i;
     }
-    w->loads_on__ = w->stale__ = 1;
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
@@ -2245,11 +2394,12 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
 
 static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
     w->wall[w->walls].position = wall->origin;
     w->wall[w->walls].motion_start = w->time;
-    w->stale__ = w->fresh__ = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return w->walls++;
 }
 
@@ -2292,12 +2442,13 @@ DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, 
 }
 
 /* Room for what a mesh or a cone keeps of each contact. */
-static inline int dem__make_places(dem_world *w) {
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
-    if (w->places__++ > 0 || w->live_capacity__ == 0) return 1;
-    if (dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_capacity__))
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
         return 1;
-    w->places__--;
+    w->engine->walls.touch_keepers--;
     return 0;
 }
 
@@ -2326,7 +2477,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
-    return dem__make_places(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
+    return dem__make_touch_memory(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
 }
 
 DEM_API dem_screen dem_default_screen(void) {
@@ -2538,12 +2689,12 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     }
     if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_places(w)) {
+    if (wall.tree && !dem__make_touch_memory(w)) {
         a->fn(a->user, wall.tree, wall.tree->bytes, 0);
         wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
     }
     if (!wall.tree) return -(int)status;
-    w->meshes__++;
+    w->engine->walls.meshes++;
     return dem__add_wall(w, &wall);
 }
 
@@ -2871,7 +3022,7 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     a->motion_start = w->time;
     if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
     a->drive = DEM_KINEMATIC;
-    w->stale__ = 1;
+    w->engine->run.needs_lists = 1;
     return a;
 }
 
@@ -2928,7 +3079,7 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
     a->slides = 1;
     a->drive = (int)drive;
-    w->fresh__ = 1; /* its acceleration is to be found */
+    w->engine->run.needs_forces = 1; /* its acceleration is to be found */
     return a;
 }
 
@@ -2944,13 +3095,13 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.drive = DEM_PRESCRIBED;
     probe.spin_centre = centre;
     probe.motion = motion, probe.motion_user = user;
-    probe.interval = world->dt__;
+    probe.interval = world->engine->run.dt;
     dem__move_wall(&probe, world->time);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->dt__;
+    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->engine->run.dt;
     a->spin_centre = centre;
     a->motion = motion, a->motion_user = user;
-    world->stale__ = 1; /* another function may put it elsewhere */
+    world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
     return DEM_OK;
 }
 
@@ -2970,7 +3121,7 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     a->load = load;
     a->damping = damping;
     a->rate = rate;
-    w->controls__ = 1;
+    w->engine->walls.controls = 1;
     return DEM_OK;
 }
 
@@ -2991,7 +3142,8 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
 
 /* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
-    for (int k = 0; k < w->walls && w->controls__; k++) {
+    const dem__run *run = &w->engine->run;
+    for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
         if (a->drive < DEM_FORCE_CONTROLLED) continue;
         const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
@@ -3000,7 +3152,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = rate;
         a->rate_change = (push - a->damping * rate) / a->inertia;
-        a->motion_start = h > 0.0 ? w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__ : w->time;
+        a->motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);
     }
 }
@@ -3017,7 +3169,7 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
-    world->stale__ = world->fresh__ = 1;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;
 }
 
@@ -3046,7 +3198,7 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
-    int32_t *earliest = &t->earliest[(uint32_t)e / DEM__BUNCH];
+    int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
     t->due[e] = due;
     *earliest = due < *earliest ? due : *earliest;
 }
@@ -3055,64 +3207,64 @@ DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__ST
 
 DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     int32_t earliest = DEM__STOPPED;
-    DEM__ROLLED
-    for (int k = 0; k < DEM__BUNCH; k++) earliest = due[k] < earliest ? due[k] : earliest;
+    DEM__NO_UNROLL
+    for (int k = 0; k < DEM__LINE; k++) earliest = due[k] < earliest ? due[k] : earliest;
     return earliest;
 }
 
-/* Those of bunch b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
-DEM_INLINE ptrdiff_t dem__open_bunch(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
-    int32_t *due = t->due + b * DEM__BUNCH;
+/* Those of line b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
+DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
+    int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
     if (t->earliest[b] > now) return n; /* those it was have been set anew */
-    for (int k = 0; k < DEM__BUNCH; k++) {
-        list[n] = (int32_t)(b * DEM__BUNCH) + k;
+    for (int k = 0; k < DEM__LINE; k++) {
+        list[n] = (int32_t)(b * DEM__LINE) + k;
         n += due[k] <= now;
     }
-    DEM__ROLLED
-    for (int k = 0; k < DEM__BUNCH; k++) due[k] = due[k] <= now ? then : due[k];
+    DEM__NO_UNROLL
+    for (int k = 0; k < DEM__LINE; k++) due[k] = due[k] <= now ? then : due[k];
     t->earliest[b] = dem__earliest(due);
     return n;
 }
 
-/* Lists the timers in sheaves first .. end-1 that are due at a step, from list[first * DEM__SHEAF] on, and sets them to `then`; how
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`; how
    many. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
-    int32_t *list = t->list + first * DEM__SHEAF;
+    int32_t *list = t->list + first * DEM__PAGE;
     ptrdiff_t n = 0;
-    int32_t open[4 * DEM__BUNCH];
+    int32_t open[4 * DEM__LINE];
     int opened = 0;
     for (ptrdiff_t s = first; s < end; s++) {
-        const int32_t *earliest = &t->earliest[s * DEM__BUNCH];
+        const int32_t *earliest = &t->earliest[s * DEM__LINE];
         int any = 0;
-        DEM__ROLLED
-        for (int k = 0; k < DEM__BUNCH; k++) any |= earliest[k] <= now;
+        DEM__NO_UNROLL
+        for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__BUNCH && any; k++) { /* without a branch, which nobody could predict */
-            open[opened] = (int32_t)(s * DEM__BUNCH) + k;
+        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which nobody could predict */
+            open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
-        for (int k = before; k < opened; k++) DEM__PREFETCH(&t->due[open[k] * DEM__BUNCH]);
-        if (opened <= 3 * DEM__BUNCH && s + 1 < end) continue;
-        for (int k = 0; k < opened; k++) n = dem__open_bunch(t, open[k], now, then, list, n);
+        for (int k = before; k < opened; k++) DEM__PREFETCH(&t->due[open[k] * DEM__LINE]);
+        if (opened <= 3 * DEM__LINE && s + 1 < end) continue;
+        for (int k = 0; k < opened; k++) n = dem__take_due_of_line(t, open[k], now, then, list, n);
         opened = 0;
     }
     return n;
 }
-DEM__TWICE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
-           (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
+DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
+                (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
 /* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
-    return (int)(int32_t)(w->wall_sure__[e] - (uint32_t)(uint64_t)step);
+    return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Steps until t [s], at least one, at most DEM__FAR - 1: no contact can happen before. */
+/* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
-    double n = t * w->pace__;
-    return n < (double)(DEM__FAR - 2) ? 1 + (int)n : DEM__FAR - 1;
+    double n = t * w->engine->pairs.steps_per_second;
+    return n < (double)(DEM__STEPS_MAX - 2) ? 1 + (int)n : DEM__STEPS_MAX - 1;
 }
 
 /* Time in which something at speed s, falling besides with g, covers a distance. */
@@ -3127,167 +3279,179 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 }
 
 /* From the centre of j to that of i, at a step. */
-DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
-    return dem__apart(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->dt__),
-                                  dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
+DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
+    return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                                          dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
 
-typedef double dem__row[DEM_BLOCK];
+typedef double dem__row[DEM__BLOCK];
 
 /* Pairs whose timers are to be set; and what looks have found. */
-typedef struct dem__waits {
-    dem__course apart[DEM_BLOCK]; /* of one relative to the other: they touch within `off` */
-    int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
+typedef struct dem__timer_batch {
+    dem__bound apart[DEM__BLOCK]; /* of one relative to the other: they touch within `off` */
+    int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
     int32_t *found; /* of a look: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
-} dem__waits;
+} dem__timer_batch;
 
-DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
+DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most DEM__FAR - 1. */
-DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
+/* Steps until spheres can touch that stray so far from their bounds: 0 for never, else at least one, at most DEM__STEPS_MAX - 1. */
+DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
-        const dem__course *r = &q->apart[k];
-        const double a = r->ux * r->ux + r->uy * r->uy + r->uz * r->uz - r->ball * r->ball;
-        const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->off * r->ball;
-        const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->off * r->off;
+        const dem__bound *r = &q->apart[k];
+        const double a = r->ux * r->ux + r->uy * r->uy + r->uz * r->uz - r->tolerance * r->tolerance;
+        const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
+        const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM__FAR - 2) ? n : (double)(DEM__FAR - 2);
-        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + turns : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace,
+                     later = n < (double)(DEM__STEPS_MAX - 2) ? n : (double)(DEM__STEPS_MAX - 2);
+        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : 0.0;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
-DEM__TWICE(dem__find_steps, (dem__waits * q, double pace), (q, pace), dem__wait_steps(q, pace))
+DEM__AVX2_CLONE(dem__compute_due, (dem__timer_batch * q, double pace), (q, pace), dem__compute_due_steps(q, pace))
 
-static inline void dem__set_waits(dem_world *w, dem__waits *q, int64_t step) {
-    const int32_t now = (int32_t)(step - w->pair_timers__.from);
-    dem__find_steps(q, w->pace__);
-    for (int k = 0; k < q->n; k++) dem__set_due(&w->pair_timers__, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
+static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int32_t now = (int32_t)(step - pairs->timers.from);
+    dem__compute_due(q, pairs->steps_per_second);
+    for (int k = 0; k < q->n; k++) dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
     q->n = 0;
 }
 
-/* Time on the courses [s]. */
-DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) { return (double)(step - w->listed__) * w->dt__; }
+/* Time on the bounds [s]. */
+DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
+    return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
+}
 
-/* Where a course has led by t [s]. */
-DEM_INLINE dem__course dem__course_at(const dem__course *c, double t) {
-    dem__course now = *c;
-    now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.off += t * c->ball;
+/* Where a bound has led by t [s]. */
+DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
+    dem__bound now = *c;
+    now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.reach += t * c->tolerance;
     return now;
 }
 
-/* A place for pair p and two courses, one relative to the other. */
-DEM_INLINE dem__course *dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a,
-                                           const dem__course *b) {
-    if (q->n == DEM_BLOCK) dem__set_waits(w, q, step);
-    dem__course *r = &q->apart[q->n];
+/* A place for pair p and two bounds, one relative to the other. */
+DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
+                                       const dem__bound *b) {
+    if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
+    dem__bound *r = &q->apart[q->n];
     q->pair[q->n++] = p;
-    r->x = a->x - b->x, r->y = a->y - b->y, r->z = a->z - b->z, r->off = a->off + b->off;
-    r->ux = a->ux - b->ux, r->uy = a->uy - b->uy, r->uz = a->uz - b->uz, r->ball = a->ball + b->ball;
+    r->x = a->x - b->x, r->y = a->y - b->y, r->z = a->z - b->z, r->reach = a->reach + b->reach;
+    r->ux = a->ux - b->ux, r->uy = a->uy - b->uy, r->uz = a->uz - b->uz, r->tolerance = a->tolerance + b->tolerance;
     return r;
 }
 
-/* Pair p, linked or not, by where its courses have led at a step. */
-DEM_INLINE void dem__wait_on_courses(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
-    dem__course *r = dem__wait_for_pair(w, q, p, step, a, b);
-    if (!w->has_periodic__) return;
-    const dem_vec d = dem__apart(w, dem_vec3(r->x, r->y, r->z));
+/* Pair p, linked or not, by where its bounds have led at a step. */
+DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
+    dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
+    if (!w->engine->run.has_periodic) return;
+    const dem_vec d = dem__nearest_image(w, dem_vec3(r->x, r->y, r->z));
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
 /* Pair p, whose centres are known to be d apart at a step. */
-DEM_INLINE void dem__wait_from(dem_world *w, dem__waits *q, int32_t p, int64_t step, dem_vec d) {
-    const dem__near *pair = &w->near__[p];
-    dem__course *r = dem__wait_for_pair(w, q, p, step, &w->course__[pair->i], &w->course__[pair->j]);
-    r->x = d.x, r->y = d.y, r->z = d.z, r->off = pair->distance + 2.0 * w->blur__;
+DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
+    const dem__near *pair = &w->engine->pairs.near[p];
+    dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
+    r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
 
-/* Every contact: DEM__EACH(w, c) { .. slot c .. }; break leaves a section only. */
-#define DEM__EACH(w, c)                                                                                                                    \
-    for (const dem__section *in_##c = (w)->section__; in_##c < (w)->section__ + (w)->sections__; in_##c++)                                 \
-        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->live; c++)
+/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
+#define DEM__EACH_CONTACT(w, c)                                                                                                            \
+    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
+         in_##c++)                                                                                                                         \
+        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
 /* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
-    const dem__section *in = w->section__;
-    while (k >= in->live) k -= in++->live;
+    const dem__chunk *in = w->engine->contacts.chunk;
+    while (k >= in->count) k -= in++->count;
     return in->first + k;
 }
 DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
-    const dem__section *in = w->section__;
+    const dem__chunk *in = w->engine->contacts.chunk;
     ptrdiff_t before = 0;
-    while (c >= in->first + in->live) before += in++->live;
+    while (c >= in->first + in->count) before += in++->count;
     return (int32_t)(before + c - in->first);
 }
 
 /* Where the next contact is born. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
-    const dem__section *last = &w->section__[w->sections__ - 1];
-    return last->first + last->live;
+    const dem__chunk *last = &w->engine->contacts.chunk[w->engine->contacts.chunk_count - 1];
+    return last->first + last->count;
 }
 
-static inline int dem__grow_live(dem_world *w, ptrdiff_t slots) {
+static inline int dem__grow_contacts(dem_world *w, ptrdiff_t slots) {
+    dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
-    return slots <= w->live_capacity__ || (slots <= INT32_MAX / 2 && dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__,
-                                                                                     &w->live_bytes__, &w->live_capacity__, slots));
+    return slots <= contacts->capacity ||
+           (slots <= INT32_MAX / 2 &&
+            dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, slots));
 }
 
-/* A new contact, in the next slot; made ready in dem__admit_born. */
-static inline int dem__bear(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
+/* A new contact, in the next slot; made ready in dem__commit_begun. */
+static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
+    dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t c = dem__next_slot(w);
-    if (!dem__grow_live(w, c + 1)) {
+    if (!dem__grow_contacts(w, c + 1)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    w->live_count__++;
-    w->section__[w->sections__ - 1].live++;
-    w->live_i__[c] = (int32_t)i;
-    w->live_j__[c] = (int32_t)j;
-    w->live_element__[c] = element;
-    w->live_near__[c] = near_pair;
-    w->born__++;
+    contacts->count++;
+    contacts->chunk[contacts->chunk_count - 1].count++;
+    contacts->i[c] = (int32_t)i;
+    contacts->j[c] = (int32_t)j;
+    contacts->element[c] = element;
+    contacts->near[c] = near_pair;
+    contacts->begun++;
     return 1;
 }
 
 /* Looks at a pair: it is found, or its timer is to be set. */
-static inline void dem__look_at_pair(dem_world *w, dem__waits *waits, int32_t p, int64_t step) {
-    const dem__near *q = &w->near__[p];
-    const dem_vec d = dem__pair_apart(w, q->i, q->j, step);
+static inline void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step) {
+    const dem__near *q = &w->engine->pairs.near[p];
+    const dem_vec d = dem__pair_separation(w, q->i, q->j, step);
     waits->looks++;
     if (dem__dot(d, d) < q->distance * q->distance) waits->found[waits->touch++] = p;
-    else if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_from(w, waits, p, step, d);
+    else if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, p, step, d);
 }
 
 /* Makes contacts of what looks have found. Room for many is made at once. */
-static inline void dem__bear_found(dem_world *w, const dem__waits *waits) {
+static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *waits) {
+    dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
     w->looks += waits->looks;
-    if (!dem__grow_live(w, slots > w->live_capacity__ ? slots + slots / 2 : slots)) w->status = DEM_OUT_OF_MEMORY;
+    if (!dem__grow_contacts(w, slots > w->engine->contacts.capacity ? slots + slots / 2 : slots)) w->status = DEM_OUT_OF_MEMORY;
     for (const int32_t *p = waits->found; p < waits->found + waits->touch && w->status == DEM_OK; p++) {
-        if (dem__bear(w, w->near__[*p].i, w->near__[*p].j, 0, *p)) dem__stop_timer(&w->pair_timers__, *p);
+        if (dem__new_contact(w, pairs->near[*p].i, pairs->near[*p].j, 0, *p)) dem__stop_timer(&pairs->timers, *p);
     }
 }
 
 static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
-    for (int32_t c = w->wall_head__[i]; c >= 0; c = w->live_wall_next__[c]) {
-        if (w->live_j__[c] == -1 - wall && w->live_element__[c] == element) return 1;
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = contacts->wall_next[c]) {
+        if (contacts->j[c] == -1 - wall && contacts->element[c] == element) return 1;
     }
     return 0;
 }
 
 /* After link k in particle i's list; -1 at its end. */
 DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
-    return w->link_i__[k] == i ? w->link_next_i__[k] : w->link_next_j__[k];
+    const dem__links *links = &w->engine->links;
+    return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
 /* The link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
-    int32_t k = w->link_head__[i];
+    const dem__links *links = &w->engine->links;
+    int32_t k = links->first_link[i];
     while (k >= 0) {
-        const int first = w->link_i__[k] == i;
-        if ((first ? w->link_j__[k] : w->link_i__[k]) == j && (j >= 0 || w->link_element__[k] == element)) return k;
+        const int first = links->i[k] == i;
+        if ((first ? links->j[k] : links->i[k]) == j && (j >= 0 || links->element[k] == element)) return k;
         k = dem__next_link(w, k, i);
     }
     return -1;
@@ -3295,39 +3459,42 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 /* No point of a wall at x is faster than speed_bound + spin_bound times this. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    const double arm =
+        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin has_friction as well, beside its speed bound */
     return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
 }
 
 /* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
-   second place, and what else a mesh has is found by dem__follow. */
-DEM_INLINE int dem__awaits(const dem_world *w, ptrdiff_t i, int wall) {
+   second place, and what else a mesh has is found by dem__follow_meshes. */
+DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
-    for (int32_t c = w->wall_head__[i]; c >= 0; c = w->live_wall_next__[c]) {
-        if (w->live_j__[c] == -1 - wall) return 0;
+    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
+        if (w->engine->contacts.j[c] == -1 - wall) return 0;
     }
     return 1;
 }
 
 /* A contact with a place of a wall. That of a cone, which is touched from both sides and at its rims, keeps the curvature of its
    beginning. */
-static inline int dem__bear_at_wall(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
-    if (!dem__bear(w, i, -1 - wall, element, -1)) return 0;
+static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
     const ptrdiff_t c = dem__next_slot(w) - 1;
-    if (w->wall[wall].kind == DEM_CONE) w->live_place__[0][c] = touch->curvature;
+    if (w->wall[wall].kind == DEM_CONE) contacts->touch[0][c] = touch->curvature;
     if (w->wall[wall].kind != DEM_MESH) return 1;
-    w->live_place__[0][c] = touch->normal.x, w->live_place__[1][c] = touch->normal.y, w->live_place__[2][c] = touch->normal.z;
-    w->live_place__[3][c] = touch->gap;
+    contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
+    contacts->touch[3][c] = touch->gap;
     return 1;
 }
 
 /* The contacts of particle i with wall k, by element; how many. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
+    const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
-    for (int32_t c = w->wall_head__[i]; c >= 0 && n < DEM__NUMBERS; c = w->live_wall_next__[c]) {
-        if (w->live_j__[c] != -1 - k) continue;
+    for (int32_t c = w->engine->walls.first_contact[i]; c >= 0 && n < DEM__NUMBERS; c = contacts->wall_next[c]) {
+        if (contacts->j[c] != -1 - k) continue;
         int q = n++;
-        for (; q > 0 && w->live_element__[slot[q - 1]] > w->live_element__[c]; q--) slot[q] = slot[q - 1];
+        for (; q > 0 && contacts->element[slot[q - 1]] > contacts->element[c]; q--) slot[q] = slot[q - 1];
         slot[q] = c;
     }
     return n;
@@ -3336,27 +3503,28 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
 /* The contacts of particle i with mesh k to a step at which the wall already is: each goes on at the deepest place whose normal is near
    its own, or ends. Are there places left for new ones? */
 static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
+    dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
-    const double tau = (double)(step - w->particle[i].origin) * w->dt__;
+    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), d = dem__sub(x, wall->position);
     const double speed = dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
-    double **place = w->live_place__, least;
+    double **place = contacts->touch, least;
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
-    const double leaves = 2.0 * w->dt__ * speed; /* as far as a contact can open in a step */
-    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->link_near__ ? leaves : w->link_near__, w->particle[i].radius, touch,
-                        &least);
+    const double leaves = 2.0 * w->engine->run.dt * speed; /* as far as a contact can open in a step */
+    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->engine->links.near ? leaves : w->engine->links.near,
+                        w->particle[i].radius, touch, &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
-        used |= 1 << w->live_element__[c];
+        used |= 1 << contacts->element[c];
         while (q < n &&
                ((taken >> q & 1) ||
                 !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
             q++;
         if (q == n) { /* merged with another, at whatever depth: no force goes on */
             place[3][c] = w->particle[i].radius;
-            w->live_force__[c] = 0.0;
+            contacts->force[c] = 0.0;
             continue;
         }
         taken |= 1 << q;
@@ -3370,15 +3538,15 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         while (used >> free_number & 1) free_number++;
         if (free_number == DEM__NUMBERS) break;
         used |= 1 << free_number;
-        if (bear && !dem__bear_at_wall(w, i, k, &touch[q], free_number)) break;
+        if (bear && !dem__new_wall_contact(w, i, k, &touch[q], free_number)) break;
     }
     return left;
 }
 
 /* Follows the contacts with a mesh of which slot c holds the first; of other contacts does nothing. */
 static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
-    const ptrdiff_t i = w->live_i__[c];
-    const int k = -1 - (int)w->live_j__[c];
+    const ptrdiff_t i = w->engine->contacts.i[c];
+    const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
     if (k < 0 || w->wall[k].kind != DEM_MESH) return 0;
     const int slots = dem__contacts_at(w, i, k, slot);
@@ -3386,31 +3554,33 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
 }
 
 static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
-    for (const dem__section *in = w->section__ + first; in < w->section__ + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->live; c++) w->live_event__[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+    dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
     }
 }
 
 /* Contacts with meshes to a step at which the walls already are. */
-static inline void dem__follow(dem_world *w, int64_t step) {
-    const ptrdiff_t end = dem__next_slot(w), sections = w->sections__;
-    const int parts = dem__parts_of(w, w->live_count__, w->sections__);
+static inline void dem__follow_meshes(dem_world *w, int64_t step) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w), chunks = contacts->chunk_count;
+    const int parts = dem__parts_of(w, contacts->count, contacts->chunk_count);
     int q;
-    if (parts == 1) dem__find_followers(w, step, 0, sections);
+    if (parts == 1) dem__find_followers(w, step, 0, chunks);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(sections, q, parts), dem__part(sections, q + 1, parts));
+        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(chunks, q, parts), dem__part(chunks, q + 1, parts));
     }
-    DEM__EACH(w, c) {
-        if (c < end && w->live_event__[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
+    DEM__EACH_CONTACT(w, c) {
+        if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }
 }
 
-static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall);
+static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall);
 
-/* A straight course at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
+/* A straight bound at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
@@ -3421,16 +3591,17 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
     const double third = dem__third_bar(wall, radius, lowest);
-    return third < w->reach__ ? third : w->reach__;
+    return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
 /* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
-   only on this course. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
-static inline double dem__time_on_course(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
-                                         int found, double others) {
-    const double stray = 2.0 * w->course__[i].ball, near = w->link_near__ + w->blur__, radius = w->particle[i].radius;
+   only on this bound. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
+                                       int found, double others) {
+    const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
+                 radius = w->particle[i].radius;
     const dem_vec u = dem__sub(v, wall->velocity), g = w->def.gravity;
-    double a = w->fall__ + wall->acceleration_bound, least = HUGE_VAL;
+    double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
     if (wall->kind == DEM_CYLINDER) {
@@ -3462,21 +3633,25 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
 }
 
 /* Looks at particle i and a wall at a step at which the wall already is. */
-static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
+static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
+    const dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const dem__links *links = &w->engine->links;
     const ptrdiff_t i = e / w->walls;
     const int k = (int)(e % w->walls);
     int found, touches = 0;
     dem_wall *wall = &w->wall[k];
     w->looks++;
     if (!wall->enabled || !w->alive[i]) return;
-    double tau = (double)(step - w->particle[i].origin) * w->dt__, least, others = w->reach__;
+    double tau = (double)(step - w->particle[i].origin) * run->dt, least, others = pairs->wall_reach;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
-    if (w->has_periodic__) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
+    if (run->has_periodic) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
     dem__touch touch[DEM__TOUCHES];
-    found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? w->reach__ : w->link_near__, touch, &least);
+    found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? pairs->wall_reach : links->near, touch, &least);
     if (wall->kind == DEM_EXIT) {
         if (least < 0.0) {
-            dem__drop(w, i, k);
+            dem__pass_exit(w, i, k);
             return;
         }
     } else if (found > 0) {
@@ -3484,78 +3659,83 @@ static inline void dem__look_at_wall(dem_world *w, int32_t e, int64_t step) {
         least = others;
         for (int q = 0; q < found; q++) {
             if (dem__touches_element(w, i, k, touch[q].element)) continue;
-            const int linked = touch[q].gap < w->link_near__ && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
-            if (touch[q].gap < (linked ? w->link_near__ : 0.0)) {
-                if (!dem__bear_at_wall(w, i, k, &touch[q], touch[q].element)) return;
+            const int linked = touch[q].gap < links->near && dem__link_of(w, i, -1 - k, touch[q].element) >= 0;
+            if (touch[q].gap < (linked ? links->near : 0.0)) {
+                if (!dem__new_wall_contact(w, i, k, &touch[q], touch[q].element)) return;
                 touches = 1;
-            } else least = touch[q].gap - w->link_near__ < least ? touch[q].gap - w->link_near__ : least;
+            } else least = touch[q].gap - links->near < least ? touch[q].gap - links->near : least;
         }
         if (touches && wall->kind != DEM_SCREEN) return;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return;
-    const double crossing = w->has_periodic__ ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
+    const double crossing = run->has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     least = crossing < least ? crossing : least;
-    double speed = dem__length(v) + 2.0 * w->course__[i].ball;
-    if (speed < 0.5 * w->wall_speed__[i]) w->wall_speed__[i] = 1.25 * speed;
-    speed = (speed > w->wall_speed__[i] ? speed : w->wall_speed__[i]) + wall->speed_bound;
-    int most = DEM__FAR;
+    double speed = dem__length(v) + 2.0 * bodies->bound[i].tolerance;
+    if (speed < 0.5 * bodies->wall_speed[i]) bodies->wall_speed[i] = 1.25 * speed;
+    speed = (speed > bodies->wall_speed[i] ? speed : bodies->wall_speed[i]) + wall->speed_bound;
+    int most = DEM__STEPS_MAX;
     if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
-        const double turn = DEM__OFTEN * w->dt__, out = turn * (speed + turn * w->fall__);
+        const double turn = DEM__RETEST_STEPS * run->dt, out = turn * (speed + turn * pairs->gravity_size);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
-        most = DEM__OFTEN;
+        most = DEM__RETEST_STEPS;
     }
-    const int sure = dem__steps_until(w, dem__time_to_cover(least - w->blur__, speed, w->fall__)), steps = sure < most ? sure : most;
+    const int sure = dem__steps_until(w, dem__time_to_cover(least - pairs->position_tolerance, speed, pairs->gravity_size)),
+              steps = sure < most ? sure : most;
     int better = 0;
-    if (steps < DEM__OFTEN / 4 && crossing == HUGE_VAL)
-        better = dem__steps_until(w, dem__time_on_course(w, i, wall, v, k, touch, found, others));
-    w->wall_sure__[e] = (uint32_t)(uint64_t)(step + steps);
-    dem__set_timer(&w->wall_timers__, e, step + (better > steps ? better : steps));
+    if (steps < DEM__RETEST_STEPS / 4 && crossing == HUGE_VAL)
+        better = dem__steps_until(w, dem__time_to_wall(w, i, wall, v, k, touch, found, others));
+    w->engine->walls.sure[e] = (uint32_t)(uint64_t)(step + steps);
+    dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
-    return (double)w->link_stride__ * w->dt__ / w->particle[i].mass * dem__length(dem__first(w->load__[i]));
+    return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* At most so far does a pull turn it from its course in a step [m/s]: the sum of parts costs no root. */
-DEM_INLINE double dem__way(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
+/* At most so far does a pull turn it from its bound in a step [m/s]: the sum of parts costs no root. */
+DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
 
-/* Of a particle that has strayed so far from its course: what its ball leaves it beyond this step. */
-DEM_INLINE void dem__leave_room(dem_world *w, ptrdiff_t i, double strayed) {
-    w->particle[i].room__ = w->course__[i].ball - strayed - dem__way(w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
+/* Of a particle that has strayed so far from its bound: what its tolerance leaves it beyond this step. */
+DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
+    w->particle[i].tolerance_left__ =
+        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
-/* A new course for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
-   far behind its middle as it is ahead of that now: one course through the middle, with a ball that holds both, lasts to the end. Else the
-   ball holds 16 steps of the present force and a little more: in flight very little, as nothing turns it from its course before a contact
-   does, and small balls let neighbours alone for long. */
-DEM_INLINE void dem__set_course(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
+/* A new bound for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
+   far behind its middle as it is ahead of that now: one bound through the middle, with a tolerance that holds both, lasts to the end. Else the
+   tolerance holds 16 steps of the present force and a little more: in flight very little, as nothing has_friction it from its bound before a contact
+   does, and small tolerances let neighbours alone for long. */
+DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
-    const dem_vec g = w->def.gravity, impact = w->touching[i] == 1 ? w->impact__[i] : dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec g = w->def.gravity, impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem_vec u = dem__add(v, impact);
-    const double turn = dem__length(impact), held = 16.0 * w->dt__ * dem__length(dem__sub(w->particle[i].a, g));
-    dem__course *c = &w->course__[i];
+    const double turn = dem__length(impact), held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
+    dem__bound *c = &bodies->bound[i];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
-    w->shifted__[i] = 0.0;
-    if (turn > 0.0) c->ball = 0.25 * w->slack__ + 1.1 * turn + 0.125 * held; /* and the next step for sure */
-    else c->ball = (w->touching[i] == 0 ? 0.001 : 1.0) * w->slack__ + held;
-    if (w->links_on__ && w->link_head__[i] >= 0) c->ball += 2.0 * dem__link_drift(w, i);
-    c->off = w->particle[i].radius + 0.5 * w->link_near__ + w->blur__ - t * c->ball;
-    dem__leave_room(w, i, turn);
+    bodies->shifted[i] = 0.0;
+    if (turn > 0.0) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
+    if (links->on && links->first_link[i] >= 0) c->tolerance += 2.0 * dem__link_drift(w, i);
+    c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
+    dem__set_tolerance_left(w, i, turn);
 }
 
-/* What some threads learn from new courses: when the list is to be asked again, and who is too fast (-1: nobody). */
-typedef struct dem__news {
+/* What some threads learn from new bounds: when the list is to be asked again, and who is too fast (-1: nobody). */
+typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
-} dem__news;
-DEM_INLINE dem__news dem__no_news(const dem_world *w) {
-    const dem__news news = {w->next_check__, -1};
+} dem__outcome;
+DEM_INLINE dem__outcome dem__no_outcome(const dem_world *w) {
+    const dem__outcome news = {w->engine->pairs.next_check, -1};
     return news;
 }
-static inline void dem__take_news(dem_world *w, const dem__news *news) {
-    if (news->check < w->next_check__) w->next_check__ = news->check;
+static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
+    if (news->check < w->engine->pairs.next_check) w->engine->pairs.next_check = news->check;
     if (news->fast < 0 || w->status != DEM_OK) return;
     w->status = DEM_TOO_FAST;
     w->failed_id = w->id[news->fast];
@@ -3566,10 +3746,11 @@ typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
 DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, step);
     dem__list_frame f;
-    f.way = dem__scale(t, dem__plus(w->list_velocity__, 0.5 * t, w->list_acceleration__));
-    f.velocity = dem__plus(w->list_velocity__, t, w->list_acceleration__);
+    f.way = dem__scale(t, dem__plus(pairs->frame_velocity, 0.5 * t, pairs->frame_acceleration));
+    f.velocity = dem__plus(pairs->frame_velocity, t, pairs->frame_acceleration);
     return f;
 }
 
@@ -3579,82 +3760,88 @@ typedef struct dem__leeway {
 } dem__leeway;
 DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
     dem__leeway q;
-    q.left = 0.49 * w->margin__ - dem__length(dem__apart(w, dem__sub(x, dem__add(w->listed_at__[i], f->way))));
-    q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->course__[i].ball;
+    q.left =
+        0.49 * w->engine->pairs.margin - dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
+    q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
 /* Steps for which that lasts. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
-    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->list_fall__));
+    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall));
 }
 
 /* Is it enough for a time [s]? False for NaN. */
 DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
-    return q->left > time * (q->speed + 0.5 * w->list_fall__ * time);
+    return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* What else a new course of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
-   dem__hurry_to_walls sees to it. */
-static inline int dem__heed_course(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
-                                   dem__news *news) {
+/* What else a new bound of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
+   dem__advance_wall_timers sees to it. */
+static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
+                                   dem__outcome *news) {
+    const dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__wall_state *walls = &w->engine->walls;
     const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * w->dt__ <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
-    speed += 2.0 * w->course__[i].ball;
-    if (!dem__lasts(w, &leeway, (double)(news->check - step) * w->dt__)) {
+    if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
+    speed += 2.0 * bodies->bound[i].tolerance;
+    if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
         const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* it was put elsewhere: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
     double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
-    if (speed > w->wall_speed__[i]) {
-        slower = w->wall_speed__[i] / (1.25 * speed);
-        w->wall_speed__[i] = 1.25 * speed;
+    if (speed > bodies->wall_speed[i]) {
+        slower = bodies->wall_speed[i] / (1.25 * speed);
+        bodies->wall_speed[i] = 1.25 * speed;
     }
-    const double lost = shifted > 0.0 ? 1.0 + shifted / (w->wall_speed__[i] * w->dt__) : 0.0; /* as many steps as it would take */
+    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* as many steps as it would take */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        if (w->wall_timers__.due[e] == DEM__STOPPED) continue;
+        if (walls->timers.due[e] == DEM__STOPPED) continue;
         const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
         const int now = left > 0.0 ? 1 + (int)left : 1;
-        w->wall_sure__[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
-        sooner |= now < dem__steps_due(&w->wall_timers__, e, step);
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
+        sooner |= now < dem__steps_due(&walls->timers, e, step);
     }
     return sooner;
 }
-static inline void dem__hurry_to_walls(dem_world *w, ptrdiff_t i, int64_t step) {
+static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        const int sure = dem__steps_sure(w, e, step), due = w->wall_timers__.due[e];
-        if (due != DEM__STOPPED && sure < dem__steps_due(&w->wall_timers__, e, step)) dem__set_timer(&w->wall_timers__, e, step + sure);
+        const int sure = dem__steps_sure(w, e, step), due = walls->timers.due[e];
+        if (due != DEM__STOPPED && sure < dem__steps_due(&walls->timers, e, step)) dem__set_timer(&walls->timers, e, step + sure);
     }
 }
 
-/* A new course for particle i, and what else it has an effect on; its pairs are left to dem__restart. By one thread. */
-static inline void dem__begin_course(dem_world *w, ptrdiff_t i, int64_t step) {
-    const double shifted = w->shifted__[i], tau = (double)(step - w->particle[i].origin) * w->dt__;
+/* A new bound for particle i, and what else it has an effect on; its pairs are left to dem__reset_pair_timers. By one thread. */
+static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
+    const double shifted = w->engine->bodies.shifted[i], tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
-    dem__news news = dem__no_news(w);
-    dem__set_course(w, i, step, x, v);
-    if (dem__heed_course(w, i, step, &frame, x, v, shifted, &news)) dem__hurry_to_walls(w, i, step);
-    dem__take_news(w, &news);
+    dem__outcome news = dem__no_outcome(w);
+    dem__set_bound(w, i, step, x, v);
+    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &news)) dem__advance_wall_timers(w, i, step);
+    dem__apply_outcome(w, &news);
 }
 
 /* All look at wall k at a step. */
-static inline void dem__hurry(dem_world *w, int k, int64_t step) {
+static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
-        if (w->wall_timers__.due[e] != DEM__STOPPED) dem__set_timer(&w->wall_timers__, e, step);
+        if (w->engine->walls.timers.due[e] != DEM__STOPPED) dem__set_timer(&w->engine->walls.timers, e, step);
     }
 }
 
 /* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
    looked at by all in this very step. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
-    const double time = w->start_time__ + (double)(step - w->start_step__) * w->dt__;
+    const dem__run *run = &w->engine->run;
+    const double time = run->start_time + (double)(step - run->start_step) * run->dt;
     const dem_wall *last = NULL;
     dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
@@ -3670,97 +3857,102 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
         double turn = 0.0;
         dem__move_wall(a, time);
         if (!dem__wall_is_finite(a)) return 0;
-        const double speed = dem__length(dem__sub(a->position, from)) / w->dt__;
-        for (int q = 0; q < 3; q++) { /* at least one axis turns by sqrt(2/3) of the angle */
-            const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / w->dt__;
+        const double speed = dem__length(dem__sub(a->position, from)) / run->dt;
+        for (int q = 0; q < 3; q++) { /* at least one axis has_friction by sqrt(2/3) of the angle */
+            const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / run->dt;
             turn = tip > turn ? tip : turn;
         }
         if (speed <= a->speed_bound && turn <= a->spin_bound) continue;
         a->speed_bound = speed > a->speed_bound ? 1.5 * speed : a->speed_bound;
         a->spin_bound = turn > a->spin_bound ? 1.5 * turn : a->spin_bound;
-        dem__hurry(w, k, step);
+        dem__test_wall_by_all(w, k, step);
     }
     return 1;
 }
 
 /* Ahead of new timers. */
-DEM_INLINE void dem__fetch_neighbours(const dem_world *w, ptrdiff_t i) {
-    for (int32_t k = w->adjacent_start__[i]; k < w->adjacent_start__[i + 1]; k++) {
-        DEM__PREFETCH(&w->pair_timers__.due[w->adjacent__[2 * k]]);
-        DEM__PREFETCH(&w->course__[w->adjacent__[2 * k + 1]]);
+DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    for (int32_t k = pairs->adjacent_start[i]; k < pairs->adjacent_start[i + 1]; k++) {
+        DEM__PREFETCH(&pairs->timers.due[pairs->adjacent[2 * k]]);
+        DEM__PREFETCH(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]]);
     }
 }
 
 /* Has particle i pairs from low to high - 1? They are listed in order. */
 DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
-    const int32_t begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
-    return begin < stop && w->adjacent__[2 * begin] < high && w->adjacent__[2 * stop - 2] >= low;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
+    return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
 }
 
-/* New timers for those pairs of particles with new courses that are in sheaves first .. end-1. */
-DEM_INLINE void dem__wait_for_all(dem_world *w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
-    const ptrdiff_t low = first * DEM__SHEAF, high = end * DEM__SHEAF;
+/* New timers for those pairs of particles with new bounds that are in pages first .. end-1. */
+DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
     const double t = dem__since_listed(w, step);
-    dem__waits waits;
-    dem__no_waits(&waits);
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
     for (ptrdiff_t m = -16; m < n; m++) {
         /* ahead: where the list of neighbours begins, the list, then what it lists */
-        if (m + 16 < n) DEM__PREFETCH(&w->adjacent_start__[restarted[m + 16]]);
+        if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
-            const int32_t *list = &w->adjacent__[2 * w->adjacent_start__[restarted[m + 8]]];
+            const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
             DEM__PREFETCH(list);
             DEM__PREFETCH(list + 16);
         }
-        if (m >= -2 && m + 2 < n && dem__has_pairs(w, restarted[m + 2], low, high)) dem__fetch_neighbours(w, restarted[m + 2]);
-        if (m < 0 || !dem__has_pairs(w, restarted[m], low, high)) continue;
-        const int32_t i = restarted[m], begin = w->adjacent_start__[i], stop = w->adjacent_start__[i + 1];
-        const dem__course own = dem__course_at(&w->course__[i], t);
+        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high)) dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
+        const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
+        const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
         for (int32_t k = begin; k < stop; k++) {
-            const int32_t p = w->adjacent__[2 * k];
-            if (p < low || p >= high || w->pair_timers__.due[p] == DEM__STOPPED) continue;
-            const dem__course other = dem__course_at(&w->course__[w->adjacent__[2 * k + 1]], t);
-            dem__wait_on_courses(w, &waits, p, step, &own, &other);
+            const int32_t p = pairs->adjacent[2 * k];
+            if (p < low || p >= high || pairs->timers.due[p] == DEM__STOPPED) continue;
+            const dem__bound other = dem__bound_at(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]], t);
+            dem__batch_bounds(w, &waits, p, step, &own, &other);
         }
     }
-    dem__set_waits(w, &waits, step);
+    dem__flush_batch(w, &waits, step);
 }
-DEM__TWICE(dem__wait_anew, (dem_world * w, const int32_t *restarted, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
-           (w, restarted, n, first, end, step), dem__wait_for_all(w, restarted, n, first, end, step))
+DEM__AVX2_CLONE(dem__reset_timers_part, (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
+                (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
 
-/* New timers for the pairs of the listed particles, which have new courses. */
-static inline void dem__restart(dem_world *w, const int32_t *restarted, ptrdiff_t n, int64_t step) {
-    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
+/* New timers for the pairs of the listed particles, which have new bounds. */
+static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
+    const ptrdiff_t pages = w->engine->pairs.timers.pages;
     const int parts = dem__parts(w, 4 * n);
     int q;
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     if (parts == 1) {
-        dem__wait_anew(w, restarted, n, 0, sheaves, step);
+        dem__reset_timers_part(w, reset, n, 0, pages, step);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__wait_anew(w, restarted, n, dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts), step);
+    for (q = 0; q < parts; q++) dem__reset_timers_part(w, reset, n, dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
 }
 
 /* Active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
-    w->active_count__ = w->unsettled_count__ = 0;
+    dem__bodies *bodies = &w->engine->bodies;
+    bodies->active_count = bodies->to_check_count = 0;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        w->active__[w->active_count__] = i;
-        w->active_count__ += w->is_active__[i] != 0;
-        if (w->is_active__[i] == 2) w->unsettled__[w->unsettled_count__++] = i;
+        bodies->active[bodies->active_count] = i;
+        bodies->active_count += bodies->activity[i] != 0;
+        if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
     }
 }
 
 /* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
-    dem__timers *t = &w->wall_timers__;
-    if (w->stale__) return; /* they are made anew */
+    dem__wall_state *walls = &w->engine->walls;
+    dem__timers *t = &walls->timers;
+    if (w->engine->run.needs_lists) return; /* they are made anew */
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int k = 0; k < w->walls && w->remap__[i] >= 0; k++) {
-            t->due[w->remap__[i] * w->walls + k] = t->due[i * w->walls + k];
-            w->wall_sure__[w->remap__[i] * w->walls + k] = w->wall_sure__[i * w->walls + k];
+        for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
+            t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
+            walls->sure[w->engine->scratch.index[i] * w->walls + k] = walls->sure[i * w->walls + k];
         }
     }
     dem__stop_timers(t, left * w->walls, left * w->walls);
@@ -3774,18 +3966,20 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
 
 /* The number of particle i, or of the first after it that stays, when those are numbered by remap__. */
 static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
-    while (i < (int32_t)w->count && w->remap__[i] < 0) i++;
-    return i < (int32_t)w->count ? w->remap__[i] : (int32_t)(w->count - w->dropped__);
+    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
+    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
 /* Takes dropped particles out of the arrays, keeping the order of the others. */
 static inline void dem__compact(dem_world *w) {
-    if (!w->dropped__) return;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__links *links = &w->engine->links;
+    if (!w->engine->bodies.dropped) return;
     ptrdiff_t to = 0;
     dem__array list[DEM__ARRAYS_MAX];
     int n = dem__particle_arrays(w, list);
-    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? (int32_t)to++ : -1;
-    int32_t *remap = w->remap__;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
+    int32_t *remap = w->engine->scratch.index;
     ptrdiff_t first = 0;
     while (first < w->count && remap[first] == first) first++;
     for (int k = 0; k < n; k++) {
@@ -3797,17 +3991,17 @@ static inline void dem__compact(dem_world *w) {
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
     }
     dem__move_wall_timers(w, to);
-    DEM__EACH(w, c) {
-        w->live_i__[c] = remap[w->live_i__[c]];
-        if (w->live_j__[c] >= 0) w->live_j__[c] = remap[w->live_j__[c]];
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = remap[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
-    for (int q = 0; q < w->sections__; q++) w->section__[q].from = dem__remapped(w, w->section__[q].from);
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        w->link_i__[k] = remap[w->link_i__[k]];
-        if (w->link_j__[k] >= 0) w->link_j__[k] = remap[w->link_j__[k]];
+    for (int q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        links->i[k] = remap[links->i[k]];
+        if (links->j[k] >= 0) links->j[k] = remap[links->j[k]];
     }
     w->count = to;
-    w->dropped__ = 0;
+    w->engine->bodies.dropped = 0;
 }
 
 /* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
@@ -3894,13 +4088,13 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 }
 
 /* The near pairs that a thread finds, and room for so many. */
-typedef struct dem__finds {
+typedef struct dem__found_pairs {
     dem__near *pair;
     ptrdiff_t n, room;
     int full;
-} dem__finds;
+} dem__found_pairs;
 
-static inline int dem__add_near(const dem_world *w, dem__finds *finds, int32_t i, int32_t j) {
+static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
     q->i = i < j ? i : j;
@@ -3910,12 +4104,12 @@ static inline int dem__add_near(const dem_world *w, dem__finds *finds, int32_t i
 }
 
 /* Spheres that those of a cell may be near to. */
-enum { DEM__CROWD = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
-typedef struct dem__crowd {
-    double x[DEM__CROWD], y[DEM__CROWD], z[DEM__CROWD], extent[DEM__CROWD];
-    int32_t at[DEM__CROWD]; /* in the sorted list */
+enum { DEM__CANDIDATES_MAX = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
+typedef struct dem__candidates {
+    double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
+    int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
     int n;
-} dem__crowd;
+} dem__candidates;
 
 /* The nearest image of a distance of two places within the periodic box. */
 DEM_INLINE double dem__image(double d, double length) {
@@ -3924,13 +4118,13 @@ DEM_INLINE double dem__image(double d, double length) {
 }
 
 /* Those of a crowd that are near a sphere: their numbers in it, and how many. Without a branch, which nobody could predict. */
-DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count) {
-    double room[DEM__CROWD];
+DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
+    double room[DEM__CANDIDATES_MAX];
     int m = 0;
     for (int k = 0; k < c->n; k++) {
         double x = s->x - c->x[k], y = s->y - c->y[k], z = s->z - c->z[k];
         if (length) x = dem__image(x, length[0]), y = dem__image(y, length[1]), z = dem__image(z, length[2]);
-        const double sum = s->ball + c->extent[k];
+        const double sum = s->tolerance + c->extent[k];
         room[k] = x * x + y * y + z * z - sum * sum;
     }
     for (int k = 0; k < c->n; k++) {
@@ -3939,8 +4133,8 @@ DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, cons
     }
     *count = m;
 }
-DEM__TWICE(dem__choose, (const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count),
-           (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
+DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
+                (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
 /* Length of the box along an axis, HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -3953,34 +4147,35 @@ static inline double dem__narrowest(const dem_world *w) {
 }
 
 /* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. Returns 0 if there is no room. */
-static inline int dem__meet(const dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end, dem__finds *finds) {
+static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
+                                             dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
-    int32_t near[DEM__CROWD];
+    int32_t near[DEM__CANDIDATES_MAX];
     for (int32_t p = first; p < end; p++) {
         int n;
-        dem__choose(crowd, &w->course__[p], w->has_periodic__ ? length : NULL, near, &n);
+        dem__choose(crowd, &w->engine->bodies.bound[p], w->engine->run.has_periodic ? length : NULL, near, &n);
         for (int k = 0; k < n; k++) {
             const int32_t q = crowd->at[near[k]];
-            if (q > p && !dem__add_near(w, finds, w->remap__[p], w->remap__[q])) return 0;
+            if (q > p && !dem__add_near(w, finds, w->engine->scratch.index[p], w->engine->scratch.index[q])) return 0;
         }
     }
     return 1;
 }
 
 /* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
-static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__finds *finds) {
-    const int32_t *start = w->cells__;
-    const dem__course *scratch = w->course__;
+static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
+    const int32_t *start = w->engine->pairs.cells;
+    const dem__bound *scratch = w->engine->bodies.bound;
     dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
     double extent = 0.0;
-    dem__crowd crowd;
+    dem__candidates crowd;
     for (int32_t p = first; p < end; p++) {
         low.x = scratch[p].x < low.x ? scratch[p].x : low.x, high.x = scratch[p].x > high.x ? scratch[p].x : high.x;
         low.y = scratch[p].y < low.y ? scratch[p].y : low.y, high.y = scratch[p].y > high.y ? scratch[p].y : high.y;
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
-        extent = scratch[p].ball > extent ? scratch[p].ball : extent;
+        extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->margin__;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -3996,25 +4191,27 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
-                if (crowd.n == DEM__CROWD) {
-                    if (!dem__meet(w, &crowd, first, end, finds)) return 0;
+                if (crowd.n == DEM__CANDIDATES_MAX) {
+                    if (!dem__pairs_with_candidates(w, &crowd, first, end, finds)) return 0;
                     crowd.n = 0;
                 }
                 crowd.x[crowd.n] = scratch[q].x, crowd.y[crowd.n] = scratch[q].y, crowd.z[crowd.n] = scratch[q].z;
-                crowd.extent[crowd.n] = scratch[q].ball;
+                crowd.extent[crowd.n] = scratch[q].tolerance;
                 crowd.at[crowd.n++] = q;
             }
         }
     }
-    return dem__meet(w, &crowd, first, end, finds);
+    return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
 /* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory.
-   The courses serve as scratch: a rebuild sets all of them. */
+   The bounds serve as scratch: a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__pairs *pairs = &w->engine->pairs;
     double smallest = HUGE_VAL;
     dem_vec low, high;
-    int32_t *sorted = w->remap__;
+    int32_t *sorted = w->engine->scratch.index;
     ptrdiff_t cells = 0;
     int levels = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
@@ -4026,22 +4223,22 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         grid[level].count++;
         sorted[i] = level;
     }
-    for (int a = 0; a < 3; a++) dem__bulk(w->listed_at__, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
+    for (int a = 0; a < 3; a++) dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + w->margin__, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
-    if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells + 1)) return 0;
-    int32_t *start = w->cells__;
+    if (!dem__grow_one(w, &pairs->cells, &pairs->cells_capacity, cells + 1)) return 0;
+    int32_t *start = pairs->cells;
     for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->listed_at__[i]);
-        w->cell_next__[i] = (int32_t)c;
+        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->engine->pairs.listed_at[i]);
+        pairs->cell_of[i] = (int32_t)c;
         start[c]++;
     }
     for (ptrdiff_t c = 0, sum = 0; c <= cells; c++) {
@@ -4050,23 +4247,25 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     }
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
         if (!w->alive[i]) continue;
-        const int32_t k = --start[w->cell_next__[i]];
+        const int32_t k = --start[pairs->cell_of[i]];
         sorted[k] = (int32_t)i;
-        w->course__[k].x = w->listed_at__[i].x, w->course__[k].y = w->listed_at__[i].y, w->course__[k].z = w->listed_at__[i].z;
-        w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
+        bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
+        bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
     }
     return levels;
 }
 
 /* The near pairs of the spheres whose cells begin in first .. end-1 of the sorted list: those of a cell look at the cells around it on
    their own level and the coarser ones, and there at those after them in the list. Returns 0 if there is no room. */
-static inline int dem__find_in(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end, dem__finds *finds) {
-    const int32_t *start = w->cells__;
+static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
+                                       dem__found_pairs *finds) {
+    const int32_t *start = w->engine->pairs.cells;
     ptrdiff_t of_level = 0, p = first;
     finds->n = 0;
     for (int level = 0; level < levels; level++) {
         for (of_level += grid[level].count; p < of_level && p < end;) {
-            const int32_t cell = w->cell_next__[w->remap__[p]], from = start[cell], to = start[cell + 1];
+            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell], to = start[cell + 1];
             for (int other = level; other < levels && from == p; other++) {
                 if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], from, to, finds)) return 0;
             }
@@ -4079,144 +4278,156 @@ static inline int dem__find_in(const dem_world *w, const dem__grid *grid, int le
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
     dem__grid grid[DEM__LEVELS_MAX];
-    dem__finds finds[DEM__PARTS_MAX];
+    dem__found_pairs finds[DEM__PARTS_MAX];
     ptrdiff_t room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4, present = 0;
     int q, full = 1;
-    w->near_count__ = 0;
+    pairs->count = 0;
     if (w->count == 0) return 1;
     memset(grid, 0, sizeof grid);
     const int levels = dem__fill_cells(w, grid), parts = dem__parts(w, w->count);
     for (int level = 0; level < levels; level++) present += grid[level].count;
     while (full) {
         if (levels == 0 || room > INT32_MAX / 2 || !dem__grow_near(w, room)) return 0;
-        room = w->pair_timers__.capacity * DEM__BUNCH;
+        room = pairs->timers.capacity * DEM__LINE;
         full = 0;
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
 #endif
         for (q = 0; q < parts; q++) {
-            finds[q].pair = w->near__ + dem__part(room, q, parts);
+            finds[q].pair = pairs->near + dem__part(room, q, parts);
             finds[q].room = dem__part(room, q + 1, parts) - dem__part(room, q, parts);
-            finds[q].full = !dem__find_in(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
+            finds[q].full =
+                !dem__find_pairs_part(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
         }
         for (q = 0; q < parts; q++) full |= finds[q].full;
         room++;
     }
     for (q = 0; q < parts; q++) {
-        memmove(w->near__ + w->near_count__, finds[q].pair, (size_t)finds[q].n * sizeof *w->near__);
-        w->near_count__ += finds[q].n;
+        memmove(pairs->near + pairs->count, finds[q].pair, (size_t)finds[q].n * sizeof *pairs->near);
+        pairs->count += finds[q].n;
     }
     return 1;
 }
 
 /* The near pairs of each particle, both ways. */
 static inline int dem__find_adjacent(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
-    if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 4 * w->near_count__)) return 0;
-    int32_t *start = w->adjacent_start__;
+    if (!dem__grow_one(w, &pairs->adjacent, &pairs->adjacent_capacity, 4 * pairs->count)) return 0;
+    int32_t *start = pairs->adjacent_start;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__[p].i]++, start[w->near__[p].j]++;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) start[pairs->near[p].i]++, start[pairs->near[p].j]++;
     for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
         sum += start[i];
         start[i] = (int32_t)sum;
     }
-    for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
-        const int32_t i = w->near__[p].i, j = w->near__[p].j, a = --start[i], b = --start[j];
-        w->adjacent__[2 * a] = w->adjacent__[2 * b] = (int32_t)p;
-        w->adjacent__[2 * a + 1] = j, w->adjacent__[2 * b + 1] = i;
+    for (ptrdiff_t p = pairs->count - 1; p >= 0; p--) {
+        const int32_t i = pairs->near[p].i, j = pairs->near[p].j, a = --start[i], b = --start[j];
+        pairs->adjacent[2 * a] = pairs->adjacent[2 * b] = (int32_t)p;
+        pairs->adjacent[2 * a + 1] = j, pairs->adjacent[2 * b + 1] = i;
     }
     return 1;
 }
 
 /* The near pair of two particles, or -1. */
 static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
-    if (w->stale__) return -1;
-    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        if (w->adjacent__[2 * a + 1] == j) return w->adjacent__[2 * a];
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
     }
     return -1;
 }
 
 static inline void dem__list_wall_contacts(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
-    DEM__EACH(w, c) {
-        if (w->live_j__[c] >= 0) continue;
-        w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
-        w->wall_head__[w->live_i__[c]] = (int32_t)c;
+    dem__wall_state *walls = &w->engine->walls;
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t i = 0; i < w->count; i++) walls->first_contact[i] = -1;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] >= 0) continue;
+        contacts->wall_next[c] = walls->first_contact[contacts->i[c]];
+        walls->first_contact[contacts->i[c]] = (int32_t)c;
     }
 }
 
 /* Which near pair a live contact is. */
 static inline void dem__find_contacts(dem_world *w) {
-    DEM__EACH(w, c) {
-        const int32_t p = w->live_j__[c] < 0 ? -1 : dem__near_pair(w, w->live_i__[c], w->live_j__[c]);
-        w->live_near__[c] = p;
-        if (p >= 0) dem__stop_timer(&w->pair_timers__, p);
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
+        contacts->near[c] = p;
+        if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
     }
 }
 
 /* Near pair p (or -1) is linked, or not any more. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
-    dem__near *q = &w->near__[p];
-    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->link_near__ : 0.0);
+    dem__near *q = &w->engine->pairs.near[p];
+    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
-    const int32_t i = w->link_i__[k], j = w->link_j__[k];
-    w->link_next_i__[k] = w->link_head__[i];
-    w->link_head__[i] = k;
+    dem__links *links = &w->engine->links;
+    const int32_t i = links->i[k], j = links->j[k];
+    links->next_i[k] = links->first_link[i];
+    links->first_link[i] = k;
     if (j < 0) return;
     const int32_t p = dem__near_pair(w, i, j);
-    w->link_next_j__[k] = w->link_head__[j];
-    w->link_head__[j] = k;
+    links->next_j[k] = links->first_link[j];
+    links->first_link[j] = k;
     dem__mark_link(w, p, 1);
 }
 
 static inline void dem__find_links(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->link_head__[i] = -1;
-    for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
+    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
 }
 
-/* Timers of all near pairs that do not touch, in sheaves first .. end-1. */
-DEM_INLINE void dem__wait_for_new(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+/* Timers of all near pairs that do not touch, in pages first .. end-1. */
+DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, w->step);
-    dem__waits waits;
-    dem__no_waits(&waits);
-    for (ptrdiff_t p = first * DEM__SHEAF; p < end * DEM__SHEAF; p++) {
-        if (w->pair_timers__.due[p] == DEM__STOPPED) continue;
-        const dem__course a = dem__course_at(&w->course__[w->near__[p].i], t), b = dem__course_at(&w->course__[w->near__[p].j], t);
-        dem__wait_on_courses(w, &waits, (int32_t)p, w->step, &a, &b);
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    for (ptrdiff_t p = first * DEM__PAGE; p < end * DEM__PAGE; p++) {
+        if (pairs->timers.due[p] == DEM__STOPPED) continue;
+        const dem__bound a = dem__bound_at(&w->engine->bodies.bound[pairs->near[p].i], t),
+                         b = dem__bound_at(&w->engine->bodies.bound[pairs->near[p].j], t);
+        dem__batch_bounds(w, &waits, (int32_t)p, w->step, &a, &b);
     }
-    dem__set_waits(w, &waits, w->step);
+    dem__flush_batch(w, &waits, w->step);
 }
-DEM__TWICE(dem__wait_in, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__wait_for_new(w, first, end))
-static inline void dem__wait_all(dem_world *w) {
-    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
-    const int parts = dem__parts(w, w->near_count__);
+DEM__AVX2_CLONE(dem__set_new_timers_part, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end),
+                dem__set_new_timers(w, first, end))
+static inline void dem__set_all_timers(dem_world *w) {
+    const ptrdiff_t pages = w->engine->pairs.timers.pages;
+    const int parts = dem__parts(w, w->engine->pairs.count);
     int q;
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     if (parts == 1) {
-        dem__wait_in(w, 0, sheaves);
+        dem__set_new_timers_part(w, 0, pages);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__wait_in(w, dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts));
+    for (q = 0; q < parts; q++) dem__set_new_timers_part(w, dem__part(pages, q, parts), dem__part(pages, q + 1, parts));
 }
 
 /* Timers for a new list: pairs apart; walls as they are, or all stopped. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
+    dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
-    dem__timers *pair = &w->pair_timers__, *wall = &w->wall_timers__;
-    if (!dem__grow_near(w, w->near_count__)) return 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) pair->due[p] = DEM__NEVER;
-    dem__stop_timers(pair, w->near_count__, w->near_count__);
+    dem__timers *pair = &pairs->timers, *wall = &w->engine->walls.timers;
+    if (!dem__grow_near(w, pairs->count)) return 0;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) pair->due[p] = DEM__NEVER;
+    dem__stop_timers(pair, pairs->count, pairs->count);
     pair->from = w->step;
     if (!keeps) {
-        if (!dem__grow_timers(w, wall, walls, &w->wall_sure__, sizeof *w->wall_sure__)) return 0;
+        if (!dem__grow_timers(w, wall, walls, &w->engine->walls.sure, sizeof *w->engine->walls.sure)) return 0;
         dem__stop_timers(wall, 0, walls);
         wall->from = w->step;
     } else dem__count_from(wall, w->step);
@@ -4225,27 +4436,31 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
 
 /* The list waits for somebody to move in the frame of what most do: it drifts at their mean velocity, and falls with them if they fly. */
 static inline void dem__choose_frame(dem_world *w) {
-    const int flies = 2 * w->active_count__ < w->count;
+    dem__pairs *pairs = &w->engine->pairs;
+    const int flies = 2 * w->engine->bodies.active_count < w->count;
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     double n = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
     }
-    w->list_velocity__ = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
-    w->list_acceleration__ = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
-    w->list_fall__ = flies ? 0.0 : w->fall__;
+    pairs->frame_velocity = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
+    pairs->frame_acceleration = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
+    pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
-static DEM__APART int dem__rebuild(dem_world *w) {
-    const int keeps = !w->stale__;
-    if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+static DEM__NOINLINE int dem__rebuild(dem_world *w) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__pairs *pairs = &w->engine->pairs;
+    const int keeps = !run->needs_lists;
+    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL, largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
-        w->listed_at__[i] = x;
+        w->engine->pairs.listed_at[i] = x;
         smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
         largest = w->particle[i].radius > largest ? w->particle[i].radius : largest;
         if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
@@ -4254,26 +4469,28 @@ static DEM__APART int dem__rebuild(dem_world *w) {
             return 0;
         }
     }
-    w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
-    const int few = w->near_count__ < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) w->stretch__ *= (double)lasts / (double)(w->step - w->listed__ + 1);
-    w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
-    const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    w->slack__ = 0.05 * w->margin__ / (DEM__OFTEN * w->dt__);
-    w->reach__ = 4.0 * w->margin__;
-    w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
-    w->fall__ = dem__length(w->def.gravity);
+    pairs->steps_per_second = (1.0 - 1e-9) / run->dt; /* steps a second, not rounded up */
+    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
+    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
+    const double wanted = 2.0 * smallest * w->def.skin * pairs->margin_factor,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * run->dt);
+    pairs->wall_reach = 4.0 * pairs->margin;
+    pairs->position_tolerance =
+        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
+    pairs->gravity_size = dem__length(w->def.gravity);
     dem__choose_frame(w);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    if (!(w->link_near__ <= 0.01 * w->margin__) && w->link_count__ > 0) {
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) {
         w->status = DEM_BAD_DEFINITION;
         return 0;
     }
-    if (w->near_count__ > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
+    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
@@ -4281,49 +4498,49 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    w->stale__ = 0;
+    run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
     dem__find_links(w);
-    w->next_check__ = w->step + DEM__FAR;
-    w->listed__ = w->step;
+    pairs->next_check = w->step + DEM__STEPS_MAX;
+    pairs->listed_step = w->step;
     w->rebuilds++;
-    for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count && !keeps; i++) bodies->wall_speed[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i]) dem__begin_course(w, i, w->step);
+        if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    dem__wait_all(w);
+    dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
         if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
         a->speed_bound = speed, a->spin_bound = spin;
-        if (keeps) dem__hurry(w, k, w->step + 1);
+        if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
     }
     for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (dem__awaits(w, i, k)) dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls + k, w->step + 1);
+            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
     return 1;
 }
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
-static DEM__APART int dem__check_list(dem_world *w) {
+static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    int64_t due = w->listed__ + DEM__FAR;
+    int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
         const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->dt__)) continue;
+        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
         const int steps = dem__steps_left(w, &leeway);
         if (steps < 12) return dem__rebuild(w);
         due = w->step + steps;
     }
-    w->next_check__ = due;
+    w->engine->pairs.next_check = due;
     return 1;
 }
 
@@ -4360,16 +4577,16 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
    motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
    velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
    second derivative. */
-typedef struct dem__event {
+typedef struct dem__edge_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
     double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
-} dem__event;
+} dem__edge_motion;
 
 /* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
-DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem__event *e, const dem_law *law) {
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
     e->duration = t < h ? t : h;
@@ -4388,7 +4605,8 @@ DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem
 }
 
 /* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
-DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, double gap, double force, dem__event *e, const dem_law *law) {
+DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
+                                     const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
     double own = speed;                                /* the motion's own: it comes along the chord of the step before */
@@ -4434,20 +4652,20 @@ typedef struct dem__rows {
 } dem__rows;
 
 /* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
-typedef struct dem__traits {
-    int32_t kind[DEM_BLOCK]; /* of which the rows are; -2: of none yet */
+typedef struct dem__type_rows {
+    int32_t kind[DEM__BLOCK]; /* of which the rows are; -2: of none yet */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
-} dem__traits;
+} dem__type_rows;
 
 /* The geometry of contact k, as the law sees it. */
-DEM_INLINE void dem__view(const dem__rows *b, const dem__traits *t, int k, double half, int turns, dem_contact *q, double *arm_i,
-                          double *arm_j) {
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
+                                      double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
-    if (!turns) return;
+    if (!has_friction) return;
     /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
@@ -4473,29 +4691,30 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */
-typedef struct dem__slots {
+typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
-} dem__slots;
+} dem__columns;
 
 /* What is new of a block of contacts. */
-typedef struct dem__block {
+typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
-} dem__block;
+} dem__block_rows;
 
-DEM_INLINE void dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__slots *at) {
-    for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + c;
-    for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + c;
-    at->gap = w->live_gap__ + c, at->force = w->live_force__ + c;
-    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = w->live_power__[a] + c;
-    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = w->live_loss__[a] + c;
-    at->elastic = features & DEM_ENERGY ? w->live_elastic__ + c : NULL;
+DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__columns *at) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (int a = 0; a < law->states; a++) at->state[a] = contacts->state[a] + c;
+    for (int a = 0; a < 9; a++) at->out[a] = contacts->wrench[a] + c;
+    at->gap = contacts->gap + c, at->force = contacts->force + c;
+    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = contacts->power[a] + c;
+    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = contacts->loss[a] + c;
+    at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
 /* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
-DEM_INLINE void dem__slots_new(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block *b, dem__slots *at) {
-    dem__slots_of(w, c, law, features, at);
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block_rows *b, dem__columns *at) {
+    dem__columns_of(w, c, law, features, at);
     for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
-    if (!DEM__IN_ROWS) return;
+    if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
     for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
     for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
@@ -4503,10 +4722,10 @@ DEM_INLINE void dem__slots_new(const dem_world *w, ptrdiff_t c, const dem_law *l
 }
 
 /* From there to the world. */
-DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, const dem_law *law, int features, int keeps_out) {
+DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
-    if (!DEM__IN_ROWS) return;
+    if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
     if (!(features & DEM_ENERGY)) return;
@@ -4516,21 +4735,23 @@ DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, 
 }
 
 /* Of a block in which each contact has its own. */
-static inline void dem__copy_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
-    memcpy(t->mass, w->live_mass__ + base, bytes), memcpy(t->predict, w->live_predict__ + base, bytes);
-    memcpy(t->sum, w->live_sum__ + base, bytes), memcpy(t->part, w->live_part__ + base, bytes);
-    for (int a = 0; a < constants; a++) memcpy(t->constant[a], w->live_constant__[a] + base, bytes);
+    memcpy(t->mass, contacts->mass + base, bytes), memcpy(t->predict, contacts->predict + base, bytes);
+    memcpy(t->sum, contacts->sum + base, bytes), memcpy(t->part, contacts->part + base, bytes);
+    for (int a = 0; a < constants; a++) memcpy(t->constant[a], contacts->constant[a] + base, bytes);
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
 /* Of those slots of a block whose kind is not that of before. */
-static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
-    const int32_t *kind = w->live_kind__ + base;
+static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int32_t *kind = contacts->type + base;
     int32_t own = -1;
     for (int k = 0; k < n; k++) own &= kind[k];
     if (own < 0) {
-        dem__copy_traits(w, base, n, constants, t);
+        dem__copy_types(w, base, n, constants, t);
         return;
     }
     for (int k = 0; k < n; k++) {
@@ -4538,21 +4759,21 @@ static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int
         if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
         t->kind[k] = kind[k];
         if (kind[k] >= 0) {
-            const dem__kind *of = &w->kind__[kind[k]];
+            const dem__contact_type *of = &contacts->types[kind[k]];
             t->mass[k] = of->mass, t->predict[k] = of->predict, t->sum[k] = of->sum, t->part[k] = of->part;
             for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
         } else {
-            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c], t->sum[k] = w->live_sum__[c],
-            t->part[k] = w->live_part__[c];
-            for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
+            t->mass[k] = contacts->mass[c], t->predict[k] = contacts->predict[c], t->sum[k] = contacts->sum[c],
+            t->part[k] = contacts->part[c];
+            for (int a = 0; a < constants; a++) t->constant[a][k] = contacts->constant[a][c];
         }
     }
 }
-DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
-    const int32_t *kind = w->live_kind__ + base;
+DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const int32_t *kind = w->engine->contacts.type + base;
     int32_t differ = 0;
     for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
-    if (differ) dem__renew_traits(w, base, n, constants, t);
+    if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
 /* Force on i, torques on i and j. */
@@ -4573,7 +4794,7 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
 }
 
 /* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
-DEM_INLINE void dem__put_losses(const dem__slots *at, const dem__slots *old, ptrdiff_t c, const dem_response *r, double h,
+DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
     at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
@@ -4587,26 +4808,27 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, const dem__slots *old, ptr
 /* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
+    const dem__contacts *contacts = &w->engine->contacts;
     if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(w->live_place__[0][slot], w->live_place__[1][slot], w->live_place__[2][slot]);
-        touch->gap = w->live_place__[3][slot];
+        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
+        touch->gap = contacts->touch[3][slot];
     } else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* Where row k of a block is at a wall. */
-typedef struct dem__place {
+typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
     double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
-} dem__place;
+} dem__wall_row;
 
 /* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
    quotient are left to dem__complete_rows. */
-static DEM__APART void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
-                                        int k, double half, dem__place *at) {
+static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
+                                           int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
@@ -4625,7 +4847,7 @@ static DEM__APART void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff
 }
 
 /* The same where the wall's surface slides: at the point that is touched. */
-static DEM__APART void dem__slide(dem__rows *b, double half, dem__place *at) {
+static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
@@ -4638,19 +4860,19 @@ static DEM__APART void dem__slide(dem__rows *b, double half, dem__place *at) {
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
 }
 
-DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
+DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
     const dem_particle *p = &w->particle[i], *q = &w->particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
     b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
-    if (!turns) return;
+    if (!has_friction) return;
     b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
 /* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
-DEM_INLINE double dem__share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    const double a = w->share__[i], b = w->share__[j < 0 ? i : j];
+DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
@@ -4660,7 +4882,7 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 }
 
 /* Of a wall's row. */
-DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
+DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;
     if (at->outside == 0.0) {
@@ -4674,12 +4896,12 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
 }
 
 /* Nearest images, normals and gaps of a block with some rows at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, double half, dem__place *wall,
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
                                    int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
-    for (int q = 0; q < walls && w->has_periodic__; q++) { /* walls have no images */
+    for (int q = 0; q < walls && w->engine->run.has_periodic; q++) { /* walls have no images */
         const int k = wall[q].row;
         b->dx[k] = wall[q].from.x, b->dy[k] = wall[q].from.y, b->dz[k] = wall[q].from.z;
     }
@@ -4693,14 +4915,14 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 }
 
 /* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
-typedef struct dem__verge {
+typedef struct dem__edge {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__verge;
+} dem__edge;
 
 /* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
    of the contact. That may be next to nothing, so what would remain without it has no part there. */
-DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
+DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
     for (int a = 0; a < 3; a++) {
         impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
         impulse->rolling[a] += features & DEM_ROLLING ? (time + scaled) * r->rolling[a] : 0.0;
@@ -4709,8 +4931,8 @@ DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, doubl
 
 /* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
    normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *e, double *s, const dem_response *r, dem_response *impulse,
-                                    const dem_law *law, int features) {
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
+                                    dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
@@ -4719,24 +4941,24 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
-    dem__act_for(impulse, &third, 0.75 * t, 0.0, features);
-    dem__act_for(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
+    dem__add_friction_impulse(impulse, &third, 0.75 * t, 0.0, features);
+    dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
 /* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
-typedef struct dem__mended {
-    dem__event e;
+typedef struct dem__edge_result {
+    dem__edge_motion e;
     dem_response impulse; /* in the end beside the half steps that Verlet hands over */
     double start, driven;
-} dem__mended;
+} dem__edge_result;
 
 /* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
-DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
-                               dem__mended *m) {
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
-    if (!dem__begin_contact(q, s, &m->e, law)) return 0;
+    if (!dem__follow_first_step(q, s, &m->e, law)) return 0;
     const dem_contact touch = *q;
     q->gap = m->e.gap;
     q->closing = m->e.closing;
@@ -4751,7 +4973,7 @@ DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, 
         const dem_vec friction = dem__first(m->impulse.tangential);
         m->driven = dem__dot(friction, was->wall_speed);
         r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - m->e.elastic);
-        dem__act_for(&m->impulse, &r, -half, 0.0, features);
+        dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
     }
     if (features & DEM_ENERGY) {
         const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
@@ -4762,12 +4984,12 @@ DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, 
 }
 
 /* The step in which it ends, likewise. 0: Verlet's step stands. */
-DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
-                              dem__mended *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                      int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
-    if (!dem__end_contact(q, s, was->gap, was->force, &m->e, law)) return 0;
+    if (!dem__follow_last_step(q, s, was->gap, was->force, &m->e, law)) return 0;
     if (m->e.gap < 0.0) {
         q->gap = m->e.gap;
         q->closing = m->e.closing;
@@ -4783,7 +5005,7 @@ DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, c
         q->gap = was->gap;
         q->closing = m->e.before;
         law->force(q, s, &r);
-        dem__act_for(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
+        dem__add_friction_impulse(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
         m->driven = dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
         if (features & DEM_ENERGY) at->loss[1][0] -= dem__dot(dem__first(m->impulse.tangential), dem__first(q->slip));
     }
@@ -4791,19 +5013,21 @@ DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, c
 }
 
 /* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was, const dem_law *law, int features) {
+DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
+    dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
-    dem__slots at;
-    dem__mended m;
+    dem__columns at;
+    dem__edge_result m;
     double s[DEM_STATE_MAX], *impulse[9];
-    dem__handed *handed = &w->live_handed__[c];
+    dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
-    dem__slots_of(w, c, law, features, &at);
+    dem__columns_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
-    const int mended = first ? dem__mend_first(q, s, &at, was, law, features, &m) : dem__mend_last(q, s, &at, was, law, features, &m);
-    w->live_event__[c] = mended != 0;
+    const int mended =
+        first ? dem__correct_first_step(q, s, &at, was, law, features, &m) : dem__correct_last_step(q, s, &at, was, law, features, &m);
+    contacts->edge[c] = mended != 0;
     if (!mended) return;
-    if (!first && m.start != 0.0) w->live_ended__[c] = 0;
+    if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;
     m.impulse.normal = m.e.impulse - 0.5 / q->rate * (was->force + m.start);
     for (int a = 0; a < 3; a++) handed->n[a] = q->normal[a];
@@ -4817,7 +5041,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__
     at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
-typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was);
+typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
@@ -4825,61 +5049,63 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists such contacts of a section, and those whose law has ended, in the block from slot base on. How many? */
-DEM_INLINE ptrdiff_t dem__mark(dem_world *w, dem__section *in, ptrdiff_t base, int n, const double *before, const double *was,
-                               const double *ended, const double *force) {
+/* Marks and lists such contacts of a chunk, and those whose law has ended, in the block from slot base on. How many? */
+DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
+                                     const double *ended, const double *force) {
+    dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t marked = in->marked;
-    int64_t mark[DEM_BLOCK], any = 0;
+    int64_t mark[DEM__BLOCK], any = 0;
     for (int k = 0; k < n; k++) {
         mark[k] = dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0) << 1;
         any |= mark[k];
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        w->live_event__[base + k] = (uint8_t)(mark[k] & 1);
-        w->live_ended__[base + k] = (uint8_t)(mark[k] >> 1);
-        w->slots__[in->first + in->marked++] = (int32_t)(base + k);
+        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
+        contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
     return in->marked - marked;
 }
 
-DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
-    for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] += load[a];
+DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int has_friction) {
+    for (int a = 0; a < (has_friction ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds what a contact in section q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
-DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int turns, int to_i,
-                                int to_j) {
+/* Adds what a contact in chunk q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
+DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
+                                int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
-    const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
-    if (to_i) dem__add_load(&w->sum__[i], on_i, turns);
+    const double on_i[6] = {fx, fy, fz, has_friction ? out[3][k] : 0.0, has_friction ? out[4][k] : 0.0, has_friction ? out[5][k] : 0.0};
+    const double on_j[6] = {-fx, -fy, -fz, has_friction ? out[6][k] : 0.0, has_friction ? out[7][k] : 0.0, has_friction ? out[8][k] : 0.0};
+    if (to_i) dem__add_load(&w->engine->bodies.sum[i], on_i, has_friction);
     if (!to_j) return;
     if (j >= 0) {
-        dem__add_load(&w->sum__[j], on_j, turns);
+        dem__add_load(&w->engine->bodies.sum[j], on_j, has_friction);
         return;
     }
-    dem__push *push = &w->push__[q][-1 - j];
+    dem__wall_force *push = &w->engine->contacts.wall_force[q * w->engine->walls.capacity - 1 - j];
     const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
     const dem_vec arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
     push->force = dem__add(push->force, f);
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* Adds what n contacts of section q do, slot by slot, in the order of which sums are; leaves to dem__add_deferred what must wait for other
+/* Adds what n contacts of chunk q do, slot by slot, in the order of which sums are; leaves to dem__add_postponed what must wait for other
    threads. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns) {
-    dem__section *in = &w->section__[q];
-    const int32_t own = in->own;
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__chunk *in = &contacts->chunk[q];
+    const int32_t own = in->postpone_from;
     int waits = 0;
-    for (int k = 0; k < n; k++) waits |= (w->live_i__[base + k] >= own) | (w->live_j__[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
+    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
-        const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
-        dem__add_forces(w, q, i, j, out, k, turns, i < own, j < own);
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
+        dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
         if (last < own) continue;
-        dem__deferral *later = &w->deferral__[in->first + in->deferred++];
-        for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
+        dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
+        for (int a = 0; a < (has_friction ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j;
         const int32_t first = i < own ? j : i;
         in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
@@ -4887,70 +5113,72 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
 }
 
 /* Ahead of a link or a contact; of a wall (less than 0) nothing needs to be asked for. */
-DEM_INLINE void dem__fetch_particle(const dem_world *w, ptrdiff_t j) {
+DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
-    dem__fetch_particle(w, j);
-    DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
+DEM_INLINE void dem__prefetch_body(const dem_world *w, ptrdiff_t j) {
+    dem__prefetch_particle(w, j);
+    DEM__PREFETCH(&w->engine->bodies.sum[j < 0 ? 0 : j]);
 }
 
-DEM_INLINE void dem__fetch_contact(const dem_world *w, ptrdiff_t c) {
-    dem__fetch_partner(w, w->live_i__[c]);
-    dem__fetch_partner(w, w->live_j__[c]);
+DEM_INLINE void dem__prefetch_contact(const dem_world *w, ptrdiff_t c) {
+    dem__prefetch_body(w, w->engine->contacts.i[c]);
+    dem__prefetch_body(w, w->engine->contacts.j[c]);
 }
 
-/* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
+/* Evaluates the contacts of a chunk. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
    meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
    the cache. */
-DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__traits *traits, const dem_law *law, dem__mend_fn *mend,
-                                      int features) {
-    const int turns = (features & DEM_FRICTION) != 0;
-    const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
+DEM_INLINE void dem__evaluate_chunk(dem_world *w, ptrdiff_t chunk, dem__type_rows *types, const dem_law *law, dem__edge_fn *mend,
+                                    int features) {
+    const dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    const double h = run->kernel_dt, rate = 1.0 / run->dt, half = 0.5 * h;
     const void *user = w->user;
-    dem__section *in = &w->section__[section];
-    const ptrdiff_t end = in->first + in->live;
+    dem__chunk *in = &contacts->chunk[chunk];
+    const ptrdiff_t end = in->first + in->count;
     dem__rows b;
-    dem__block block;
-    for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
-        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        dem__place wall[DEM_BLOCK];
+    dem__block_rows block;
+    for (ptrdiff_t base = in->first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        dem__wall_row wall[DEM__BLOCK];
         int walls = 0;
 
-        /* the next block, of this section or of the one after it, is asked for ahead */
-        const dem__section *then = base + DEM_BLOCK < end || section + 1 == w->sections__ ? in : in + 1;
-        const ptrdiff_t ahead = then == in ? base + DEM_BLOCK : then->first, stop = then->first + then->live;
+        /* the next block, of this chunk or of the one after it, is asked for ahead */
+        const dem__chunk *then = base + DEM__BLOCK < end || chunk + 1 == contacts->chunk_count ? in : in + 1;
+        const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            if (ahead + k < stop) dem__fetch_contact(w, ahead + k);
-            if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
-            else dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &wall[walls++]);
+            const ptrdiff_t c = base + k, i = contacts->i[c], j = contacts->j[c];
+            if (ahead + k < stop) dem__prefetch_contact(w, ahead + k);
+            if (j >= 0) dem__gather_pair(w, i, j, &b, k, has_friction);
+            else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &b, k, half, &wall[walls++]);
         }
-        for (int k = n; k < DEM_BLOCK && ahead + k < stop; k++) dem__fetch_contact(w, ahead + k);
-        dem__take_traits(w, base, n, law->constants, traits);
-        dem__complete_rows(w, &b, traits, n, half, wall, walls);
+        for (int k = n; k < DEM__BLOCK && ahead + k < stop; k++) dem__prefetch_contact(w, ahead + k);
+        dem__load_types(w, base, n, law->constants, types);
+        dem__complete_rows(w, &b, types, n, half, wall, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
-        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
+        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, contacts->i[base + k], contacts->j[base + k]);
 
         dem__row before, was, ended, past[DEM_STATE_MAX];
-        dem__slots old, at;
-        dem__slots_of(w, base, law, features, &old);
-        dem__slots_new(w, base, law, features, &block, &at);
+        dem__columns old, at;
+        dem__columns_of(w, base, law, features, &old);
+        dem__new_columns(w, base, law, features, &block, &at);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
+            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            for (int a = 0; a < law->history && turns; a++) past[a][k] = s[a];
-            dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
-            const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
+            for (int a = 0; a < law->history && has_friction; a++) past[a][k] = s[a];
+            dem__contact_geometry(&b, types, k, half, has_friction, &q, &arm_i, &arm_j);
+            const double predict = types->predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
-            q.mass = traits->mass[k];
+            q.mass = types->mass[k];
             q.share = share[k];
             q.dt = h;
             q.rate = rate;
@@ -4967,7 +5195,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                 dem__put_losses(&at, &old, k, &r, h, before[k]);
             }
         }
-        const ptrdiff_t marked = dem__mark(w, in, base, n, before, was, ended, at.force);
+        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) at.loss[3][k] = 0.0, at.power[2][k] = old.power[2][k];
             for (int q = 0; q < walls; q++) {
@@ -4978,100 +5206,108 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                 at.power[2][k] = power;
             }
         }
-        dem__store(&old, &at, n, law, features, w->keeps_out__);
+        dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         for (ptrdiff_t m = in->marked - marked, q = 0; m < in->marked && h > 0.0; m++) {
-            const ptrdiff_t c = w->slots__[in->first + m];
+            const ptrdiff_t c = contacts->slots[in->first + m];
             const int k = (int)(c - base);
             dem_contact view;
-            dem__verge verge;
+            dem__edge edge;
             double p[DEM_CONSTANTS_MAX];
-            if (!w->live_event__[c]) continue;
+            if (!contacts->edge[c]) continue;
             while (q < walls && wall[q].row < k) q++;
-            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
-            dem__view(&b, traits, k, half, turns, &view, &verge.arm_i, &verge.arm_j);
-            view.mass = traits->mass[k];
-            view.share = dem__share(w, w->live_i__[c], w->live_j__[c]); /* not the row: see there */
+            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
+            dem__contact_geometry(&b, types, k, half, has_friction, &view, &edge.arm_i, &edge.arm_j);
+            view.mass = types->mass[k];
+            view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row: see there */
             view.dt = 0.0;
             view.rate = rate;
             view.constants = p;
             view.user = user;
-            verge.gap = was[k], verge.force = before[k];
-            for (int a = 0; a < law->states && turns; a++) verge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
-            for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
-            verge.wall_speed = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-            mend(w, c, &view, &verge);
-            for (int a = 0; a < (turns ? 9 : 3) && w->keeps_out__; a++) old.out[a][k] = at.out[a][k];
+            edge.gap = was[k], edge.force = before[k];
+            for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
+            for (int a = 0; a < 9; a++) edge.out[a] = at.out[a] + k;
+            edge.wall_speed = contacts->j[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+            mend(w, c, &view, &edge);
+            for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old.out[a][k] = at.out[a][k];
         }
-        dem__gather_forces(w, section, base, n, at.out, turns);
+        dem__gather_forces(w, chunk, base, n, at.out, has_friction);
     }
 }
 
 /* Is a kernel of these features the one for a run with those? The arrays of the ledger must be there, or not. */
-DEM_INLINE int dem__serves(int features, int run) {
+DEM_INLINE int dem__suits(int features, int run) {
     return (features & DEM_ENERGY) == (run & DEM_ENERGY) && !(run & ~features & (DEM_FRICTION | DEM_ROLLING));
 }
 
-/* The contacts of sections first .. end-1, by one thread. */
-DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__mend_fn *mend, int features) {
-    dem__traits traits;
-    if (!dem__serves(features, w->features__) || law->states != w->law__->states || law->constants != w->law__->constants) {
+/* The contacts of chunks first .. end-1, by one thread. */
+DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__edge_fn *mend, int features) {
+    const dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__type_rows types;
+    if (!dem__suits(features, run->features) || law->states != run->law->states || law->constants != run->law->constants) {
         w->status = DEM_BAD_ARGUMENT;
         return;
     }
-    for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
+    for (int k = 0; k < DEM__BLOCK; k++) types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
-        w->section__[q].marked = w->section__[q].deferred = 0;
-        w->section__[q].low = INT32_MAX, w->section__[q].high = 0;
-        memset(w->push__[q], 0, (size_t)w->walls * sizeof *w->push__[q]);
-        dem__evaluate_section(w, q, &traits, law, mend, features);
+        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
+        contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
+        for (ptrdiff_t k = 0; k < w->walls; k++) {
+            dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+        }
+        dem__evaluate_chunk(w, q, &types, law, mend, features);
     }
 }
 
 /* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    double *const *out = w->link_out__;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    double *const *out = links->wrench;
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k], ahead = k + DEM__AHEAD;
+        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
         if (ahead < end) {
-            DEM__PREFETCH(w->load__[w->link_i__[ahead]]);
-            DEM__PREFETCH(w->load__[w->link_j__[ahead] < 0 ? 0 : w->link_j__[ahead]]);
+            DEM__PREFETCH(bodies->load[links->i[ahead]]);
+            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
         }
-        if (w->link_ended__[k]) continue;
-        for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
+        if (links->ended[k]) continue;
+        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
         if (j < 0) continue;
-        for (int a = 0; a < 3; a++) w->load__[j][a] -= out[a][k];
-        for (int a = 3; a < 6; a++) w->load__[j][a] += out[3 + a][k];
+        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
     }
 }
 
 /* The links in slots first .. end-1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
-DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
-    const double h = w->kernel_dt__;
+DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
+    dem__links *links = &w->engine->links;
+    const double h = w->engine->run.kernel_dt;
     const void *user = w->user;
     dem__rows b;
-    dem__traits traits; /* of which links have sizes only */
+    dem__type_rows types; /* of which links have sizes only */
     dem__row state[DEM_STATE_MAX], out[9];
-    for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
-        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        dem__place wall[DEM_BLOCK];
+    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        dem__wall_row wall[DEM__BLOCK];
         int walls = 0;
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c], ahead = c + DEM__AHEAD;
-            if (ahead < end) dem__fetch_particle(w, w->link_i__[ahead]), dem__fetch_particle(w, w->link_j__[ahead]);
+            const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
+            if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
-            else dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &wall[walls++]);
-            traits.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
-            traits.part[k] = w->particle[i].radius / traits.sum[k];
+            else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &b, k, 0.0, &wall[walls++]);
+            types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+            types.part[k] = w->particle[i].radius / types.sum[k];
         }
-        dem__complete_rows(w, &b, &traits, n, 0.0, wall, walls);
+        dem__complete_rows(w, &b, &types, n, 0.0, wall, walls);
 
         dem__row ended, share;
-        dem__slots old, at;
-        for (int a = 0; a < law->states; a++) old.state[a] = w->link_state__[a] + base;
-        for (int a = 0; a < 9; a++) old.out[a] = w->link_out__[a] + base;
-        for (int a = 0; a < law->states; a++) at.state[a] = DEM__IN_ROWS ? state[a] : old.state[a];
-        for (int a = 0; a < 9; a++) at.out[a] = DEM__IN_ROWS ? out[a] : old.out[a];
-        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
+        dem__columns old, at;
+        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? out[a] : old.out[a];
+        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, links->i[base + k], links->j[base + k]);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
@@ -5079,7 +5315,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__view(&b, &traits, k, 0.0, 1, &q, &arm_i, &arm_j);
+            dem__contact_geometry(&b, &types, k, 0.0, 1, &q, &arm_i, &arm_j);
             q.mass = 0.0;
             q.share = share[k];
             q.dt = h;
@@ -5092,26 +5328,28 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             dem__put_force(at.out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
         const size_t bytes = (size_t)n * sizeof(double);
-        for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
-        for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
-        memcpy(w->link_gap__ + base, b.gap, bytes);
-        for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
-        if (dem__parts(w, w->link_count__) == 1) dem__add_links(w, base, base + n);
+        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(links->gap + base, b.gap, bytes);
+        for (int k = 0; k < n; k++) links->ended[base + k] = ended[k] != 0.0;
+        if (dem__parts(w, links->count) == 1) dem__add_links(w, base, base + n);
     }
 }
 
-#define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
+#define DEM__KERNEL(name, call) DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__verge *was) {                   \
-        dem__mend(world, c, q, was, &(law), features);                                                                                     \
+    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
+        dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
     }                                                                                                                                      \
-    DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
-#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
+    DEM__KERNEL(name, dem__kernel(world, first, end, &(law), name##_edge, features))
+#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, &(law)))
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
-static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
-    double tau = (double)(w->step + 1 - w->particle[i].origin) * w->dt__;
+static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
         ptrdiff_t k = w->passed_count - 1;
@@ -5119,19 +5357,19 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
         return;
     }
-    if (w->passed_count >= w->passed_capacity__) {
-        ptrdiff_t larger = w->passed_capacity__ * 2 + 256;
-        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, w->passed,
-                                                              (size_t)w->passed_capacity__ * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (w->passed_count >= bodies->passed_capacity) {
+        ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
+            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
         if (!fresh) {
             w->status = DEM_OUT_OF_MEMORY;
             return;
         }
         w->passed = fresh;
-        w->passed_capacity__ = larger;
+        bodies->passed_capacity = larger;
     }
     /* in the order of ids, whatever the order of the looks in this step */
-    double time = w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__;
+    double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
@@ -5143,36 +5381,37 @@ static inline void dem__drop(dem_world *w, ptrdiff_t i, int wall) {
     p->group = w->group[i];
     p->exit = wall;
     w->alive[i] = -1; /* leaves at the end of the step */
-    w->leaving__ = 1;
+    run->leaving = 1;
 }
 
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
-    int32_t *at = &w->link_head__[i];
-    while (*at != k) at = w->link_i__[*at] == i ? &w->link_next_i__[*at] : &w->link_next_j__[*at];
+    dem__links *links = &w->engine->links;
+    int32_t *at = &links->first_link[i];
+    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
 /* The last of a particle's links by slot: the order of its list depends on what has happened. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
-    for (int32_t k = w->link_head__[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
+    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
 /* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
-    const int32_t i = w->link_i__[k], j = w->link_j__[k], last = (int32_t)w->link_count__ - 1;
-    if (w->link_law__ && w->link_law__->ended) w->link_law__->ended(w, k, w->user);
+    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
+    if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
     dem__unlist_link(w, k, i, -1);
     if (j >= 0) {
         const int32_t p = dem__near_pair(w, i, j);
         dem__mark_link(w, p, 0);
         dem__unlist_link(w, k, j, -1);
     }
-    w->link_count__ = last;
+    w->engine->links.count = last;
     if (k == last) return;
-    dem__unlist_link(w, last, w->link_i__[last], k);
-    if (w->link_j__[last] >= 0) dem__unlist_link(w, last, w->link_j__[last], k);
+    dem__unlist_link(w, last, w->engine->links.i[last], k);
+    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
     dem__array list[DEM__ARRAYS_MAX];
     const int n = dem__link_arrays(w, list);
     for (int a = 0; a < n; a++) {
@@ -5182,56 +5421,61 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
     }
 }
 
-/* An active particle that dem__watch shall see to. */
-DEM_INLINE void dem__unsettle(dem_world *w, ptrdiff_t i) {
-    if (w->is_active__[i] != 1) return;
-    w->is_active__[i] = 2;
-    w->unsettled__[w->unsettled_count__++] = (int32_t)i;
+/* An active particle that dem__check_bounds shall see to. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
 }
 
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
-static inline void dem__forget(dem_world *w, ptrdiff_t i) {
-    if (w->ledger_on__) {
-        w->ledger__.link_work += dem__link_work(w, i);
-        w->ledger__.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
-        w->ledger__.removed_potential += dem__potential(w, i);
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    dem__pairs *pairs = &w->engine->pairs;
+    dem__ledger *ledger = &w->engine->ledger;
+    if (ledger->on) {
+        ledger->sums.link_work += dem__link_work(w, i);
+        ledger->sums.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
+        ledger->sums.removed_potential += dem__potential(w, i);
     }
-    while (w->link_head__[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->alive[i] = 0;
-    w->dropped__++;
-    dem__unsettle(w, i);
-    if (w->stale__) return;
-    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        dem__stop_timer(&w->pair_timers__, w->adjacent__[2 * a]);
+    w->engine->bodies.dropped++;
+    dem__mark_to_check(w, i);
+    if (w->engine->run.needs_lists) return;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
     }
-    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->wall_timers__, (int32_t)i * w->walls + k);
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
 }
 
-static inline void dem__bury(dem_world *w, int64_t step, int all);
+static inline void dem__remove_ended(dem_world *w, int64_t step, int all);
 
 /* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
-static inline void dem__let_go(dem_world *w) {
-    for (ptrdiff_t k = 0; k < w->active_count__; k++) {
-        if (!w->touching[w->active__[k]]) dem__free_acceleration(w, w->active__[k]);
+static inline void dem__free_untouched(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
+        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
     }
 }
 
 /* Ends the contacts of those who have been taken out. */
-static inline void dem__leave_alone(dem_world *w) {
-    DEM__EACH(w, c) {
-        const int32_t j = w->live_j__[c];
-        if (!w->alive[w->live_i__[c]] || (j >= 0 && !w->alive[j])) w->live_ended__[c] = 1;
+static inline void dem__end_contacts_of_removed(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t j = contacts->j[c];
+        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
     }
-    w->stale__ = w->fresh__ = 1;
-    dem__bury(w, w->step, 1);
-    dem__let_go(w);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    dem__remove_ended(w, w->step, 1);
+    dem__free_untouched(w);
 }
 
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
-    dem__forget(w, i);
-    dem__leave_alone(w);
+    dem__detach_particle(w, i);
+    dem__end_contacts_of_removed(w);
     return DEM_OK;
 }
 
@@ -5241,18 +5485,18 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kerne
         return DEM_BAD_ARGUMENT;
     if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
         return DEM_BAD_ARGUMENT;
-    if (w->link_count__ > 0 && law->states != w->link_states__) return DEM_LAW_MISMATCH;
-    w->links_on__ = 1;
-    w->link_law__ = law;
-    w->link_kernel__ = kernel;
-    w->link_interval__ = interval;
-    if (w->link_near__ != near) w->stale__ = 1;
-    w->link_near__ = near;
-    if (law->states != w->link_states__) { /* other arrays: a new block when there is a link */
-        if (w->link_block__) w->def.allocator.fn(w->def.allocator.user, w->link_block__, w->link_bytes__, 0);
-        w->link_block__ = NULL;
-        w->link_capacity__ = 0;
-        w->link_states__ = law->states;
+    if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
+    w->engine->links.on = 1;
+    w->engine->links.law = law;
+    w->engine->links.kernel = kernel;
+    w->engine->links.interval = interval;
+    if (w->engine->links.near != near) w->engine->run.needs_lists = 1;
+    w->engine->links.near = near;
+    if (law->states != w->engine->links.states) { /* other arrays: a new block when there is a link */
+        if (w->engine->links.block) w->def.allocator.fn(w->def.allocator.user, w->engine->links.block, w->engine->links.bytes, 0);
+        w->engine->links.block = NULL;
+        w->engine->links.capacity = 0;
+        w->engine->links.states = law->states;
     }
     dem__set_stride(w);
     return DEM_OK;
@@ -5260,31 +5504,33 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kerne
 
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !w->link_law__ || (!state && w->link_states__ > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
-    if (w->link_count__ + 1 > w->link_capacity__) {
+    if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
-        if (w->link_count__ > INT32_MAX / 2 || !dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
-                                                                &w->link_capacity__, w->link_count__ + 1))
+        if (w->engine->links.count > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                             &w->engine->links.capacity, w->engine->links.count + 1))
             return DEM_OUT_OF_MEMORY;
     }
-    const int32_t k = (int32_t)w->link_count__++;
-    w->link_i__[k] = (int32_t)i, w->link_j__[k] = (int32_t)j, w->link_element__[k] = element;
-    for (int a = 0; a < w->link_states__; a++) w->link_state__[a][k] = state[a];
-    for (int a = 0; a < 9; a++) w->link_out__[a][k] = 0.0;
-    w->link_gap__[k] = 0.0;
-    w->link_ended__[k] = 0;
+    const int32_t k = (int32_t)w->engine->links.count++;
+    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
+    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
+    w->engine->links.gap[k] = 0.0;
+    w->engine->links.ended[k] = 0;
     dem__list_link(w, k);
     return DEM_OK;
 }
 
 /* Order of contacts: by i, the last first, then j (walls last), then element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
-    if (w->live_i__[a] != w->live_i__[b]) return w->live_i__[a] > w->live_i__[b];
-    int64_t ja = w->live_j__[a], jb = w->live_j__[b];
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->i[a] != contacts->i[b]) return contacts->i[a] > contacts->i[b];
+    int64_t ja = contacts->j[a], jb = contacts->j[b];
     ja = ja < 0 ? INT32_MAX - ja : ja, jb = jb < 0 ? INT32_MAX - jb : jb;
     if (ja != jb) return ja < jb;
-    return w->live_element__[a] < w->live_element__[b];
+    return contacts->element[a] < contacts->element[b];
 }
 
 static inline void dem__sift(const dem_world *w, int32_t *heap, ptrdiff_t root, ptrdiff_t n) {
@@ -5310,11 +5556,12 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
 
 /* The slots of contacts that have ended, into slots__: of those that the last step marked, or of all. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
+    dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
-    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
-        for (ptrdiff_t k = 0; k < (all ? in->live : in->marked); k++) {
-            const ptrdiff_t c = all ? in->first + k : w->slots__[in->first + k];
-            if (w->live_ended__[c]) w->slots__[n++] = (int32_t)c;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        for (ptrdiff_t k = 0; k < (all ? in->count : in->marked); k++) {
+            const ptrdiff_t c = all ? in->first + k : contacts->slots[in->first + k];
+            if (contacts->ended[c]) contacts->slots[n++] = (int32_t)c;
         }
     }
     return n;
@@ -5328,58 +5575,64 @@ DEM_INLINE void dem__copy(char *to, const char *from, size_t size) {
 }
 
 /* The n elements of an array that `from` lists, one after the other. */
-static inline void dem__pick(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
+static inline void dem__gather_items(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* What the slots hold that slots__ lists, one after the other into the slots of sections: every parts-th array, from `first` on. */
-static inline void dem__arrange_part(dem_world *w, const dem__section *section, int sections, const dem__array *list, int arrays, int first,
+/* What the slots hold that slots__ lists, one after the other into the slots of chunks: every parts-th array, from `first` on. */
+static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
                                      int parts) {
-    char *scratch = (char *)w->live_handed__ + (size_t)first * (size_t)w->live_capacity__ * sizeof(double);
+    const dem__contacts *contacts = &w->engine->contacts;
+    char *scratch = (char *)contacts->correction + (size_t)first * (size_t)contacts->capacity * sizeof(double);
     ptrdiff_t n = 0;
-    for (int q = 0; q < sections; q++) n += section[q].live;
+    for (int q = 0; q < chunks; q++) n += chunk[q].count;
     for (int a = first; a < arrays; a += parts) {
         const size_t size = list[a].size;
         const char *from = scratch;
         char *base;
         memcpy(&base, list[a].address, sizeof base);
-        dem__pick(scratch, base, size, w->slots__, n);
-        for (int q = 0; q < sections; q++) {
-            const size_t bytes = (size_t)section[q].live * size;
-            memcpy(base + (size_t)section[q].first * size, from, bytes);
+        dem__gather_items(scratch, base, size, contacts->slots, n);
+        for (int q = 0; q < chunks; q++) {
+            const size_t bytes = (size_t)chunk[q].count * size;
+            memcpy(base + (size_t)chunk[q].first * size, from, bytes);
             from += bytes;
         }
     }
 }
-static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__section *section, int sections, const dem__array *list, int arrays) {
-    const int parts = dem__parts_of(w, n, (int)(sizeof(dem__handed) / sizeof(double))); /* an array to work in each */
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
+    const int parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
     int q;
     if (parts == 1) {
-        dem__arrange_part(w, section, sections, list, arrays, 0, 1);
+        dem__arrange_part(w, chunk, chunks, list, arrays, 0, 1);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__arrange_part(w, section, sections, list, arrays, q, parts);
+    for (q = 0; q < parts; q++) dem__arrange_part(w, chunk, chunks, list, arrays, q, parts);
 }
 
-DEM_INLINE void dem__divide(dem_world *w, ptrdiff_t i) { w->share__[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0; }
+DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
+    w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
+}
 
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
     w->touching[i]++;
-    dem__divide(w, i);
-    if (w->is_active__[i]) return;
-    w->is_active__[i] = 1;
-    w->active__[w->active_count__++] = (int32_t)i;
+    dem__set_mass_share(w, i);
+    if (bodies->activity[i]) return;
+    bodies->activity[i] = 1;
+    bodies->active[bodies->active_count++] = (int32_t)i;
 }
 
-static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
+static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
+    const dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
     dem_birth b;
-    dem__kind kind;
-    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
+    dem__contact_type kind;
+    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = w->kinds__ > DEM_KINDS_MAX ? w->kinds__ : 0; /* more than fit: nobody looks */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: nobody looks */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -5394,35 +5647,35 @@ static inline void dem__fold_constants(dem_world *w, ptrdiff_t c, const dem_law 
         b.inertia = inertia * other / (inertia + other);
     } else {
         dem__touch touch;
-        dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, w->live_element__[c], &touch);
+        dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, contacts->element[c], &touch);
         b.material_j = w->wall[-1 - j].material;
-        b.curvature = w->wall[-1 - j].kind == DEM_CONE ? w->live_place__[0][c] : touch.curvature;
+        b.curvature = w->wall[-1 - j].kind == DEM_CONE ? contacts->touch[0][c] : touch.curvature;
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
-    b.damping_ratio = w->damping_ratio__[b.material_i][b.material_j];
+    b.damping_ratio = run->damping_ratio[b.material_i][b.material_j];
     const double stiffness = law->prepare(&b, kind.constant);
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * w->dt__ * w->dt__ / b.mass;
+    const double k = stiffness * run->dt * run->dt / b.mass;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
-    while (same < w->kinds__ && memcmp(&w->kind__[same], &kind, sizeof kind) != 0) same++;
-    if (same < DEM_KINDS_MAX) {
-        w->live_kind__[c] = same;
-        w->kind__[same] = kind;
-        w->kinds__ += same == w->kinds__;
+    while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
+    if (same < DEM__TYPES_MAX) {
+        contacts->type[c] = same;
+        contacts->types[same] = kind;
+        contacts->type_count += same == contacts->type_count;
         return;
     }
-    w->kinds__ = DEM_KINDS_MAX + 1; /* from now on each has its own: to look for a kind would cost more than it saves */
-    w->live_kind__[c] = -1;
-    for (int a = 0; a < law->constants; a++) w->live_constant__[a][c] = kind.constant[a];
-    w->live_mass__[c] = kind.mass;
-    w->live_predict__[c] = kind.predict;
-    w->live_sum__[c] = kind.sum;
-    w->live_part__[c] = kind.part;
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to look for a kind would cost more than it saves */
+    contacts->type[c] = -1;
+    for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
+    contacts->mass[c] = kind.mass;
+    contacts->predict[c] = kind.predict;
+    contacts->sum[c] = kind.sum;
+    contacts->part[c] = kind.part;
 }
 
 DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
@@ -5432,124 +5685,132 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* The contacts born since the last call, which slots__ lists by partners, from the end of the last section into sections of their own:
+/* The contacts born since the last call, which slots__ lists by partners, from the end of the last chunk into chunks of their own:
    lists their slots instead. */
-static inline void dem__assign(dem_world *w, const dem__array *list, int arrays) {
-    dem__section born[DEM__SECTIONS];
-    const int last = w->sections__ - 1;
+static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__chunk born[DEM__CHUNKS];
+    const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
-    w->section__[last].live -= w->born__;
+    contacts->chunk[last].count -= contacts->begun;
     for (int q = 0; q <= last; q++) {
-        dem__section *in = &w->section__[q];
-        born[q].first = in->first + in->live;
-        born[q].live = 0;
+        dem__chunk *in = &contacts->chunk[q];
+        born[q].first = in->first + in->count;
+        born[q].count = 0;
     }
-    for (ptrdiff_t k = 0, q = 0; k < w->born__; k++) {
-        while (w->live_i__[w->slots__[k]] < w->section__[q].from) q++;
-        if (q < last && w->section__[q].live + born[q].live == w->section__[q].room) q = last; /* and so all after it */
-        born[q].live++;
+    for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
+        while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
+        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so all after it */
+        born[q].count++;
     }
-    if (last > 0 || !dem__ascends(w->slots__, w->born__)) dem__arrange(w, w->born__, born, w->sections__, list, arrays);
+    if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
+        dem__arrange(w, contacts->begun, born, contacts->chunk_count, list, arrays);
     for (int q = 0; q <= last; q++) {
-        w->section__[q].live += born[q].live;
-        for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].live; c++) {
-            w->slots__[n++] = (int32_t)c;
+        contacts->chunk[q].count += born[q].count;
+        for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].count; c++) {
+            contacts->slots[n++] = (int32_t)c;
         }
     }
 }
 
 /* Makes the contacts born since the last call ready, and puts them into the order. */
-static inline void dem__admit_born(dem_world *w, double gap) {
-    const ptrdiff_t born = w->born__, old = dem__next_slot(w) - born;
-    dem__array list[8] = {{&w->live_i__, sizeof(int32_t)},
-                          {&w->live_j__, sizeof(int32_t)},
-                          {&w->live_element__, sizeof(int32_t)},
-                          {&w->live_near__, sizeof(int32_t)}};
+static inline void dem__commit_begun(dem_world *w, double gap) {
+    dem__wall_state *walls = &w->engine->walls;
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t born = contacts->begun, old = dem__next_slot(w) - born;
+    dem__array list[8] = {{&contacts->i, sizeof(int32_t)},
+                          {&contacts->j, sizeof(int32_t)},
+                          {&contacts->element, sizeof(int32_t)},
+                          {&contacts->near, sizeof(int32_t)}};
     int arrays = 4;
-    for (int a = 0; w->places__ && a < 4; a++, arrays++) list[arrays].address = &w->live_place__[a], list[arrays].size = sizeof(double);
+    for (int a = 0; walls->touch_keepers && a < 4; a++, arrays++)
+        list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
     if (!born) return;
-    for (ptrdiff_t k = 0; k < born; k++) w->slots__[k] = (int32_t)(old + k);
-    dem__sort(w, w->slots__, born);
-    dem__assign(w, list, arrays);
+    for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = (int32_t)(old + k);
+    dem__sort(w, contacts->slots, born);
+    dem__distribute_begun(w, list, arrays);
     for (ptrdiff_t k = 0; k < born; k++) {
-        const ptrdiff_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
+        const ptrdiff_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else {
-            w->live_wall_next__[c] = w->wall_head__[i];
-            w->wall_head__[i] = (int32_t)c;
+            contacts->wall_next[c] = walls->first_contact[i];
+            walls->first_contact[i] = (int32_t)c;
         }
-        for (int a = 0; a < w->states__; a++) w->live_state__[a][c] = 0.0;
-        w->live_gap__[c] = gap;
-        w->live_force__[c] = 0.0;
-        w->live_event__[c] = w->live_ended__[c] = 0;
-        if (w->ledger_on__) {
-            w->live_elastic__[c] = 0.0;
-            for (int a = 0; a < 3; a++) w->live_power__[a][c] = 0.0;
+        for (int a = 0; a < contacts->states; a++) contacts->state[a][c] = 0.0;
+        contacts->gap[c] = gap;
+        contacts->force[c] = 0.0;
+        contacts->edge[c] = contacts->ended[c] = 0;
+        if (w->engine->ledger.on) {
+            contacts->elastic[c] = 0.0;
+            for (int a = 0; a < 3; a++) contacts->power[a][c] = 0.0;
         }
     }
-    w->born__ = 0;
+    contacts->begun = 0;
 }
 
 /* Tells the law of the contacts in the slots that slots__ lists. */
-static inline void dem__tell_born(dem_world *w, const dem_law *law, ptrdiff_t born) {
+static inline void dem__report_begun(dem_world *w, const dem_law *law, ptrdiff_t born) {
+    dem__contacts *contacts = &w->engine->contacts;
     if (!law->born || born == 0) return;
-    for (ptrdiff_t k = 0; k < born; k++) w->slots__[k] = dem__number_of(w, w->slots__[k]);
-    law->born(w, w->slots__, born, w->user);
+    for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = dem__number_of(w, contacts->slots[k]);
+    law->born(w, contacts->slots, born, w->user);
 }
 
 static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t slot, int32_t replacement) {
-    int32_t *link = &w->wall_head__[i];
-    while (*link >= 0 && *link != slot) link = &w->live_wall_next__[*link];
-    if (*link == slot) *link = replacement >= 0 ? replacement : w->live_wall_next__[slot];
+    int32_t *link = &w->engine->walls.first_contact[i];
+    while (*link >= 0 && *link != slot) link = &w->engine->contacts.wall_next[*link];
+    if (*link == slot) *link = replacement >= 0 ? replacement : w->engine->contacts.wall_next[slot];
 }
 
-/* Ahead of a look at a particle's course. */
-DEM_INLINE void dem__fetch_flight(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_particle(w, i);
-    DEM__PREFETCH(&w->course__[i]);
+/* Ahead of a look at a particle's bound. */
+DEM_INLINE void dem__prefetch_flight(const dem_world *w, ptrdiff_t i) {
+    dem__prefetch_particle(w, i);
+    DEM__PREFETCH(&w->engine->bodies.bound[i]);
 }
 
 /* Ahead of a contact's end. */
-DEM_INLINE void dem__fetch_end(const dem_world *w, ptrdiff_t c) {
-    const int32_t p = w->live_near__[c];
-    dem__fetch_flight(w, w->live_i__[c]);
+DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int32_t p = contacts->near[c];
+    dem__prefetch_flight(w, contacts->i[c]);
     if (p < 0) return;
-    dem__fetch_flight(w, w->live_j__[c]);
-    DEM__PREFETCH(&w->near__[p]);
-    DEM__PREFETCH(&w->pair_timers__.due[p]);
+    dem__prefetch_flight(w, contacts->j[c]);
+    DEM__PREFETCH(&w->engine->pairs.near[p]);
+    DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
 /* One contact ends. */
-static inline void dem__end(dem_world *w, dem__waits *waits, int32_t c, int64_t step) {
-    const ptrdiff_t i = w->live_i__[c], j = w->live_j__[c];
-    const int32_t near_pair = w->live_near__[c];
-    if (w->law__ && w->law__->ended) w->law__->ended(w, dem__number_of(w, c), w->user);
+static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const int32_t near_pair = w->engine->contacts.near[c];
+    if (w->engine->run.law && w->engine->run.law->ended) w->engine->run.law->ended(w, dem__number_of(w, c), w->user);
     w->touching[i]--;
-    dem__divide(w, i);
-    dem__unsettle(w, i);
-    if (w->ledger_on__) w->ledger__.sliding_loss += w->live_elastic__[c];
+    dem__set_mass_share(w, i);
+    dem__mark_to_check(w, i);
+    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
     if (j >= 0) {
         w->touching[j]--;
-        dem__divide(w, j);
-        dem__unsettle(w, j);
-        if (near_pair < 0 || w->stale__) return;
+        dem__set_mass_share(w, j);
+        dem__mark_to_check(w, j);
+        if (near_pair < 0 || w->engine->run.needs_lists) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
-        w->pair_timers__.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS) dem__wait_from(w, waits, near_pair, step, dem__pair_apart(w, i, j, step));
+        w->engine->pairs.timers.due[near_pair] = DEM__NEVER;
+        if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
     /* a screen's timer went on for its other bars, but did not wait for this one */
-    if (!w->stale__ && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__awaits(w, i, -1 - (int)j))
-        dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+    if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__needs_test(w, i, -1 - (int)j))
+        dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
 /* The contact of slot `from` goes into a free one. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
-    if (w->live_j__[from] < 0) {
-        w->live_wall_next__[to] = w->live_wall_next__[from];
-        dem__unlink_wall_contact(w, w->live_i__[from], from, to);
+    dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->j[from] < 0) {
+        contacts->wall_next[to] = contacts->wall_next[from];
+        dem__unlink_wall_contact(w, contacts->i[from], from, to);
     }
     for (int a = 0; a < n; a++) {
         char *base;
@@ -5558,58 +5819,59 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Takes out contacts that ended, of those that the last step marked or of all: slots at the end of their section fill the gaps. */
-static inline void dem__bury(dem_world *w, int64_t step, int all) {
+/* Takes out contacts that ended, of those that the last step marked or of all: slots at the end of their chunk fill the gaps. */
+static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
+    dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t dead = dem__list_ended(w, all);
     if (dead == 0) return;
-    const int n = dem__held_arrays(w, list);
+    const int n = dem__kept_arrays(w, list);
     ptrdiff_t next = 0;
-    dem__waits waits;
-    dem__no_waits(&waits);
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
     for (ptrdiff_t k = -DEM__AHEAD; k < dead; k++) {
-        if (k + DEM__AHEAD < dead) dem__fetch_end(w, w->slots__[k + DEM__AHEAD]);
-        if (k >= 0) dem__end(w, &waits, w->slots__[k], step);
+        if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
+        if (k >= 0) dem__end_contact(w, &waits, contacts->slots[k], step);
     }
-    dem__set_waits(w, &waits, step);
-    w->live_count__ -= dead;
-    for (int q = 0; q < w->sections__; q++) {
-        dem__section *in = &w->section__[q];
+    dem__flush_batch(w, &waits, step);
+    contacts->count -= dead;
+    for (int q = 0; q < contacts->chunk_count; q++) {
+        dem__chunk *in = &contacts->chunk[q];
         const ptrdiff_t first = next;
-        ptrdiff_t last = in->first + in->live;
-        while (next < dead && w->slots__[next] < last) next++;
-        in->live -= next - first;
-        for (ptrdiff_t k = first; k < next && w->slots__[k] < in->first + in->live; k++) {
-            while (w->live_ended__[last - 1]) last--;
-            dem__move_contact(w, (int32_t)--last, w->slots__[k], list, n);
+        ptrdiff_t last = in->first + in->count;
+        while (next < dead && contacts->slots[next] < last) next++;
+        in->count -= next - first;
+        for (ptrdiff_t k = first; k < next && contacts->slots[k] < in->first + in->count; k++) {
+            while (contacts->ended[last - 1]) last--;
+            dem__move_contact(w, (int32_t)--last, contacts->slots[k], list, n);
         }
     }
 }
 
 /* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
-DEM_INLINE ptrdiff_t dem__fetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    return 4 * w->active_count__ < w->count ? end - DEM__AHEAD : first;
+DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
-    const ptrdiff_t apart = dem__fetch_until(w, first, end);
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->active__[k];
-        if (k < apart) dem__fetch_particle(w, w->active__[k + DEM__AHEAD]);
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
         dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * w->dt__, middle = t - 0.5 * h;
+        const double t = (double)(step - p->origin) * w->engine->run.dt, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
-        if (w->has_periodic__) dem__wrap(w, i);
+        if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
-DEM__TWICE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-           dem__advance_all(w, h, first, end))
+DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
+                dem__advance_all(w, h, first, end))
 static inline void dem__advance(dem_world *w, double h) {
-    const ptrdiff_t n = w->active_count__;
-    const int books = w->ledger_on__ && w->has_periodic__; /* those who leave the box are one sum */
-    const int parts = books ? 1 : dem__parts(w, n / 4);    /* to move or kick a particle is little work */
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
+    const int parts = books ? 1 : dem__parts(w, n / 4);                    /* to move or kick a particle is little work */
     int q;
     if (parts == 1) {
         dem__advance_part(w, h, 0, n);
@@ -5622,63 +5884,68 @@ static inline void dem__advance(dem_world *w, double h) {
 }
 
 static inline void dem__gather_losses(dem_world *w) {
-    dem_energy_ledger *l = &w->ledger__;
-    DEM__EACH(w, k) {
-        l->normal_loss += w->live_loss__[0][k];
-        l->sliding_loss += w->live_loss__[1][k];
-        l->rolling_loss += w->live_loss__[2][k];
-        l->wall_work += w->live_loss__[3][k];
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
     }
-    for (ptrdiff_t k = 0; w->loads_on__ && k < w->active_count__; k++) {
-        const ptrdiff_t i = w->active__[k];
-        l->external_work += w->dt__ * dem__dot(dem__first(w->external__[i]), w->particle[i].v);
-        l->external_work += w->dt__ * dem__dot(dem__second(w->external__[i]), w->particle[i].spin);
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
     }
 }
 
-/* Of a particle settled at time t on the courses: how far its velocity is from that of its course. */
-DEM_INLINE dem_vec dem__stray(const dem_world *w, ptrdiff_t i, double t) {
-    const dem__course *c = &w->course__[i];
+/* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
+DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
+    const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, w->def.gravity), dem_vec3(c->ux, c->uy, c->uz));
 }
 
 /* The same at the end of the next step: between, it is on the line from one to the other. */
-DEM_INLINE dem_vec dem__stray_next(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    return dem__plus(d, w->dt__, dem__sub(w->particle[i].a, w->def.gravity));
+DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, w->def.gravity));
 }
 
-/* Is the velocity of a particle, d from that of its course, within its ball to the end of the next step? */
-DEM_INLINE int dem__holds_course(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    const dem_vec e = dem__stray_next(w, i, d);
-    const double ball = w->course__[i].ball * w->course__[i].ball;
-    return dem__dot(d, d) < ball && dem__dot(e, e) < ball && w->shifted__[i] < w->blur__; /* false for NaN */
+/* Is the velocity of a particle, d from that of its bound, within its tolerance to the end of the next step? */
+DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec e = dem__next_deviation(w, i, d);
+    const double tolerance = bodies->bound[i].tolerance * bodies->bound[i].tolerance;
+    return dem__dot(d, d) < tolerance && dem__dot(e, e) < tolerance &&
+           bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Is the velocity sure to stay within its ball, to the end of the next step? */
-DEM_INLINE int dem__stays(dem_particle *p, double dt, dem_vec pull) {
-    const double way = dem__way(dt, pull);
-    p->room__ -= way;
-    return p->room__ > 0.5 * way; /* false for NaN */
+/* Is the velocity sure to stay within its tolerance, to the end of the next step? */
+DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
+    const double way = dem__most_change(dt, pull);
+    p->tolerance_left__ -= way;
+    return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may leave their balls are listed in remap__ from `first` on. */
+   afterwards, ready for the next. Those that may leave their tolerances are listed in remap__ from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+    dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
-    const int loads = w->loads_on__ || w->links_on__;
-    const ptrdiff_t apart = dem__fetch_until(w, first, end);
+    const int loads = bodies->loads_on || w->engine->links.on;
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     double all = 0.0;
     ptrdiff_t n = 0;
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->active__[k];
-        if (k < apart) dem__fetch_partner(w, w->active__[k + DEM__AHEAD]);
-        dem__sum *sum = &w->sum__[i];
+        const ptrdiff_t i = bodies->active[k];
+        if (k < apart) dem__prefetch_body(w, bodies->active[k + DEM__AHEAD]);
+        dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
         dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
         if (loads) {
-            force = dem__add(force, dem__first(w->load__[i]));
-            torque = dem__add(torque, dem__second(w->load__[i]));
+            force = dem__add(force, dem__first(bodies->load[i]));
+            torque = dem__add(torque, dem__second(bodies->load[i]));
         }
         const dem_vec pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(w->def.gravity, pull);
@@ -5689,35 +5956,35 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        w->remap__[first + n] = (int32_t)i; /* without a branch, which nobody could predict */
-        n += !dem__stays(p, w->dt__, pull);
+        w->engine->scratch.index[first + n] = (int32_t)i; /* without a branch, which nobody could predict */
+        n += !dem__surely_within(p, w->engine->run.dt, pull);
     }
     *check = 0.0 * all;
     *strays = n;
 }
-DEM__TWICE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-           (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
+DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
+                (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 
-/* Of n particles those that leave their balls; how many. The others get room anew. */
-static inline ptrdiff_t dem__find_strays(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
+/* Of n particles those that leave their tolerances; how many. The others get room anew. */
+static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
     for (ptrdiff_t k = -DEM__AHEAD; k < n; k++) {
-        if (k + DEM__AHEAD < n) dem__fetch_flight(w, doubtful[k + DEM__AHEAD]);
+        if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
-        const dem_vec stray = dem__stray(w, i, t);
-        if (dem__holds_course(w, i, stray)) dem__leave_room(w, i, dem__length(stray));
+        const dem_vec stray = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
         else doubtful[strays++] = i;
     }
     return strays;
 }
 static inline void dem__kick_share(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     dem__kick_part(w, h, first, end, check, strays);
-    *strays = dem__find_strays(w, h, w->remap__ + first, *strays);
+    *strays = dem__find_deviating(w, h, w->engine->scratch.index + first, *strays);
 }
 static inline int dem__kick(dem_world *w, double h) {
-    const ptrdiff_t n = w->active_count__;
+    const ptrdiff_t n = w->engine->bodies.active_count;
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     double check[DEM__PARTS_MAX], all = 0.0;
     ptrdiff_t strays[DEM__PARTS_MAX];
@@ -5730,140 +5997,145 @@ static inline int dem__kick(dem_world *w, double h) {
         for (q = 0; q < parts; q++) dem__kick_share(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
     }
     for (q = 0; q < parts; q++) {
-        const int32_t *stray = w->remap__ + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < strays[q]; k++) dem__unsettle(w, stray[k]);
+        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        for (ptrdiff_t k = 0; k < strays[q]; k++) dem__mark_to_check(w, stray[k]);
         all += check[q];
     }
     return all == 0.0;
 }
 
-/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
-   for their courses. */
+/* A contact that has just begun has_friction the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
+   for their bounds. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* it has ended */
     const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-    w->impact__[i] = dem__scale(part * closing, n);
-    if (j >= 0) w->impact__[j] = dem__scale((part - 1.0) * closing, n);
+    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
-static inline void dem__settle_event(dem_world *w, int32_t c, int turns) {
-    const dem__handed *h = &w->live_handed__[c];
-    const int32_t i = w->live_i__[c], j = w->live_j__[c];
+static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
-        dem__unsettle(w, a);
+        dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
         p->x = dem__plus(p->x, m * h->shift, n);
-        w->shifted__[a] += fabs(m * h->shift);
-        if (!turns) continue;
+        w->engine->bodies.shifted[a] += fabs(m * h->shift);
+        if (!has_friction) continue;
         const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
         p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
     }
     if (j < 0) {
-        const dem_vec place = w->particle[i].x, t = turns ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
         dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
+    /* a pair that is moved apart has_friction more slowly, as its angular momentum stays */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
-    const dem_vec d = dem__apart(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
+    const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
     a->v = dem__plus(a->v, 1.0 / a->mass, slower);
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-static inline void dem__settle_events(dem_world *w, int turns) {
-    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
+static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
-            const int32_t c = w->slots__[in->first + k];
-            if (w->live_event__[c]) dem__settle_event(w, c, turns);
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
         }
     }
 }
 
-/* What became of a thread's share of the unsettled: how many have new courses, how many of those are to look at a wall sooner, and does
+/* What became of a thread's share of the to_check: how many have new bounds, how many of those are to look at a wall sooner, and does
    any begin a flight. */
-typedef struct dem__watched {
-    ptrdiff_t restarted, hurried;
+typedef struct dem__checked {
+    ptrdiff_t reset, hurried;
     int flown;
-    dem__news news;
-} dem__watched;
+    dem__outcome news;
+} dem__checked;
 
 /* Ahead of a watch. */
-DEM_INLINE void dem__fetch_unsettled(const dem_world *w, ptrdiff_t i) {
-    dem__fetch_flight(w, i);
-    DEM__PREFETCH(&w->listed_at__[i]);
+DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem__prefetch_flight(w, i);
+    DEM__PREFETCH(&w->engine->pairs.listed_at[i]);
     DEM__PREFETCH(&w->alive[i]);
     DEM__PREFETCH(&w->touching[i]);
-    DEM__PREFETCH(&w->shifted__[i]);
-    DEM__PREFETCH(&w->wall_speed__[i]);
-    DEM__PREFETCH(&w->wall_timers__.due[i * w->walls]);
-    DEM__PREFETCH(&w->wall_sure__[i * w->walls]);
+    DEM__PREFETCH(&bodies->shifted[i]);
+    DEM__PREFETCH(&bodies->wall_speed[i]);
+    DEM__PREFETCH(&w->engine->walls.timers.due[i * w->walls]);
+    DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Unsettled particles first .. end-1: whose velocity left its ball, or whose flight begins, gets a new course and is listed in remap__ from
+/* Unsettled particles first .. end-1: whose velocity left its tolerance, or whose flight begins, gets a new bound and is listed in remap__ from
    `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
-static inline void dem__watch_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__watched *q) {
+static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
+    dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const double t = dem__since_listed(w, w->step);
-    q->restarted = q->hurried = q->flown = 0;
-    q->news = dem__no_news(w);
+    q->reset = q->hurried = q->flown = 0;
+    q->news = dem__no_outcome(w);
     for (ptrdiff_t k = first - DEM__AHEAD; k < end; k++) {
-        if (k + DEM__AHEAD < end) dem__fetch_unsettled(w, w->unsettled__[k + DEM__AHEAD]);
+        if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
-        const int32_t i = w->unsettled__[k];
-        if (w->alive[i] && !w->stale__) {
+        const int32_t i = bodies->to_check[k];
+        if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__stray(w, i, t);
-            if (w->touching[i] == 0 || !dem__holds_course(w, i, stray)) {
-                const double shifted = w->shifted__[i];
-                dem__set_course(w, i, w->step, p->x, p->v);
-                w->remap__[first + q->restarted++] = i;
-                if (dem__heed_course(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) w->unsettled__[first + q->hurried++] = i;
-            } else dem__leave_room(w, i, dem__length(stray));
+            const dem_vec stray = dem__deviation(w, i, t);
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+                const double shifted = bodies->shifted[i];
+                dem__set_bound(w, i, w->step, p->x, p->v);
+                w->engine->scratch.index[first + q->reset++] = i;
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news)) bodies->to_check[first + q->hurried++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(stray));
         }
-        w->impact__[i] = dem_vec3(0.0, 0.0, 0.0);
-        w->is_active__[i] = w->alive[i] && (w->touching[i] > 0 || (w->loads_on__ && dem__is_loaded(w, i)));
-        q->flown |= !w->is_active__[i];
+        bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+        bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
+        q->flown |= !bodies->activity[i];
     }
 }
 
-/* Courses and timers of the unsettled; those whose flight begins leave the list of active particles. */
-static inline void dem__watch(dem_world *w) {
-    const ptrdiff_t n = w->unsettled_count__, active = w->active_count__;
+/* Courses and timers of the to_check; those whose flight begins leave the list of active particles. */
+static inline void dem__check_bounds(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
     const int parts = dem__parts(w, 4 * n);
-    dem__watched watched[DEM__PARTS_MAX];
-    ptrdiff_t restarted = 0, kept = 0;
+    dem__checked watched[DEM__PARTS_MAX];
+    ptrdiff_t reset = 0, kept = 0;
     int q, flown = 0;
-    if (parts == 1) dem__watch_part(w, 0, n, &watched[0]);
+    if (parts == 1) dem__check_bounds_part(w, 0, n, &watched[0]);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) dem__watch_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts), &watched[q]);
+        for (q = 0; q < parts; q++) dem__check_bounds_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts), &watched[q]);
     }
     for (q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__hurry_to_walls(w, w->unsettled__[first + k], w->step);
-        for (ptrdiff_t k = 0; k < watched[q].restarted; k++) w->remap__[restarted++] = w->remap__[first + k];
-        dem__take_news(w, &watched[q].news);
+        for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+        for (ptrdiff_t k = 0; k < watched[q].reset; k++) w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
+        dem__apply_outcome(w, &watched[q].news);
         flown |= watched[q].flown;
     }
-    dem__restart(w, w->remap__, restarted, w->step);
-    w->unsettled_count__ = 0;
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    bodies->to_check_count = 0;
     if (!flown) return;
     for (ptrdiff_t k = 0; k < active; k++) {
-        const int32_t i = w->active__[k];
-        w->active__[kept] = i;
-        kept += w->is_active__[i] != 0;
+        const int32_t i = bodies->active[k];
+        bodies->active[kept] = i;
+        kept += bodies->activity[i] != 0;
     }
-    w->active_count__ = kept;
+    bodies->active_count = kept;
     if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
@@ -5881,90 +6153,95 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Looks at the pairs that are due, in sheaves first .. end-1. */
-static inline void dem__look_in(dem_world *w, dem__waits *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
-    int32_t *due = w->pair_timers__.list + first * DEM__SHEAF;
+/* Looks at the pairs that are due, in pages first .. end-1. */
+static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
-    dem__list_due(&w->pair_timers__, first, end, step, DEM__NEVER, &n);
-    dem__no_waits(waits);
+    dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
+    dem__clear_batch(waits);
     waits->found = due; /* what is found overwrites what has been looked at */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
-        if (pair < n) DEM__PREFETCH(&w->near__[due[pair]]);
+        if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
         if (flight >= 0 && flight < n) {
-            dem__fetch_flight(w, w->near__[due[flight]].i);
-            dem__fetch_flight(w, w->near__[due[flight]].j);
+            dem__prefetch_flight(w, pairs->near[due[flight]].i);
+            dem__prefetch_flight(w, pairs->near[due[flight]].j);
         }
-        if (k >= 0) dem__look_at_pair(w, waits, due[k], step);
+        if (k >= 0) dem__test_pair(w, waits, due[k], step);
     }
-    dem__set_waits(w, waits, step);
+    dem__flush_batch(w, waits, step);
 }
 
-/* Threads take sheaves of their own, if about as many pairs are due as in the step before. */
-static inline void dem__look_at_due(dem_world *w, int64_t step) {
-    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
-    const int parts = dem__parts_of(w, w->due__, DEM__SECTIONS);
-    dem__waits waits[DEM__SECTIONS];
+/* Threads take pages of their own, if about as many pairs are due as in the step before. */
+static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const ptrdiff_t pages = pairs->timers.pages;
+    const int parts = dem__parts_of(w, pairs->due_count, DEM__CHUNKS);
+    dem__timer_batch waits[DEM__CHUNKS];
     int q;
-    if (parts == 1) dem__look_in(w, &waits[0], 0, sheaves, step);
+    if (parts == 1) dem__test_due_part(w, &waits[0], 0, pages, step);
     else {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) dem__look_in(w, &waits[q], dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts), step);
+        for (q = 0; q < parts; q++) dem__test_due_part(w, &waits[q], dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
     }
-    w->due__ = 0;
+    pairs->due_count = 0;
     for (q = 0; q < parts; q++) {
-        w->due__ += (ptrdiff_t)waits[q].looks;
-        dem__bear_found(w, &waits[q]);
+        pairs->due_count += (ptrdiff_t)waits[q].looks;
+        dem__new_pair_contacts(w, &waits[q]);
     }
 }
 
 /* Looks at all pairs that do not touch. */
-static inline void dem__look_at_pairs(dem_world *w, int64_t step) {
-    dem__waits waits;
-    dem__no_waits(&waits);
-    waits.found = w->pair_timers__.list;
-    for (int32_t p = 0; p < (int32_t)w->near_count__; p++) {
-        if (w->pair_timers__.due[p] != DEM__STOPPED) dem__look_at_pair(w, &waits, p, step);
+static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    waits.found = pairs->timers.list;
+    for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step);
     }
-    dem__bear_found(w, &waits);
+    dem__new_pair_contacts(w, &waits);
 }
 
 /* Looks at everything whose time has come, at the given step. */
-static inline void dem__look(dem_world *w, int64_t step) {
-    if (w->meshes__) dem__follow(w, step);
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__look_at_pairs(w, step);
+static inline void dem__detect(dem_world *w, int64_t step) {
+    dem__wall_state *walls = &w->engine->walls;
+    if (walls->meshes) dem__follow_meshes(w, step);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
-            if (dem__awaits(w, e / w->walls, (int)(e % w->walls))) dem__look_at_wall(w, e, step);
+            if (dem__needs_test(w, e / w->walls, (int)(e % w->walls))) dem__test_wall(w, e, step);
         }
     }
-    dem__look_at_due(w, step);
+    dem__test_due_pairs(w, step);
     ptrdiff_t n;
-    dem__list_due(&w->wall_timers__, 0, w->wall_timers__.sheaves, step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) dem__look_at_wall(w, w->wall_timers__.list[k], step);
+    dem__list_due(&walls->timers, 0, walls->timers.pages, step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
 /* Takes back what was found in a step that cannot be finished. */
-static DEM__APART int dem__undo_look(dem_world *w) {
-    for (; w->born__ > 0; w->born__--) {
-        const int32_t p = w->live_near__[dem__next_slot(w) - 1];
-        w->section__[w->sections__ - 1].live--;
-        w->live_count__--;
-        if (p >= 0) w->pair_timers__.due[p] = DEM__NEVER;
+static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (; contacts->begun > 0; contacts->begun--) {
+        const int32_t p = contacts->near[dem__next_slot(w) - 1];
+        contacts->chunk[contacts->chunk_count - 1].count--;
+        contacts->count--;
+        if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
     }
-    w->leaving__ = 0;
+    w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     return 0;
 }
 
 /* Blocks of links to threads. */
 static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
-    const ptrdiff_t blocks = (count + DEM_BLOCK - 1) / DEM_BLOCK;
+    const ptrdiff_t blocks = (count + DEM__BLOCK - 1) / DEM__BLOCK;
     const int parts = dem__parts(w, count);
     int q;
     if (parts == 1) {
@@ -5975,36 +6252,38 @@ static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
     for (q = 0; q < parts; q++) {
-        const ptrdiff_t first = DEM_BLOCK * dem__part(blocks, q, parts), end = DEM_BLOCK * dem__part(blocks, q + 1, parts);
+        const ptrdiff_t first = DEM__BLOCK * dem__part(blocks, q, parts), end = DEM__BLOCK * dem__part(blocks, q + 1, parts);
         kernel(w, first, end < count ? end : count);
     }
 }
 
 /* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
-static inline void dem__add_later(dem_world *w, int32_t low, int32_t high, int turns) {
-    for (const dem__section *in = w->section__; in < w->section__ + w->sections__; in++) {
-        dem__deferral *later = w->deferral__ + in->first;
-        if (in->deferred == 0 || in->low >= high || in->high < low) continue;
-        for (ptrdiff_t k = 0; k < in->deferred; k++, later++) {
-            const int32_t from = low > in->own ? low : in->own; /* the rest has been added */
+static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        dem__postponed *later = contacts->postponed + in->first;
+        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
+        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
+            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the rest has been added */
             const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
             double *out[9];
             for (int a = 0; a < 9; a++) out[a] = &later->out[a];
-            dem__add_forces(w, 0, later->i, later->j, out, 0, turns, to_i, to_j);
+            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
         }
     }
 }
 
 /* A thread adds to particles of the share before the one that it has evaluated (the first of those to the last): nearly all of what waits
    for them it has left itself, and has in its cache. */
-static inline void dem__add_deferred(dem_world *w, int turns) {
-    const int sections = w->sections__;
+static inline void dem__add_postponed(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
     ptrdiff_t n = 0;
     int q;
-    for (q = 0; q < sections; q++) n += w->section__[q].deferred;
-    const int parts = dem__parts_of(w, n, sections);
+    for (q = 0; q < chunks; q++) n += contacts->chunk[q].postponed;
+    const int parts = dem__parts_of(w, n, chunks);
     if (parts == 1) {
-        dem__add_later(w, 0, INT32_MAX, turns);
+        dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
         return;
     }
 #ifdef _OPENMP
@@ -6012,177 +6291,184 @@ static inline void dem__add_deferred(dem_world *w, int turns) {
 #endif
     for (q = 0; q < parts; q++) {
         const int share = (2 * parts - 2 - q) % parts;
-        const ptrdiff_t first = dem__part(sections, share, parts), end = dem__part(sections, share + 1, parts);
-        dem__add_later(w, w->section__[end - 1].from, first > 0 ? w->section__[first - 1].from : INT32_MAX, turns);
+        const ptrdiff_t first = dem__part(chunks, share, parts), end = dem__part(chunks, share + 1, parts);
+        dem__add_postponed_to(w, contacts->chunk[end - 1].first_particle, first > 0 ? contacts->chunk[first - 1].first_particle : INT32_MAX,
+                              has_friction);
     }
 }
 
-/* A thread's share of the sections, the last share the first thread's: it takes them from `next` on, others help it from the end. */
-typedef struct dem__stint {
+/* A thread's share of the chunks, the last share the first thread's: it takes them from `next` on, others help it from the end. */
+typedef struct dem__chunk_queue {
     int first, next, end;
-} dem__stint;
+} dem__chunk_queue;
 
-/* The next section that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
+/* The next chunk that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
    owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first: those
    before `own`. */
-static inline int dem__claim(dem_world *w, dem__stint *stint, int parts, int part) {
-    int section = -1;
+static inline int dem__next_chunk(dem_world *w, dem__chunk_queue *stint, int parts, int part) {
+    int chunk = -1;
 #ifdef _OPENMP
 #pragma omp critical(dem_claim)
 #endif
     {
-        dem__stint *of = &stint[part];
+        dem__chunk_queue *of = &stint[part];
         const int helps = of->next == of->end;
         for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
         if (of->next + helps < of->end) {
-            section = helps ? --of->end : of->next++;
-            const int first = helps ? section : of->first;
-            w->section__[section].own = first > 0 ? w->section__[first - 1].from : INT32_MAX;
+            chunk = helps ? --of->end : of->next++;
+            const int first = helps ? chunk : of->first;
+            w->engine->contacts.chunk[chunk].postpone_from = first > 0 ? w->engine->contacts.chunk[first - 1].first_particle : INT32_MAX;
         }
     }
-    return section;
+    return chunk;
 }
-static inline void dem__evaluate_stint(dem_world *w, dem_kernel_fn kernel, dem__stint *stint, int parts, int part) {
-    for (int section = dem__claim(w, stint, parts, part); section >= 0; section = dem__claim(w, stint, parts, part))
-        kernel(w, section, section + 1);
+static inline void dem__evaluate_queue(dem_world *w, dem_kernel_fn kernel, dem__chunk_queue *stint, int parts, int part) {
+    for (int chunk = dem__next_chunk(w, stint, parts, part); chunk >= 0; chunk = dem__next_chunk(w, stint, parts, part))
+        kernel(w, chunk, chunk + 1);
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
-static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int turns, int keep) {
-    const int parts = w->deferral__ ? dem__parts_of(w, w->live_count__, w->sections__) : 1;
-    dem__stint stint[DEM__SECTIONS];
+static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
+    dem__chunk_queue stint[DEM__CHUNKS];
     int q;
-    w->kernel_dt__ = h;
-    w->keeps_out__ = keep;
-    for (q = 0; q < w->sections__; q++) w->section__[q].own = INT32_MAX;
-    if (parts == 1) kernel(w, 0, w->sections__);
+    w->engine->run.kernel_dt = h;
+    w->engine->run.keeps_wrenches = keep;
+    for (q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].postpone_from = INT32_MAX;
+    if (parts == 1) kernel(w, 0, contacts->chunk_count);
     else {
         for (q = 0; q < parts; q++) {
-            stint[q].first = stint[q].next = (int)dem__part(w->sections__, parts - 1 - q, parts);
-            stint[q].end = (int)dem__part(w->sections__, parts - q, parts);
+            stint[q].first = stint[q].next = (int)dem__part(contacts->chunk_count, parts - 1 - q, parts);
+            stint[q].end = (int)dem__part(contacts->chunk_count, parts - q, parts);
         }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-        for (q = 0; q < parts; q++) dem__evaluate_stint(w, kernel, stint, parts, q);
-        dem__add_deferred(w, turns);
+        for (q = 0; q < parts; q++) dem__evaluate_queue(w, kernel, stint, parts, q);
+        dem__add_postponed(w, has_friction);
     }
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
-        for (q = 0; q < w->sections__; q++) {
-            wall->force = dem__add(wall->force, w->push__[q][k].force);
-            wall->torque = dem__add(wall->torque, w->push__[q][k].torque);
+        for (q = 0; q < contacts->chunk_count; q++) {
+            const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
+            wall->force = dem__add(wall->force, push->force);
+            wall->torque = dem__add(wall->torque, push->torque);
         }
         wall->impulse = dem__plus(wall->impulse, h, wall->force);
     }
 }
 
 /* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
-   other. Many in sections of equal size, with room to grow. */
-static inline int dem__tidy(dem_world *w) {
-    const ptrdiff_t n = w->live_count__;
-    const int sections = n < DEM__SECTIONS * 512 ? 1 : DEM__SECTIONS;
-    dem__section section[DEM__SECTIONS];
+   other. Many in chunks of equal size, with room to grow. */
+static inline int dem__reorder_contacts(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    const int chunks = n < DEM__CHUNKS * 512 ? 1 : DEM__CHUNKS;
+    dem__chunk chunk[DEM__CHUNKS];
     dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->remap__, sum = 0, before = INT32_MAX;
+    int32_t *place = w->engine->scratch.index, sum = 0, before = INT32_MAX;
     ptrdiff_t end = 0, cut = 0;
-    int in_order = sections == w->sections__;
-    DEM__EACH(w, c) {
-        in_order &= before >= w->live_i__[c];
-        before = w->live_i__[c];
+    int in_order = chunks == contacts->chunk_count;
+    DEM__EACH_CONTACT(w, c) {
+        in_order &= before >= contacts->i[c];
+        before = contacts->i[c];
     }
     if (!in_order) {
         for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
-        DEM__EACH(w, c) { place[w->live_i__[c]]++; }
+        DEM__EACH_CONTACT(w, c) { place[contacts->i[c]]++; }
         for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
             const int32_t of = place[i];
             place[i] = sum;
             sum += of;
         }
-        DEM__EACH(w, c) { w->slots__[place[w->live_i__[c]]++] = (int32_t)c; }
-        memset(section, 0, sizeof section);
-        for (int q = 0; q < sections; q++) {
+        DEM__EACH_CONTACT(w, c) { contacts->slots[place[contacts->i[c]]++] = (int32_t)c; }
+        memset(chunk, 0, sizeof chunk);
+        for (int q = 0; q < chunks; q++) {
             const ptrdiff_t first = cut;
-            if (dem__part(n, q + 1, sections) > cut) cut = dem__part(n, q + 1, sections);
-            while (cut < n && w->live_i__[w->slots__[cut]] == w->live_i__[w->slots__[cut - 1]]) cut++;
-            section[q].from = q < sections - 1 ? w->live_i__[w->slots__[cut - 1]] : 0;
-            section[q].first = end;
-            section[q].live = cut - first;
-            section[q].room = sections > 1 ? section[q].live + section[q].live / 4 + DEM_BLOCK : 0;
-            end += section[q].room;
+            if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
+            while (cut < n && contacts->i[contacts->slots[cut]] == contacts->i[contacts->slots[cut - 1]]) cut++;
+            chunk[q].first_particle = q < chunks - 1 ? contacts->i[contacts->slots[cut - 1]] : 0;
+            chunk[q].first = end;
+            chunk[q].count = cut - first;
+            chunk[q].capacity = chunks > 1 ? chunk[q].count + chunk[q].count / 4 + DEM__BLOCK : 0;
+            end += chunk[q].capacity;
         }
-        if (!dem__grow_live(w, end + 1)) {
+        if (!dem__grow_contacts(w, end + 1)) {
             w->status = DEM_OUT_OF_MEMORY;
             return 0;
         }
-        dem__arrange(w, n, section, sections, list, dem__held_arrays(w, list));
-        w->sections__ = sections;
-        memcpy(w->section__, section, sizeof section);
+        dem__arrange(w, n, chunk, chunks, list, dem__kept_arrays(w, list));
+        contacts->chunk_count = chunks;
+        memcpy(contacts->chunk, chunk, sizeof chunk);
         dem__list_wall_contacts(w);
     }
     return 1;
 }
 
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
-static DEM__APART int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
+    dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__ledger *ledger = &w->engine->ledger;
     ptrdiff_t born = 0;
-    if (w->stale__) {
-        DEM__EACH(w, c) { /* contacts with walls that were taken away */
-            if (w->live_j__[c] < 0 && !w->wall[-1 - w->live_j__[c]].enabled) w->live_ended__[c] = 1;
+    if (run->needs_lists) {
+        DEM__EACH_CONTACT(w, c) { /* contacts with walls that were taken away */
+            if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
         }
-        dem__bury(w, w->step, 1);
+        dem__remove_ended(w, w->step, 1);
         if (!dem__rebuild(w)) return 0;
     }
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     for (int a = 0; a < w->def.materials; a++) {
         for (int b = 0; b < w->def.materials; b++) {
             const dem_pair_def *pair = dem_pair(&w->def, a, b);
-            w->damping_ratio__[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+            run->damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
-    if (w->fresh__) {
+    if (run->needs_forces) {
         int skip = w->def.skip;
         w->def.skip = 0; /* everything, once; the timers stay */
-        dem__look_at_pairs(w, w->step);
+        dem__test_all_pairs(w, w->step);
         for (ptrdiff_t i = 0; i < w->count; i++) {
             for (int k = 0; k < w->walls; k++) {
-                if (w->wall[k].kind != DEM_EXIT && dem__awaits(w, i, k)) dem__look_at_wall(w, (int32_t)i * w->walls + k, w->step);
+                if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
             }
         }
         w->def.skip = skip;
-        if (w->status != DEM_OK) return dem__undo_look(w);
-        born = w->born__;
-        dem__admit_born(w, 0.0);
+        if (w->status != DEM_OK) return dem__undo_detection(w);
+        born = contacts->begun;
+        dem__commit_begun(w, 0.0);
         dem__list_active(w);
         for (ptrdiff_t k = 0; k < born; k++) {
-            const int32_t c = w->slots__[k], i = w->live_i__[c], j = w->live_j__[c];
-            if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->wall_timers__, i * w->walls - 1 - j);
+            const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+            if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
         }
     }
-    if (w->fresh__ || w->features__ != features || w->law__ != law) {
-        w->kinds__ = 0;
-        DEM__EACH(w, c) { dem__fold_constants(w, c, law, features); }
+    if (run->needs_forces || run->features != features || run->law != law) {
+        contacts->type_count = 0;
+        DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
     }
-    w->features__ = features;
-    w->law__ = law;
-    if (w->fresh__) {
-        dem__tell_born(w, law, born);
-        if (!dem__tidy(w)) return 0;
+    run->features = features;
+    run->law = law;
+    if (run->needs_forces) {
+        dem__report_begun(w, law, born);
+        if (!dem__reorder_contacts(w)) return 0;
         dem__advance(w, 0.0);
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
-        dem__bury(w, w->step, 0);
-        dem__watch(w);
+        dem__remove_ended(w, w->step, 0);
+        dem__check_bounds(w);
         if (w->status != DEM_OK) return 0;
     }
-    w->fresh__ = 0;
-    if ((features & DEM_ENERGY) && !w->ledger_started__) {
-        w->ledger_started__ = 1;
+    run->needs_forces = 0;
+    if ((features & DEM_ENERGY) && !ledger->started) {
+        ledger->started = 1;
         dem_energy_ledger now = dem_energy(w);
-        w->ledger__.start = now.kinetic + now.rotational + now.elastic + now.potential;
-        w->ledger__.start_potential = now.potential;
+        ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
+        ledger->sums.start_potential = now.potential;
     }
     return 1;
 }
@@ -6192,97 +6478,104 @@ DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return d
 /* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
-    const double h = (double)w->link_stride__ * w->dt__;
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
+    dem__ledger *ledger = &w->engine->ledger;
+    const double h = (double)links->stride * run->dt;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
-        dem__settle(w, i);
+        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        dem__set_origin(w, i);
         dem__wrap(w, i);
-        if (w->ledger_on__) w->ledger__.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
-        for (int a = 0; a < 6; a++) w->sum__[i].load[a] = w->load__[i][a], w->load__[i][a] = w->external__[i][a];
+        if (ledger->on) ledger->sums.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
-    w->kernel_dt__ = h;
-    dem__share_blocks(w, w->link_kernel__, w->link_count__);
-    if (dem__parts(w, w->link_count__) > 1) dem__add_links(w, 0, w->link_count__);
+    run->kernel_dt = h;
+    dem__share_blocks(w, links->kernel, links->count);
+    if (dem__parts(w, links->count) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->link_head__[i] < 0 && !w->link_loaded__[i]) continue;
-        const dem__sum *sum = &w->sum__[i];
+        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        const dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
-        const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(sum->load));
-        const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(sum->load));
+        const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(sum->load));
+        const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(sum->load));
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
-        w->link_loaded__[i] = w->link_head__[i] >= 0;
+        links->is_loaded[i] = links->first_link[i] >= 0;
         p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
         p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-        if (w->ledger_on__) {
-            w->ledger__.link_work += dem__motion_energy(w, i);
-            for (int q = 0; q < 3; q++) w->linked__[i][q] = dem_axis(p->x, q), w->linked__[i][3 + q] = dem_axis(p->spin, q);
+        if (ledger->on) {
+            ledger->sums.link_work += dem__motion_energy(w, i);
+            for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         }
-        for (int q = 0; q < 6; q++) w->sum__[i].load[q] = 0.0;
-        if (w->stale__) continue;
-        const double strayed = dem__length(dem__stray(w, i, dem__since_listed(w, w->step)));
-        if (strayed < w->course__[i].ball - dem__link_drift(w, i)) dem__leave_room(w, i, strayed);
+        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+        if (run->needs_lists) continue;
+        const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+        if (strayed < bodies->bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
         else {
             const int32_t one = (int32_t)i;
-            dem__begin_course(w, i, w->step);
-            dem__restart(w, &one, 1, w->step);
+            dem__renew_bound(w, i, w->step);
+            dem__reset_pair_timers(w, &one, 1, w->step);
         }
     }
-    for (int32_t k = 0; k < (int32_t)w->link_count__;) {
-        if (w->link_ended__[k]) dem__cut_link(w, k);
+    for (int32_t k = 0; k < (int32_t)links->count;) {
+        if (links->ended[k]) dem__cut_link(w, k);
         else k++;
     }
 }
 
 static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
-    const int turns = (features & DEM_FRICTION) != 0;
-    if (w->step % DEM__TIDY == 0 && !dem__tidy(w)) return 0;
-    if (w->step >= w->next_check__ && !dem__check_list(w)) return 0;
+    dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
+    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
-    else dem__look(w, w->step + 1);
-    if (w->status != DEM_OK) return dem__undo_look(w);
-    if (w->born__) {
-        const ptrdiff_t born = w->born__;
-        dem__admit_born(w, 1.0);
-        dem__advance(w, w->dt__);
-        for (ptrdiff_t k = 0; k < born; k++) dem__fold_constants(w, w->slots__[k], law, features);
-        dem__tell_born(w, law, born);
-    } else dem__advance(w, w->dt__);
-    dem__evaluate(w, kernel, w->dt__, turns, keep);
+    else dem__detect(w, w->step + 1);
+    if (w->status != DEM_OK) return dem__undo_detection(w);
+    if (contacts->begun) {
+        const ptrdiff_t born = contacts->begun;
+        dem__commit_begun(w, 1.0);
+        dem__advance(w, run->dt);
+        for (ptrdiff_t k = 0; k < born; k++) dem__set_constants(w, contacts->slots[k], law, features);
+        dem__report_begun(w, law, born);
+    } else dem__advance(w, run->dt);
+    dem__evaluate(w, kernel, run->dt, has_friction, keep);
     if (features & DEM_ENERGY) dem__gather_losses(w);
-    const int finite = dem__kick(w, w->dt__);
-    dem__kick_walls(w, w->dt__);
-    dem__settle_events(w, turns);
-    w->particle_steps += w->count - w->dropped__;
-    w->contact_steps += w->live_count__;
+    const int finite = dem__kick(w, run->dt);
+    dem__kick_walls(w, run->dt);
+    dem__apply_corrections(w, has_friction);
+    w->particle_steps += w->count - w->engine->bodies.dropped;
+    w->contact_steps += contacts->count;
     w->step++;
-    w->time = w->start_time__ + (double)(w->step - w->start_step__) * w->dt__;
+    w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
     if (!finite) return dem__fail(w, DEM_NOT_FINITE);
-    const int leaving = w->leaving__;
+    const int leaving = run->leaving;
     if (leaving) {
-        DEM__EACH(w, c) {
-            const ptrdiff_t j = w->live_j__[c];
-            if (w->alive[w->live_i__[c]] < 0 || (j >= 0 && w->alive[j] < 0)) w->live_ended__[c] = 1;
+        DEM__EACH_CONTACT(w, c) {
+            const ptrdiff_t j = contacts->j[c];
+            if (w->alive[contacts->i[c]] < 0 || (j >= 0 && w->alive[j] < 0)) contacts->ended[c] = 1;
         }
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            if (w->alive[i] < 0) dem__forget(w, i);
+            if (w->alive[i] < 0) dem__detach_particle(w, i);
         }
-        w->leaving__ = 0;
+        run->leaving = 0;
     }
-    dem__bury(w, w->step, leaving);
-    if (leaving) dem__let_go(w);
-    dem__watch(w);
-    if (w->link_stride__ > 0 && w->step % w->link_stride__ == 0) dem__step_links(w);
+    dem__remove_ended(w, w->step, leaving);
+    if (leaving) dem__free_untouched(w);
+    dem__check_bounds(w);
+    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) dem__step_links(w);
     return w->status == DEM_OK;
 }
 
 /* A kernel says so of no contacts if it is not for this law and these features. */
 static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    const dem_law *old_law = w->law__;
-    const int old_features = w->features__;
-    w->law__ = law, w->features__ = features;
+    dem__run *run = &w->engine->run;
+    const dem_law *old_law = run->law;
+    const int old_features = run->features;
+    run->law = law, run->features = features;
     kernel(w, 0, 0);
     const int fits = w->status == DEM_OK;
-    w->law__ = old_law, w->features__ = old_features;
+    run->law = old_law, run->features = old_features;
     w->status = DEM_OK;
     return fits;
 }
@@ -6294,7 +6587,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
         return DEM_BAD_ARGUMENT;
     if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
-    double remaining = (w->target__ + duration - w->time) / w->dt__;
+    double remaining = (w->engine->run.target + duration - w->time) / w->engine->run.dt;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
     if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
@@ -6305,27 +6598,27 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (law->states != w->states__ && w->live_count__ > 0) return DEM_LAW_MISMATCH;
-    if (w->link_count__ > 0 && !w->link_law__) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
-    const int ledger = w->ledger_on__ || (features & DEM_ENERGY),
-              constants = law->constants > w->constants__ ? law->constants : w->constants__;
-    const int deferrals = dem__has_deferrals(w) && !w->deferral__;
-    if (law->states != w->states__ || constants != w->constants__ || ledger != w->ledger_on__ ||
-        deferrals) { /* other arrays: a new block */
+    if (law->states != w->engine->contacts.states && w->engine->contacts.count > 0) return DEM_LAW_MISMATCH;
+    if (w->engine->links.count > 0 && !w->engine->links.law) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
+    const int ledger = w->engine->ledger.on || (features & DEM_ENERGY),
+              constants = law->constants > w->engine->contacts.constants ? law->constants : w->engine->contacts.constants;
+    const int postpones = dem__may_postpone(w) && !w->engine->contacts.postponed;
+    if (law->states != w->engine->contacts.states || constants != w->engine->contacts.constants || ledger != w->engine->ledger.on ||
+        postpones) { /* other arrays: a new block */
         dem__array list[DEM__ARRAYS_MAX];
-        const int old_states = w->states__, old_constants = w->constants__, old_ledger = w->ledger_on__;
-        const ptrdiff_t old_capacity = w->live_capacity__;
-        w->states__ = law->states, w->constants__ = constants, w->ledger_on__ = ledger;
-        if (!dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__,
-                             dem__next_slot(w) + 1)) {
-            w->states__ = old_states, w->constants__ = old_constants, w->ledger_on__ = old_ledger;
-            w->live_capacity__ = old_capacity;
+        const int old_states = w->engine->contacts.states, old_constants = w->engine->contacts.constants, old_ledger = w->engine->ledger.on;
+        const ptrdiff_t old_capacity = w->engine->contacts.capacity;
+        w->engine->contacts.states = law->states, w->engine->contacts.constants = constants, w->engine->ledger.on = ledger;
+        if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &w->engine->contacts.block, &w->engine->contacts.bytes,
+                             &w->engine->contacts.capacity, dem__next_slot(w) + 1)) {
+            w->engine->contacts.states = old_states, w->engine->contacts.constants = old_constants, w->engine->ledger.on = old_ledger;
+            w->engine->contacts.capacity = old_capacity;
             return DEM_OUT_OF_MEMORY;
         }
-        for (int a = w->states__; a < DEM_STATE_MAX; a++) w->live_state__[a] = NULL; /* not in the block */
+        for (int a = w->engine->contacts.states; a < DEM_STATE_MAX; a++) w->engine->contacts.state[a] = NULL; /* not in the block */
     }
     if (!dem__prepare_run(w, law, kernel, features)) return w->status;
-    w->target__ += duration;
+    w->engine->run.target += duration;
     for (int64_t n = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0; n > 0; n--) {
         if (!dem__step(w, law, kernel, features, n == 1)) return w->status;
     }
@@ -6400,19 +6693,19 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
     if (!world) return l;
-    l = world->ledger__;
+    l = world->engine->ledger.sums;
     l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
-        if (world->ledger_on__) l.link_work += dem__link_work(world, i);
+        if (world->engine->ledger.on) l.link_work += dem__link_work(world, i);
     }
-    if (world->ledger_on__) {
-        DEM__EACH(world, c) { l.elastic += world->live_elastic__[c]; }
+    if (world->engine->ledger.on) {
+        DEM__EACH_CONTACT(world, c) { l.elastic += world->engine->contacts.elastic[c]; }
     }
-    if (!world->ledger_started__) return l;
+    if (!world->engine->ledger.started) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
     l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
@@ -6420,41 +6713,41 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->engine->contacts.count : 0; }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->live_count__) return info;
+    if (!world || k < 0 || k >= world->engine->contacts.count) return info;
     k = dem__slot_of(world, k);
-    info.i = world->live_i__[k];
-    info.j = world->live_j__[k];
-    info.gap = world->live_gap__[k];
-    info.force = dem_vec3(world->live_out__[0][k], world->live_out__[1][k], world->live_out__[2][k]);
-    info.element = world->live_element__[k];
-    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][k];
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
     return info;
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
-    for (int a = 0; a < world->states__; a++) world->live_state__[a][dem__slot_of(world, slot)] = state[a];
+    if (!world || !state || slot < 0 || slot >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->link_count__ : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->engine->links.count : 0; }
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->link_count__) return info;
-    info.i = world->link_i__[k];
-    info.j = world->link_j__[k];
-    info.element = world->link_element__[k];
-    info.gap = world->link_gap__[k];
-    info.force = dem_vec3(world->link_out__[0][k], world->link_out__[1][k], world->link_out__[2][k]);
-    for (int a = 0; a < world->link_states__; a++) info.state[a] = world->link_state__[a][k];
+    if (!world || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
     return info;
 }
 
@@ -6482,10 +6775,10 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];
         int n = 0, holding = 0;
-        for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
             dem__touch touch;
-            if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->live_element__[c], &touch);
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;
@@ -6567,7 +6860,7 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
 }
 
 /* A box around a region. */
-static inline void dem__bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
+static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
     for (int a = 0; a < 3; a++) {
@@ -6742,7 +7035,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     dem_vec low, high, x;
     double widest = 0.0;
     memset(room, 0, sizeof *room);
-    dem__bounds(region, &low, &high);
+    dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
         widest = radius[k] > widest ? radius[k] : widest;
@@ -6796,7 +7089,7 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
             for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
             for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
                 const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
-                const dem_vec d = dem__apart(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
+                const dem_vec d = dem__nearest_image(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
                 if (dem__dot(d, d) < sum * sum) return 0;
             }
         }
@@ -6991,10 +7284,10 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
-        dem__forget(w, i);
+        dem__detach_particle(w, i);
         removed++;
     }
-    if (removed > 0) dem__leave_alone(w);
+    if (removed > 0) dem__end_contacts_of_removed(w);
     return removed;
 }
 
@@ -7142,13 +7435,14 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
 /* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre. 0 if it
    carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
-    const dem_contact_info c = k < w->live_count__ ? dem_get_contact(w, k) : dem_get_link(w, k - w->live_count__);
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
     *to = dem_position(w, c.i);
     *force = c.force;
-    if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
+    if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
+        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
                          &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
@@ -7169,7 +7463,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     const int images = dem__images(w, shift);
     memset(&m, 0, sizeof m);
     const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
-    dem__bounds(region, &low, &high);
+    dem__tree_bounds(region, &low, &high);
     for (int pass = 0; pass < 2; pass++) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem_vec at = dem_position(w, i), v = dem_velocity(w, i);
@@ -7200,7 +7494,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
         if (pass == 1) m.granular_temperature *= inverse / 3.0;
     }
     if (m.count > 0) m.coordination /= (double)m.count;
-    for (ptrdiff_t k = 0; k < w->live_count__ + w->link_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < images; image++) {
@@ -7295,7 +7589,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         dem__smear(w, c, field, dem_position(w, i), &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->live_count__ + w->link_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);
@@ -7321,7 +7615,7 @@ DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, d
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
         const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
@@ -7399,9 +7693,9 @@ DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, cons
 DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     double unlike = 0.0, all = 0.0, ends = 0.0;
     if (!world) return (double)NAN;
-    DEM__EACH(world, k) {
-        const int32_t i = world->live_i__[k], j = world->live_j__[k];
-        if (j < 0 || !(world->live_gap__[k] < 0.0)) continue;
+    DEM__EACH_CONTACT(world, k) {
+        const int32_t i = world->engine->contacts.i[k], j = world->engine->contacts.j[k];
+        if (j < 0 || !(world->engine->contacts.gap[k] < 0.0)) continue;
         const int a = world->group[i] == group, b = world->group[j] == group;
         unlike += a != b, ends += a + b, all += 1.0;
     }
@@ -7506,50 +7800,53 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 
 /* Particles present and contacts; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__links *links = &w->engine->links;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem_particle *p = &w->particle[i];
         dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
             dem__vecs(s, &w->spin_rate[i], 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
-        for (int a = 0; a < 6; a++) dem__f64(s, &w->load__[i][a]);
+        for (int a = 0; a < 6; a++) dem__f64(s, &bodies->load[i][a]);
         dem__i64(s, &w->particle[i].origin);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
         for (int a = 0; a < 6; a++) {
-            if (w->links_on__) dem__f64(s, &w->external__[i][a]);
-            else if (s->loading) w->external__[i][a] = w->load__[i][a];
+            if (links->on) dem__f64(s, &bodies->external[i][a]);
+            else if (s->loading) bodies->external[i][a] = bodies->load[i][a];
         }
-        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &w->linked__[i][a]);
-        if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
+        for (int a = 0; a < 6 && links->on && with_forces; a++) dem__f64(s, &links->evaluated_at[i][a]);
+        if (links->on) dem__i32(s, &links->is_loaded[i]);
     }
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        int32_t i = remap ? remap[w->link_i__[k]] : w->link_i__[k], j = w->link_j__[k];
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        int32_t i = remap ? remap[links->i[k]] : links->i[k], j = links->j[k];
         if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->link_element__[k]);
-        if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
-        for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &links->element[k]);
+        if (s->loading) links->i[k] = i, links->j[k] = j;
+        for (int a = 0; a < links->states; a++) dem__f64(s, &links->state[a][k]);
     }
-    DEM__EACH(w, c) {
-        int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
+    DEM__EACH_CONTACT(w, c) {
+        int32_t i = remap ? remap[contacts->i[c]] : contacts->i[c], j = contacts->j[c];
         if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
-        if (s->loading) w->live_i__[c] = i, w->live_j__[c] = j;
-        dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
-        for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &contacts->element[c]);
+        if (s->loading) contacts->i[c] = i, contacts->j[c] = j;
+        dem__f64(s, &contacts->gap[c]), dem__f64(s, &contacts->force[c]);
+        for (int a = 0; a < contacts->states; a++) dem__f64(s, &contacts->state[a][c]);
         if (!with_forces) continue;
-        for (int a = 0; w->places__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
-        for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
-        if (w->ledger_on__) {
-            dem__f64(s, &w->live_elastic__[c]);
-            for (int a = 0; a < 3; a++) dem__f64(s, &w->live_power__[a][c]);
+        for (int a = 0; w->engine->walls.touch_keepers && a < 4; a++) dem__f64(s, &contacts->touch[a][c]);
+        for (int a = 0; a < 9; a++) dem__f64(s, &contacts->wrench[a][c]);
+        if (w->engine->ledger.on) {
+            dem__f64(s, &contacts->elastic[c]);
+            for (int a = 0; a < 3; a++) dem__f64(s, &contacts->power[a][c]);
         }
     }
 }
 
 static inline void dem__number_present(const dem_world *w) {
     int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? n++ : -1;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? n++ : -1;
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
@@ -7563,59 +7860,75 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (int k = 0; k < w.walls; k++) {
         if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
-    dem__stream_state(&s, &w, w.remap__, 0);
+    dem__stream_state(&s, &w, w.engine->scratch.index, 0);
     return s.hash;
 }
 
-static inline void dem__stream_sections(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
-    const int64_t all = live + DEM_BLOCK;
+static inline void dem__stream_chunks(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int64_t all = live + DEM__BLOCK;
     ptrdiff_t first = 0;
-    dem__ints(s, &w->sections__, 1);
-    if (w->sections__ < 1 || w->sections__ > DEM__SECTIONS) s->failed = 1;
-    for (int q = 0; q < w->sections__ && !s->failed; q++) {
-        dem__section *in = &w->section__[q];
-        int64_t of = in->live, room = in->room;
-        int32_t from = in->from;
+    dem__ints(s, &contacts->chunk_count, 1);
+    if (contacts->chunk_count < 1 || contacts->chunk_count > DEM__CHUNKS) s->failed = 1;
+    for (int q = 0; q < contacts->chunk_count && !s->failed; q++) {
+        dem__chunk *in = &contacts->chunk[q];
+        int64_t of = in->count, room = in->capacity;
+        int32_t from = in->first_particle;
         if (!s->loading && from > 0) from = dem__remapped(w, from);
         dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
-        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < w->sections__ - 1 && of > room)) s->failed = 1;
+        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < contacts->chunk_count - 1 && of > room)) s->failed = 1;
         if (!s->loading || s->failed) continue;
-        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q < w->sections__ - 1 ? from : 0;
-        first += in->room;
+        in->first = first, in->count = (ptrdiff_t)of, in->capacity = (ptrdiff_t)room,
+        in->first_particle = q < contacts->chunk_count - 1 ? from : 0;
+        first += in->capacity;
         live -= of;
     }
     if (s->loading && live != 0) s->failed = 1;
 }
 
 static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
-    uint64_t magic = 0x0a1a64656d52u, version = DEM_FORMAT;
+    dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__ledger *ledger = &w->engine->ledger;
+    uint64_t magic = 0x0a1a64656d52u, version = DEM__FORMAT;
     dem__u64(s, &magic), dem__u64(s, &version);
-    if (magic != 0x0a1a64656d52u || version != DEM_FORMAT) s->failed = 1;
+    if (magic != 0x0a1a64656d52u || version != DEM__FORMAT) s->failed = 1;
     dem__stream_def(s, &w->def);
-    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
-    dem__u64(s, &w->next_id__);
+    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &run->target);
+    dem__u64(s, &w->engine->bodies.next_id);
     dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
-    const int64_t counts[] = {w->step, w->start_step__, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
+    const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
-    int *flags[] = {&w->walls,      &w->fresh__,  &w->ledger_on__, &w->ledger_started__,
-                    &w->loads_on__, &w->states__, &w->links_on__,  &w->link_states__};
+    int *flags[] = {&w->walls,
+                    &run->needs_forces,
+                    &ledger->on,
+                    &ledger->started,
+                    &w->engine->bodies.loads_on,
+                    &contacts->states,
+                    &w->engine->links.on,
+                    &w->engine->links.states};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
-    if (w->link_states__ < 0 || w->link_states__ > DEM_STATE_MAX) s->failed = 1;
-    dem__f64(s, &w->link_interval__), dem__f64(s, &w->link_near__);
+    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || contacts->states < 0 || contacts->states > DEM_STATE_MAX) s->failed = 1;
+    if (w->engine->links.states < 0 || w->engine->links.states > DEM_STATE_MAX) s->failed = 1;
+    dem__f64(s, &w->engine->links.interval), dem__f64(s, &w->engine->links.near);
+    if (!s->failed && s->loading && !dem__grow_walls(w, w->walls)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        s->failed = 1;
+    }
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
-    dem_energy_ledger *l = &w->ledger__;
+    dem_energy_ledger *l = &ledger->sums;
     double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
                       &l->added,       &l->removed,      &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
-    int64_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    int64_t live = contacts->count, passed = w->passed_count, links = w->engine->links.count;
     dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
-    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->link_near__) || !dem__not_negative(w->link_interval__)) s->failed = 1;
+    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->engine->links.near) || !dem__not_negative(w->engine->links.interval))
+        s->failed = 1;
     if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
-    dem__stream_sections(s, w, live, *present);
-    w->live_count__ = (ptrdiff_t)live;
+    dem__stream_chunks(s, w, live, *present);
+    contacts->count = (ptrdiff_t)live;
     w->passed_count = (ptrdiff_t)passed;
-    w->link_count__ = (ptrdiff_t)links;
+    w->engine->links.count = (ptrdiff_t)links;
 }
 
 static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
@@ -7671,7 +7984,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     if (!world || !world->def.allocator.fn) return 0;
     for (int pass = 0; pass < 2; pass++) {
         dem_world w = *world;
-        int64_t present = w.count - w.dropped__;
+        int64_t present = w.count - w.engine->bodies.dropped;
         uint64_t check;
         memset(&s, 0, sizeof s);
         s.hash = 0xcbf29ce484222325u;
@@ -7679,7 +7992,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
         s.size = capacity;
         dem__number_present(&w);
         dem__stream_head(&s, &w, &present);
-        dem__stream_state(&s, &w, w.remap__, 1);
+        dem__stream_state(&s, &w, w.engine->scratch.index, 1);
         dem__stream_passed(&s, &w);
         dem__stream_meshes(&s, &w);
         check = s.hash;
@@ -7691,6 +8004,8 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
@@ -7698,19 +8013,19 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }
-    DEM__EACH(w, c) {
-        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS)) return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
-        w->slots__[n++] = (int32_t)c;
+        contacts->slots[n++] = (int32_t)c;
     }
-    dem__sort(w, w->slots__, n); /* none is there twice */
+    dem__sort(w, contacts->slots, n); /* none is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
-        if (!dem__before(w, w->slots__[c - 1], w->slots__[c])) return 0;
+        if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        const int32_t i = w->link_i__[k], j = w->link_j__[k];
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        const int32_t i = links->i[k], j = links->j[k];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || i == j) return 0;
     }
     for (int k = 0; k < w->walls; k++) {
@@ -7741,42 +8056,49 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     memory.user = NULL;
     if (allocator) memory = *allocator;
     w->def.allocator = memory;
+    if (!dem__make_engine(w)) {
+        memset(w, 0, sizeof *w);
+        return DEM_OUT_OF_MEMORY;
+    }
     dem__stream_head(&s, w, &present);
     const size_t per_particle = 27 * 8, per_contact = 14 * 8;
-    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact ||
-        (size_t)w->passed_count > size / 80 || (size_t)w->link_count__ > size / 24) {
-        memset(w, 0, sizeof *w);
-        return DEM_BAD_DATA;
+    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle ||
+        (size_t)w->engine->contacts.count > size / per_contact || (size_t)w->passed_count > size / 80 ||
+        (size_t)w->engine->links.count > size / 24) {
+        const dem_status why = w->status == DEM_OUT_OF_MEMORY ? DEM_OUT_OF_MEMORY : DEM_BAD_DATA;
+        if (!w->wall) w->walls = 0;
+        dem_free(w);
+        return why;
     }
     dem__array list[DEM__ARRAYS_MAX];
-    ptrdiff_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    ptrdiff_t live = w->engine->contacts.count, passed = w->passed_count, links = w->engine->links.count;
     int enough;
-    w->live_count__ = w->passed_count = w->link_count__ = 0;
+    w->engine->contacts.count = w->passed_count = w->engine->links.count = 0;
     for (int k = 0; k < w->walls; k++) {
-        w->meshes__ += w->wall[k].kind == DEM_MESH;
-        w->places__ += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
-        w->controls__ |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+        w->engine->walls.meshes += w->wall[k].kind == DEM_MESH;
+        w->engine->walls.touch_keepers += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
+        w->engine->walls.controls |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
     }
-    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
-                             (ptrdiff_t)present + 1);
-    enough = enough && dem__grow_live(w, dem__next_slot(w) + 1);
-    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
-                                                      &w->link_capacity__, links));
+    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
+                             &w->engine->bodies.capacity, (ptrdiff_t)present + 1);
+    enough = enough && dem__grow_contacts(w, dem__next_slot(w) + 1);
+    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                                                      &w->engine->links.capacity, links));
     if (enough && passed > 0) {
         w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         enough = w->passed != NULL;
-        w->passed_capacity__ = passed;
+        w->engine->bodies.passed_capacity = passed;
     }
     if (!enough) {
         dem_free(w);
         return DEM_OUT_OF_MEMORY;
     }
     w->count = (ptrdiff_t)present;
-    w->keeps_out__ = 1;
-    w->live_count__ = live;
+    w->engine->run.keeps_wrenches = 1;
+    w->engine->contacts.count = live;
     w->passed_count = passed;
-    w->link_count__ = links;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = w->link_head__[i] = -1;
+    w->engine->links.count = links;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
     const dem_status meshes = dem__stream_meshes(&s, w);
@@ -7790,24 +8112,24 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         dem_free(w);
         return DEM_BAD_DATA;
     }
-    w->dt__ = w->def.dt;
-    w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    w->stale__ = 1;
+    w->engine->run.dt = w->def.dt;
+    w->engine->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    w->engine->run.needs_lists = 1;
     dem__find_links(w);
-    DEM__EACH(w, c) {
-        dem__activate(w, w->live_i__[c]);
-        if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
+    DEM__EACH_CONTACT(w, c) {
+        dem__activate(w, w->engine->contacts.i[c]);
+        if (w->engine->contacts.j[c] >= 0) dem__activate(w, w->engine->contacts.j[c]);
         else {
-            w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
-            w->wall_head__[w->live_i__[c]] = (int32_t)c;
+            w->engine->contacts.wall_next[c] = w->engine->walls.first_contact[w->engine->contacts.i[c]];
+            w->engine->walls.first_contact[w->engine->contacts.i[c]] = (int32_t)c;
         }
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__weigh(w, i);
-        if (dem__is_loaded(w, i) && !w->is_active__[i]) {
+        dem__set_inverse_mass(w, i);
+        if (dem__is_loaded(w, i) && !w->engine->bodies.activity[i]) {
             dem__activate(w, i);
             w->touching[i]--;
-            dem__divide(w, i);
+            dem__set_mass_share(w, i);
         }
     }
     return DEM_OK;

@@ -1,6 +1,6 @@
 /* ------------------------------------------------------------------------------------------------- >>scene */
 
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->dt__; }
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
@@ -29,7 +29,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 }
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
-static inline void dem__settle(dem_world *w, ptrdiff_t i) {
+static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     dem_particle *p = &w->particle[i];
     p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
@@ -38,11 +38,12 @@ static inline void dem__settle(dem_world *w, ptrdiff_t i) {
 
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    dem__ledger *ledger = &w->engine->ledger;
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->ledger_on__) {
+    if (ledger->on) {
         const double raised = -p->mass * dem__dot(w->def.gravity, dem__sub(x, p->x));
-        w->ledger__.added += raised, w->ledger__.added_potential += raised;
+        ledger->sums.added += raised, ledger->sums.added_potential += raised;
     }
     p->x = x;
 }
@@ -65,8 +66,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
 
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
 
-DEM_INLINE dem_vec dem__apart(const dem_world *w, dem_vec d) {
-    if (w->has_periodic__) {
+DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
+    if (w->engine->run.has_periodic) {
         if (w->def.periodic[0]) d.x = dem__nearest(d.x, w->def.high.x - w->def.low.x);
         if (w->def.periodic[1]) d.y = dem__nearest(d.y, w->def.high.y - w->def.low.y);
         if (w->def.periodic[2]) d.z = dem__nearest(d.z, w->def.high.z - w->def.low.z);
@@ -79,32 +80,35 @@ DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[
 
 /* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
-    const double n = floor(w->link_interval__ / w->dt__);
+    const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
 
 /* Work of the present link forces on particle i since they were evaluated. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
-    if (!w->link_loaded__[i]) return 0.0;
-    const double tau = dem__now(w, i), turned = 0.5 * w->dt__ * (double)((w->step - 1) % dem__link_stride(w) + 1);
-    const dem_vec way = dem__apart(w, dem__sub(dem__at(w, i, tau), dem__first(w->linked__[i])));
-    const dem_vec force = dem__sub(dem__first(w->load__[i]), dem__first(w->external__[i]));
-    const dem_vec torque = dem__sub(dem__second(w->load__[i]), dem__second(w->external__[i]));
-    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(w->linked__[i])));
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    if (!links->is_loaded[i]) return 0.0;
+    const double tau = dem__now(w, i), turned = 0.5 * w->engine->run.dt * (double)((w->step - 1) % dem__link_stride(w) + 1);
+    const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
+    const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
+    const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(bodies->external[i]));
+    return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
 }
 
 /* What makes accelerations of forces on particle i. */
-static inline void dem__weigh(dem_world *w, ptrdiff_t i) {
-    dem__sum *sum = &w->sum__[i];
+static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
+    dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = 1.0 / w->particle[i].mass;
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
-    const dem__sum *sum = &w->sum__[i];
-    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(w->load__[i]));
-    w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(w->load__[i]));
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__sum *sum = &bodies->sum[i];
+    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(bodies->load[i]));
+    w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
 DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radius) {
@@ -127,10 +131,11 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
             !dem__finite(centres[3 * k + 2]))
             return DEM_BAD_ARGUMENT;
     }
-    if (w->count + n + 1 > w->capacity__) {
+    if (w->count + n + 1 > w->engine->bodies.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         int arrays = dem__particle_arrays(w, list);
-        if (!dem__grow_group(w, list, arrays, &w->particle_block__, &w->particle_bytes__, &w->capacity__, w->count + n + 1))
+        if (!dem__grow_group(w, list, arrays, &w->engine->bodies.block, &w->engine->bodies.bytes, &w->engine->bodies.capacity,
+                             w->count + n + 1))
             return DEM_OUT_OF_MEMORY;
     }
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -140,48 +145,48 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
         p->v = dem_vec3(0.0, 0.0, 0.0);
         p->spin = dem_vec3(0.0, 0.0, 0.0);
-        for (int a = 0; a < 6; a++) w->load__[i][a] = w->external__[i][a] = 0.0;
+        for (int a = 0; a < 6; a++) w->engine->bodies.load[i][a] = w->engine->bodies.external[i][a] = 0.0;
         p->radius = 0.5 * d;
         p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
-        dem__weigh(w, i);
+        dem__set_inverse_mass(w, i);
         w->particle[i].origin = w->step;
-        w->id[i] = w->next_id__++;
+        w->id[i] = w->engine->bodies.next_id++;
         w->material[i] = material;
         w->group[i] = group;
         w->alive[i] = 1;
-        w->touching[i] = w->is_active__[i] = 0;
-        w->wall_head__[i] = w->link_head__[i] = -1;
-        w->link_loaded__[i] = 0;
-        memset(&w->course__[i], 0, sizeof w->course__[i]);
-        w->impact__[i] = dem_vec3(0.0, 0.0, 0.0);
+        w->touching[i] = w->engine->bodies.activity[i] = 0;
+        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+        w->engine->links.is_loaded[i] = 0;
+        memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
+        w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
         dem__free_acceleration(w, i);
-        if (w->ledger_on__) {
-            w->ledger__.added += dem__potential(w, i);
-            w->ledger__.added_potential += dem__potential(w, i);
+        if (w->engine->ledger.on) {
+            w->engine->ledger.sums.added += dem__potential(w, i);
+            w->engine->ledger.sums.added_potential += dem__potential(w, i);
         }
     }
-    if (n > 0) w->fresh__ = w->stale__ = 1;
+    if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
 static inline void dem__set_stride(dem_world *w) {
-    if (w->link_law__) w->link_stride__ = dem__link_stride(w);
+    if (w->engine->links.law) w->engine->links.stride = dem__link_stride(w);
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__settle(w, i);
-    w->start_time__ = w->time;
-    w->start_step__ = w->step;
-    w->def.dt = w->dt__ = dt;
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
+    w->engine->run.start_time = w->time;
+    w->engine->run.start_step = w->step;
+    w->def.dt = w->engine->run.dt = dt;
     dem__set_stride(w);
-    w->stale__ = w->fresh__ = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
 
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
-    const double *e = w->external__[i];
+    const double *e = w->engine->bodies.external[i];
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
@@ -190,33 +195,33 @@ static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w &&
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
-    if (w->ledger_on__) w->ledger__.added -= dem__kinetic(w, i) + dem__rotational(w, i);
-    dem__settle(w, i);
+    if (w->engine->ledger.on) w->engine->ledger.sums.added -= dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__set_origin(w, i);
     w->particle[i].v = velocity;
     w->particle[i].spin = spin;
-    if (w->ledger_on__) w->ledger__.added += dem__kinetic(w, i) + dem__rotational(w, i);
-    w->stale__ = 1;
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += dem__kinetic(w, i) + dem__rotational(w, i);
+    w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
-    dem__settle(w, i);
-    double *load = w->load__[i], *external = w->external__[i];
+    dem__set_origin(w, i);
+    double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = !w->link_loaded__[i] ? wanted[a] : load[a] + change;
+        load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    if (!w->is_active__[i]) { /* a loaded particle is no free flight: it takes steps */
-        w->is_active__[i] = 1;
-        w->active__[w->active_count__++] = (int32_t)i;
+    if (!w->engine->bodies.activity[i]) { /* a loaded particle is no free flight: it takes steps */
+        w->engine->bodies.activity[i] = 1;
+        w->engine->bodies.active[w->engine->bodies.active_count++] = (int32_t)i;
     }
-    w->loads_on__ = w->stale__ = 1;
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

@@ -42,15 +42,15 @@ extern double sqrt(double) __attribute__((const));
 #if defined(__GNUC__)
 #define DEM_INLINE static inline __attribute__((always_inline)) DEM__FAST
 #define DEM_RESTRICT __restrict__
-#define DEM__APART __attribute__((noinline))
+#define DEM__NOINLINE __attribute__((noinline))
 #elif defined(_MSC_VER)
 #define DEM_INLINE static __forceinline
 #define DEM_RESTRICT __restrict
-#define DEM__APART
+#define DEM__NOINLINE
 #else
 #define DEM_INLINE static inline
 #define DEM_RESTRICT
-#define DEM__APART
+#define DEM__NOINLINE
 #endif
 
 /* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
@@ -65,24 +65,24 @@ extern double sqrt(double) __attribute__((const));
    short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
-#define DEM__ROLLED _Pragma("GCC unroll 1")
-#define DEM__IN_ROWS 0
+#define DEM__NO_UNROLL _Pragma("GCC unroll 1")
+#define DEM__COPY_ROWS 0
 #else
 #define DEM__INDEPENDENT
-#define DEM__ROLLED
-#define DEM__IN_ROWS 1
+#define DEM__NO_UNROLL
+#define DEM__COPY_ROWS 1
 #endif
 
 /* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__)
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
     DEM__FAST static void name parameters {                                                                                                \
         if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
         else call;                                                                                                                         \
     }
 #else
-#define DEM__TWICE(name, parameters, arguments, call)                                                                                      \
+#define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     DEM__FAST static void name parameters { call; }
 #endif
 

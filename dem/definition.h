@@ -103,31 +103,53 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
+/* The private state of a world, empty. */
+static inline int dem__make_engine(dem_world *w) {
+    dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
+    if (!e) return 0;
+    memset(e, 0, sizeof *e);
+    e->run.dt = w->def.dt;
+    e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    e->run.needs_lists = e->contacts.chunk_count = 1;
+    w->engine = e;
+    return 1;
+}
+
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
     if (!world) return DEM_BAD_ARGUMENT;
     memset(world, 0, sizeof *world);
     dem_status status = dem_check_def(def, field);
     if (status != DEM_OK) return status;
     world->def = *def;
-    world->dt__ = def->dt;
-    world->fresh__ = world->stale__ = world->sections__ = 1;
-    world->has_periodic__ = def->periodic[0] | def->periodic[1] | def->periodic[2];
+    if (!dem__make_engine(world)) {
+        memset(world, 0, sizeof *world);
+        return DEM_OUT_OF_MEMORY;
+    }
+    world->engine->run.needs_forces = 1;
     return DEM_OK;
+}
+
+static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
+    if (block) a->fn(a->user, block, bytes, 0);
 }
 
 DEM_API void dem_free(dem_world *world) {
     if (!world || !world->def.allocator.fn) return;
-    dem_allocator a = world->def.allocator;
-    if (world->particle_block__) a.fn(a.user, world->particle_block__, world->particle_bytes__, 0);
-    if (world->live_block__) a.fn(a.user, world->live_block__, world->live_bytes__, 0);
-    if (world->link_block__) a.fn(a.user, world->link_block__, world->link_bytes__, 0);
-    if (world->pair_timers__.block) a.fn(a.user, world->pair_timers__.block, world->pair_timers__.bytes, 0);
-    if (world->wall_timers__.block) a.fn(a.user, world->wall_timers__.block, world->wall_timers__.bytes, 0);
-    if (world->adjacent__) a.fn(a.user, world->adjacent__, (size_t)world->adjacent_capacity__ * sizeof(int32_t), 0);
-    if (world->cells__) a.fn(a.user, world->cells__, (size_t)world->cells_capacity__ * sizeof(int32_t), 0);
-    if (world->passed) a.fn(a.user, world->passed, (size_t)world->passed_capacity__ * sizeof *world->passed, 0);
+    const dem_allocator a = world->def.allocator;
+    dem__engine *e = world->engine;
+    dem__release(&a, e->bodies.block, e->bodies.bytes);
+    dem__release(&a, e->contacts.block, e->contacts.bytes);
+    dem__release(&a, e->links.block, e->links.bytes);
+    dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
+    dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
+    dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
+    dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
+    dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
     for (int k = 0; k < world->walls; k++) {
-        if (world->wall[k].tree) a.fn(a.user, world->wall[k].tree, world->wall[k].tree->bytes, 0);
+        if (world->wall[k].tree) dem__release(&a, world->wall[k].tree, world->wall[k].tree->bytes);
     }
+    dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
+    dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
+    dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);
 }

@@ -53,6 +53,7 @@
 #include "laws.h"
 #include "shapes.h"
 #ifdef DEM__BODIES
+#include "engine.h"
 #include "store.h"
 #include "definition.h"
 #include "body.h"

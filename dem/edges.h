@@ -31,16 +31,16 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
    motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
    velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
    second derivative. */
-typedef struct dem__event {
+typedef struct dem__edge_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
     double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
-} dem__event;
+} dem__edge_motion;
 
 /* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
-DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem__event *e, const dem_law *law) {
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
     e->duration = t < h ? t : h;
@@ -59,7 +59,8 @@ DEM_INLINE int dem__begin_contact(const dem_contact *c, const double *state, dem
 }
 
 /* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
-DEM_INLINE int dem__end_contact(const dem_contact *c, const double *state, double gap, double force, dem__event *e, const dem_law *law) {
+DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
+                                     const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
     double own = speed;                                /* the motion's own: it comes along the chord of the step before */

@@ -59,7 +59,7 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
 }
 
 /* A box around a region. */
-static inline void dem__bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
+static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
     for (int a = 0; a < 3; a++) {
@@ -234,7 +234,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     dem_vec low, high, x;
     double widest = 0.0;
     memset(room, 0, sizeof *room);
-    dem__bounds(region, &low, &high);
+    dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
         widest = radius[k] > widest ? radius[k] : widest;
@@ -288,7 +288,7 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
             for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
             for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
                 const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
-                const dem_vec d = dem__apart(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
+                const dem_vec d = dem__nearest_image(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
                 if (dem__dot(d, d) < sum * sum) return 0;
             }
         }
@@ -483,9 +483,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
-        dem__forget(w, i);
+        dem__detach_particle(w, i);
         removed++;
     }
-    if (removed > 0) dem__leave_alone(w);
+    if (removed > 0) dem__end_contacts_of_removed(w);
     return removed;
 }

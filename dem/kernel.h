@@ -7,20 +7,20 @@ typedef struct dem__rows {
 } dem__rows;
 
 /* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
-typedef struct dem__traits {
-    int32_t kind[DEM_BLOCK]; /* of which the rows are; -2: of none yet */
+typedef struct dem__type_rows {
+    int32_t kind[DEM__BLOCK]; /* of which the rows are; -2: of none yet */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
-} dem__traits;
+} dem__type_rows;
 
 /* The geometry of contact k, as the law sees it. */
-DEM_INLINE void dem__view(const dem__rows *b, const dem__traits *t, int k, double half, int turns, dem_contact *q, double *arm_i,
-                          double *arm_j) {
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
+                                      double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
     q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
-    if (!turns) return;
+    if (!has_friction) return;
     /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
@@ -46,29 +46,30 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */
-typedef struct dem__slots {
+typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
-} dem__slots;
+} dem__columns;
 
 /* What is new of a block of contacts. */
-typedef struct dem__block {
+typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
-} dem__block;
+} dem__block_rows;
 
-DEM_INLINE void dem__slots_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__slots *at) {
-    for (int a = 0; a < law->states; a++) at->state[a] = w->live_state__[a] + c;
-    for (int a = 0; a < 9; a++) at->out[a] = w->live_out__[a] + c;
-    at->gap = w->live_gap__ + c, at->force = w->live_force__ + c;
-    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = w->live_power__[a] + c;
-    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = w->live_loss__[a] + c;
-    at->elastic = features & DEM_ENERGY ? w->live_elastic__ + c : NULL;
+DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__columns *at) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (int a = 0; a < law->states; a++) at->state[a] = contacts->state[a] + c;
+    for (int a = 0; a < 9; a++) at->out[a] = contacts->wrench[a] + c;
+    at->gap = contacts->gap + c, at->force = contacts->force + c;
+    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = contacts->power[a] + c;
+    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = contacts->loss[a] + c;
+    at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
 /* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
-DEM_INLINE void dem__slots_new(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block *b, dem__slots *at) {
-    dem__slots_of(w, c, law, features, at);
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block_rows *b, dem__columns *at) {
+    dem__columns_of(w, c, law, features, at);
     for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
-    if (!DEM__IN_ROWS) return;
+    if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
     for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
     for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
@@ -76,10 +77,10 @@ DEM_INLINE void dem__slots_new(const dem_world *w, ptrdiff_t c, const dem_law *l
 }
 
 /* From there to the world. */
-DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, const dem_law *law, int features, int keeps_out) {
+DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
-    if (!DEM__IN_ROWS) return;
+    if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
     if (!(features & DEM_ENERGY)) return;
@@ -89,21 +90,23 @@ DEM_INLINE void dem__store(const dem__slots *to, const dem__slots *from, int n, 
 }
 
 /* Of a block in which each contact has its own. */
-static inline void dem__copy_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
+static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
-    memcpy(t->mass, w->live_mass__ + base, bytes), memcpy(t->predict, w->live_predict__ + base, bytes);
-    memcpy(t->sum, w->live_sum__ + base, bytes), memcpy(t->part, w->live_part__ + base, bytes);
-    for (int a = 0; a < constants; a++) memcpy(t->constant[a], w->live_constant__[a] + base, bytes);
+    memcpy(t->mass, contacts->mass + base, bytes), memcpy(t->predict, contacts->predict + base, bytes);
+    memcpy(t->sum, contacts->sum + base, bytes), memcpy(t->part, contacts->part + base, bytes);
+    for (int a = 0; a < constants; a++) memcpy(t->constant[a], contacts->constant[a] + base, bytes);
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
 /* Of those slots of a block whose kind is not that of before. */
-static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
-    const int32_t *kind = w->live_kind__ + base;
+static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int32_t *kind = contacts->type + base;
     int32_t own = -1;
     for (int k = 0; k < n; k++) own &= kind[k];
     if (own < 0) {
-        dem__copy_traits(w, base, n, constants, t);
+        dem__copy_types(w, base, n, constants, t);
         return;
     }
     for (int k = 0; k < n; k++) {
@@ -111,21 +114,21 @@ static DEM__APART void dem__renew_traits(const dem_world *w, ptrdiff_t base, int
         if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
         t->kind[k] = kind[k];
         if (kind[k] >= 0) {
-            const dem__kind *of = &w->kind__[kind[k]];
+            const dem__contact_type *of = &contacts->types[kind[k]];
             t->mass[k] = of->mass, t->predict[k] = of->predict, t->sum[k] = of->sum, t->part[k] = of->part;
             for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
         } else {
-            t->mass[k] = w->live_mass__[c], t->predict[k] = w->live_predict__[c], t->sum[k] = w->live_sum__[c],
-            t->part[k] = w->live_part__[c];
-            for (int a = 0; a < constants; a++) t->constant[a][k] = w->live_constant__[a][c];
+            t->mass[k] = contacts->mass[c], t->predict[k] = contacts->predict[c], t->sum[k] = contacts->sum[c],
+            t->part[k] = contacts->part[c];
+            for (int a = 0; a < constants; a++) t->constant[a][k] = contacts->constant[a][c];
         }
     }
 }
-DEM_INLINE void dem__take_traits(const dem_world *w, ptrdiff_t base, int n, int constants, dem__traits *t) {
-    const int32_t *kind = w->live_kind__ + base;
+DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const int32_t *kind = w->engine->contacts.type + base;
     int32_t differ = 0;
     for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
-    if (differ) dem__renew_traits(w, base, n, constants, t);
+    if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
 /* Force on i, torques on i and j. */
@@ -146,7 +149,7 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
 }
 
 /* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
-DEM_INLINE void dem__put_losses(const dem__slots *at, const dem__slots *old, ptrdiff_t c, const dem_response *r, double h,
+DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
     at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
@@ -160,26 +163,27 @@ DEM_INLINE void dem__put_losses(const dem__slots *at, const dem__slots *old, ptr
 /* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
+    const dem__contacts *contacts = &w->engine->contacts;
     if (slot >= 0 && wall->kind == DEM_MESH) {
-        touch->normal = dem_vec3(w->live_place__[0][slot], w->live_place__[1][slot], w->live_place__[2][slot]);
-        touch->gap = w->live_place__[3][slot];
+        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
+        touch->gap = contacts->touch[3][slot];
     } else dem__touch_element(wall, x, radius, element, touch);
 }
 
 /* Where row k of a block is at a wall. */
-typedef struct dem__place {
+typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
     double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
-} dem__place;
+} dem__wall_row;
 
 /* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
    quotient are left to dem__complete_rows. */
-static DEM__APART void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
-                                        int k, double half, dem__place *at) {
+static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
+                                           int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
@@ -198,7 +202,7 @@ static DEM__APART void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff
 }
 
 /* The same where the wall's surface slides: at the point that is touched. */
-static DEM__APART void dem__slide(dem__rows *b, double half, dem__place *at) {
+static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
@@ -211,19 +215,19 @@ static DEM__APART void dem__slide(dem__rows *b, double half, dem__place *at) {
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
 }
 
-DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int turns) {
+DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
     const dem_particle *p = &w->particle[i], *q = &w->particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
     b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
-    if (!turns) return;
+    if (!has_friction) return;
     b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
 /* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
-DEM_INLINE double dem__share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
-    const double a = w->share__[i], b = w->share__[j < 0 ? i : j];
+DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
@@ -233,7 +237,7 @@ DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
 }
 
 /* Of a wall's row. */
-DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
+DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;
     if (at->outside == 0.0) {
@@ -247,12 +251,12 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__place *at) {
 }
 
 /* Nearest images, normals and gaps of a block with some rows at walls. */
-DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__traits *t, int n, double half, dem__place *wall,
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
                                    int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
     if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
     if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
-    for (int q = 0; q < walls && w->has_periodic__; q++) { /* walls have no images */
+    for (int q = 0; q < walls && w->engine->run.has_periodic; q++) { /* walls have no images */
         const int k = wall[q].row;
         b->dx[k] = wall[q].from.x, b->dy[k] = wall[q].from.y, b->dz[k] = wall[q].from.z;
     }
@@ -266,14 +270,14 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 }
 
 /* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
-typedef struct dem__verge {
+typedef struct dem__edge {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__verge;
+} dem__edge;
 
 /* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
    of the contact. That may be next to nothing, so what would remain without it has no part there. */
-DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
+DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
     for (int a = 0; a < 3; a++) {
         impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
         impulse->rolling[a] += features & DEM_ROLLING ? (time + scaled) * r->rolling[a] : 0.0;
@@ -282,8 +286,8 @@ DEM_INLINE void dem__act_for(dem_response *impulse, const dem_response *r, doubl
 
 /* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
    normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *e, double *s, const dem_response *r, dem_response *impulse,
-                                    const dem_law *law, int features) {
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
+                                    dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
@@ -292,24 +296,24 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__event *
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
-    dem__act_for(impulse, &third, 0.75 * t, 0.0, features);
-    dem__act_for(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
+    dem__add_friction_impulse(impulse, &third, 0.75 * t, 0.0, features);
+    dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
 /* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
-typedef struct dem__mended {
-    dem__event e;
+typedef struct dem__edge_result {
+    dem__edge_motion e;
     dem_response impulse; /* in the end beside the half steps that Verlet hands over */
     double start, driven;
-} dem__mended;
+} dem__edge_result;
 
 /* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
-DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
-                               dem__mended *m) {
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
-    if (!dem__begin_contact(q, s, &m->e, law)) return 0;
+    if (!dem__follow_first_step(q, s, &m->e, law)) return 0;
     const dem_contact touch = *q;
     q->gap = m->e.gap;
     q->closing = m->e.closing;
@@ -324,7 +328,7 @@ DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, 
         const dem_vec friction = dem__first(m->impulse.tangential);
         m->driven = dem__dot(friction, was->wall_speed);
         r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - m->e.elastic);
-        dem__act_for(&m->impulse, &r, -half, 0.0, features);
+        dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
     }
     if (features & DEM_ENERGY) {
         const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
@@ -335,12 +339,12 @@ DEM_INLINE int dem__mend_first(dem_contact *q, double *s, const dem__slots *at, 
 }
 
 /* The step in which it ends, likewise. 0: Verlet's step stands. */
-DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, const dem__verge *was, const dem_law *law, int features,
-                              dem__mended *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                      int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
-    if (!dem__end_contact(q, s, was->gap, was->force, &m->e, law)) return 0;
+    if (!dem__follow_last_step(q, s, was->gap, was->force, &m->e, law)) return 0;
     if (m->e.gap < 0.0) {
         q->gap = m->e.gap;
         q->closing = m->e.closing;
@@ -356,7 +360,7 @@ DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, c
         q->gap = was->gap;
         q->closing = m->e.before;
         law->force(q, s, &r);
-        dem__act_for(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
+        dem__add_friction_impulse(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
         m->driven = dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
         if (features & DEM_ENERGY) at->loss[1][0] -= dem__dot(dem__first(m->impulse.tangential), dem__first(q->slip));
     }
@@ -364,19 +368,21 @@ DEM_INLINE int dem__mend_last(dem_contact *q, double *s, const dem__slots *at, c
 }
 
 /* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
-DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was, const dem_law *law, int features) {
+DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
+    dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
-    dem__slots at;
-    dem__mended m;
+    dem__columns at;
+    dem__edge_result m;
     double s[DEM_STATE_MAX], *impulse[9];
-    dem__handed *handed = &w->live_handed__[c];
+    dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
-    dem__slots_of(w, c, law, features, &at);
+    dem__columns_of(w, c, law, features, &at);
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
-    const int mended = first ? dem__mend_first(q, s, &at, was, law, features, &m) : dem__mend_last(q, s, &at, was, law, features, &m);
-    w->live_event__[c] = mended != 0;
+    const int mended =
+        first ? dem__correct_first_step(q, s, &at, was, law, features, &m) : dem__correct_last_step(q, s, &at, was, law, features, &m);
+    contacts->edge[c] = mended != 0;
     if (!mended) return;
-    if (!first && m.start != 0.0) w->live_ended__[c] = 0;
+    if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;
     m.impulse.normal = m.e.impulse - 0.5 / q->rate * (was->force + m.start);
     for (int a = 0; a < 3; a++) handed->n[a] = q->normal[a];
@@ -390,7 +396,7 @@ DEM_INLINE void dem__mend(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__
     at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
-typedef void dem__mend_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__verge *was);
+typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
@@ -398,61 +404,63 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists such contacts of a section, and those whose law has ended, in the block from slot base on. How many? */
-DEM_INLINE ptrdiff_t dem__mark(dem_world *w, dem__section *in, ptrdiff_t base, int n, const double *before, const double *was,
-                               const double *ended, const double *force) {
+/* Marks and lists such contacts of a chunk, and those whose law has ended, in the block from slot base on. How many? */
+DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
+                                     const double *ended, const double *force) {
+    dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t marked = in->marked;
-    int64_t mark[DEM_BLOCK], any = 0;
+    int64_t mark[DEM__BLOCK], any = 0;
     for (int k = 0; k < n; k++) {
         mark[k] = dem__began_or_ended(before[k], force[k], was[k]) | (int64_t)(ended[k] != 0.0) << 1;
         any |= mark[k];
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        w->live_event__[base + k] = (uint8_t)(mark[k] & 1);
-        w->live_ended__[base + k] = (uint8_t)(mark[k] >> 1);
-        w->slots__[in->first + in->marked++] = (int32_t)(base + k);
+        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
+        contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
     return in->marked - marked;
 }
 
-DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int turns) {
-    for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] += load[a];
+DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int has_friction) {
+    for (int a = 0; a < (has_friction ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds what a contact in section q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
-DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int turns, int to_i,
-                                int to_j) {
+/* Adds what a contact in chunk q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
+DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
+                                int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    const double on_i[6] = {fx, fy, fz, turns ? out[3][k] : 0.0, turns ? out[4][k] : 0.0, turns ? out[5][k] : 0.0};
-    const double on_j[6] = {-fx, -fy, -fz, turns ? out[6][k] : 0.0, turns ? out[7][k] : 0.0, turns ? out[8][k] : 0.0};
-    if (to_i) dem__add_load(&w->sum__[i], on_i, turns);
+    const double on_i[6] = {fx, fy, fz, has_friction ? out[3][k] : 0.0, has_friction ? out[4][k] : 0.0, has_friction ? out[5][k] : 0.0};
+    const double on_j[6] = {-fx, -fy, -fz, has_friction ? out[6][k] : 0.0, has_friction ? out[7][k] : 0.0, has_friction ? out[8][k] : 0.0};
+    if (to_i) dem__add_load(&w->engine->bodies.sum[i], on_i, has_friction);
     if (!to_j) return;
     if (j >= 0) {
-        dem__add_load(&w->sum__[j], on_j, turns);
+        dem__add_load(&w->engine->bodies.sum[j], on_j, has_friction);
         return;
     }
-    dem__push *push = &w->push__[q][-1 - j];
+    dem__wall_force *push = &w->engine->contacts.wall_force[q * w->engine->walls.capacity - 1 - j];
     const dem_vec f = dem_vec3(on_j[0], on_j[1], on_j[2]), t = dem_vec3(on_i[3], on_i[4], on_i[5]);
     const dem_vec arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
     push->force = dem__add(push->force, f);
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* Adds what n contacts of section q do, slot by slot, in the order of which sums are; leaves to dem__add_deferred what must wait for other
+/* Adds what n contacts of chunk q do, slot by slot, in the order of which sums are; leaves to dem__add_postponed what must wait for other
    threads. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int turns) {
-    dem__section *in = &w->section__[q];
-    const int32_t own = in->own;
+DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__chunk *in = &contacts->chunk[q];
+    const int32_t own = in->postpone_from;
     int waits = 0;
-    for (int k = 0; k < n; k++) waits |= (w->live_i__[base + k] >= own) | (w->live_j__[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, w->live_i__[base + k], w->live_j__[base + k], out, k, turns, 1, 1);
+    for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
+    for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
-        const int32_t i = w->live_i__[base + k], j = w->live_j__[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
-        dem__add_forces(w, q, i, j, out, k, turns, i < own, j < own);
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
+        dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
         if (last < own) continue;
-        dem__deferral *later = &w->deferral__[in->first + in->deferred++];
-        for (int a = 0; a < (turns ? 9 : 3); a++) later->out[a] = out[a][k];
+        dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
+        for (int a = 0; a < (has_friction ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j;
         const int32_t first = i < own ? j : i;
         in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
@@ -460,70 +468,72 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
 }
 
 /* Ahead of a link or a contact; of a wall (less than 0) nothing needs to be asked for. */
-DEM_INLINE void dem__fetch_particle(const dem_world *w, ptrdiff_t j) {
+DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-DEM_INLINE void dem__fetch_partner(const dem_world *w, ptrdiff_t j) {
-    dem__fetch_particle(w, j);
-    DEM__PREFETCH(&w->sum__[j < 0 ? 0 : j]);
+DEM_INLINE void dem__prefetch_body(const dem_world *w, ptrdiff_t j) {
+    dem__prefetch_particle(w, j);
+    DEM__PREFETCH(&w->engine->bodies.sum[j < 0 ? 0 : j]);
 }
 
-DEM_INLINE void dem__fetch_contact(const dem_world *w, ptrdiff_t c) {
-    dem__fetch_partner(w, w->live_i__[c]);
-    dem__fetch_partner(w, w->live_j__[c]);
+DEM_INLINE void dem__prefetch_contact(const dem_world *w, ptrdiff_t c) {
+    dem__prefetch_body(w, w->engine->contacts.i[c]);
+    dem__prefetch_body(w, w->engine->contacts.j[c]);
 }
 
-/* Evaluates the contacts of a section. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
+/* Evaluates the contacts of a chunk. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
    meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
    the cache. */
-DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__traits *traits, const dem_law *law, dem__mend_fn *mend,
-                                      int features) {
-    const int turns = (features & DEM_FRICTION) != 0;
-    const double h = w->kernel_dt__, rate = 1.0 / w->dt__, half = 0.5 * h;
+DEM_INLINE void dem__evaluate_chunk(dem_world *w, ptrdiff_t chunk, dem__type_rows *types, const dem_law *law, dem__edge_fn *mend,
+                                    int features) {
+    const dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    const double h = run->kernel_dt, rate = 1.0 / run->dt, half = 0.5 * h;
     const void *user = w->user;
-    dem__section *in = &w->section__[section];
-    const ptrdiff_t end = in->first + in->live;
+    dem__chunk *in = &contacts->chunk[chunk];
+    const ptrdiff_t end = in->first + in->count;
     dem__rows b;
-    dem__block block;
-    for (ptrdiff_t base = in->first; base < end; base += DEM_BLOCK) {
-        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        dem__place wall[DEM_BLOCK];
+    dem__block_rows block;
+    for (ptrdiff_t base = in->first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        dem__wall_row wall[DEM__BLOCK];
         int walls = 0;
 
-        /* the next block, of this section or of the one after it, is asked for ahead */
-        const dem__section *then = base + DEM_BLOCK < end || section + 1 == w->sections__ ? in : in + 1;
-        const ptrdiff_t ahead = then == in ? base + DEM_BLOCK : then->first, stop = then->first + then->live;
+        /* the next block, of this chunk or of the one after it, is asked for ahead */
+        const dem__chunk *then = base + DEM__BLOCK < end || chunk + 1 == contacts->chunk_count ? in : in + 1;
+        const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = w->live_i__[c], j = w->live_j__[c];
-            if (ahead + k < stop) dem__fetch_contact(w, ahead + k);
-            if (j >= 0) dem__gather_pair(w, i, j, &b, k, turns);
-            else dem__gather_wall(w, i, -1 - j, w->live_element__[c], c, &b, k, half, &wall[walls++]);
+            const ptrdiff_t c = base + k, i = contacts->i[c], j = contacts->j[c];
+            if (ahead + k < stop) dem__prefetch_contact(w, ahead + k);
+            if (j >= 0) dem__gather_pair(w, i, j, &b, k, has_friction);
+            else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &b, k, half, &wall[walls++]);
         }
-        for (int k = n; k < DEM_BLOCK && ahead + k < stop; k++) dem__fetch_contact(w, ahead + k);
-        dem__take_traits(w, base, n, law->constants, traits);
-        dem__complete_rows(w, &b, traits, n, half, wall, walls);
+        for (int k = n; k < DEM__BLOCK && ahead + k < stop; k++) dem__prefetch_contact(w, ahead + k);
+        dem__load_types(w, base, n, law->constants, types);
+        dem__complete_rows(w, &b, types, n, half, wall, walls);
         dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
-        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->live_i__[base + k], w->live_j__[base + k]);
+        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, contacts->i[base + k], contacts->j[base + k]);
 
         dem__row before, was, ended, past[DEM_STATE_MAX];
-        dem__slots old, at;
-        dem__slots_of(w, base, law, features, &old);
-        dem__slots_new(w, base, law, features, &block, &at);
+        dem__columns old, at;
+        dem__columns_of(w, base, law, features, &old);
+        dem__new_columns(w, base, law, features, &block, &at);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
             dem_response r;
             double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
+            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            for (int a = 0; a < law->history && turns; a++) past[a][k] = s[a];
-            dem__view(&b, traits, k, half, turns, &q, &arm_i, &arm_j);
-            const double predict = traits->predict[k]; /* read outside the choice, or the loop does not vectorise */
+            for (int a = 0; a < law->history && has_friction; a++) past[a][k] = s[a];
+            dem__contact_geometry(&b, types, k, half, has_friction, &q, &arm_i, &arm_j);
+            const double predict = types->predict[k]; /* read outside the choice, or the loop does not vectorise */
             q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
-            q.mass = traits->mass[k];
+            q.mass = types->mass[k];
             q.share = share[k];
             q.dt = h;
             q.rate = rate;
@@ -540,7 +550,7 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                 dem__put_losses(&at, &old, k, &r, h, before[k]);
             }
         }
-        const ptrdiff_t marked = dem__mark(w, in, base, n, before, was, ended, at.force);
+        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, before, was, ended, at.force);
         if (features & DEM_ENERGY) {
             for (int k = 0; k < n; k++) at.loss[3][k] = 0.0, at.power[2][k] = old.power[2][k];
             for (int q = 0; q < walls; q++) {
@@ -551,100 +561,108 @@ DEM_INLINE void dem__evaluate_section(dem_world *w, ptrdiff_t section, dem__trai
                 at.power[2][k] = power;
             }
         }
-        dem__store(&old, &at, n, law, features, w->keeps_out__);
+        dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         for (ptrdiff_t m = in->marked - marked, q = 0; m < in->marked && h > 0.0; m++) {
-            const ptrdiff_t c = w->slots__[in->first + m];
+            const ptrdiff_t c = contacts->slots[in->first + m];
             const int k = (int)(c - base);
             dem_contact view;
-            dem__verge verge;
+            dem__edge edge;
             double p[DEM_CONSTANTS_MAX];
-            if (!w->live_event__[c]) continue;
+            if (!contacts->edge[c]) continue;
             while (q < walls && wall[q].row < k) q++;
-            for (int a = 0; a < law->constants; a++) p[a] = traits->constant[a][k];
-            dem__view(&b, traits, k, half, turns, &view, &verge.arm_i, &verge.arm_j);
-            view.mass = traits->mass[k];
-            view.share = dem__share(w, w->live_i__[c], w->live_j__[c]); /* not the row: see there */
+            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
+            dem__contact_geometry(&b, types, k, half, has_friction, &view, &edge.arm_i, &edge.arm_j);
+            view.mass = types->mass[k];
+            view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row: see there */
             view.dt = 0.0;
             view.rate = rate;
             view.constants = p;
             view.user = user;
-            verge.gap = was[k], verge.force = before[k];
-            for (int a = 0; a < law->states && turns; a++) verge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
-            for (int a = 0; a < 9; a++) verge.out[a] = at.out[a] + k;
-            verge.wall_speed = w->live_j__[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-            mend(w, c, &view, &verge);
-            for (int a = 0; a < (turns ? 9 : 3) && w->keeps_out__; a++) old.out[a][k] = at.out[a][k];
+            edge.gap = was[k], edge.force = before[k];
+            for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
+            for (int a = 0; a < 9; a++) edge.out[a] = at.out[a] + k;
+            edge.wall_speed = contacts->j[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+            mend(w, c, &view, &edge);
+            for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old.out[a][k] = at.out[a][k];
         }
-        dem__gather_forces(w, section, base, n, at.out, turns);
+        dem__gather_forces(w, chunk, base, n, at.out, has_friction);
     }
 }
 
 /* Is a kernel of these features the one for a run with those? The arrays of the ledger must be there, or not. */
-DEM_INLINE int dem__serves(int features, int run) {
+DEM_INLINE int dem__suits(int features, int run) {
     return (features & DEM_ENERGY) == (run & DEM_ENERGY) && !(run & ~features & (DEM_FRICTION | DEM_ROLLING));
 }
 
-/* The contacts of sections first .. end-1, by one thread. */
-DEM_INLINE void dem_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__mend_fn *mend, int features) {
-    dem__traits traits;
-    if (!dem__serves(features, w->features__) || law->states != w->law__->states || law->constants != w->law__->constants) {
+/* The contacts of chunks first .. end-1, by one thread. */
+DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__edge_fn *mend, int features) {
+    const dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__type_rows types;
+    if (!dem__suits(features, run->features) || law->states != run->law->states || law->constants != run->law->constants) {
         w->status = DEM_BAD_ARGUMENT;
         return;
     }
-    for (int k = 0; k < DEM_BLOCK; k++) traits.kind[k] = -2;
+    for (int k = 0; k < DEM__BLOCK; k++) types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
-        w->section__[q].marked = w->section__[q].deferred = 0;
-        w->section__[q].low = INT32_MAX, w->section__[q].high = 0;
-        memset(w->push__[q], 0, (size_t)w->walls * sizeof *w->push__[q]);
-        dem__evaluate_section(w, q, &traits, law, mend, features);
+        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
+        contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
+        for (ptrdiff_t k = 0; k < w->walls; k++) {
+            dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+        }
+        dem__evaluate_chunk(w, q, &types, law, mend, features);
     }
 }
 
 /* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
-    double *const *out = w->link_out__;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__links *links = &w->engine->links;
+    double *const *out = links->wrench;
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->link_i__[k], j = w->link_j__[k], ahead = k + DEM__AHEAD;
+        const ptrdiff_t i = links->i[k], j = links->j[k], ahead = k + DEM__AHEAD;
         if (ahead < end) {
-            DEM__PREFETCH(w->load__[w->link_i__[ahead]]);
-            DEM__PREFETCH(w->load__[w->link_j__[ahead] < 0 ? 0 : w->link_j__[ahead]]);
+            DEM__PREFETCH(bodies->load[links->i[ahead]]);
+            DEM__PREFETCH(bodies->load[links->j[ahead] < 0 ? 0 : links->j[ahead]]);
         }
-        if (w->link_ended__[k]) continue;
-        for (int a = 0; a < 6; a++) w->load__[i][a] += out[a][k];
+        if (links->ended[k]) continue;
+        for (int a = 0; a < 6; a++) bodies->load[i][a] += out[a][k];
         if (j < 0) continue;
-        for (int a = 0; a < 3; a++) w->load__[j][a] -= out[a][k];
-        for (int a = 3; a < 6; a++) w->load__[j][a] += out[3 + a][k];
+        for (int a = 0; a < 3; a++) bodies->load[j][a] -= out[a][k];
+        for (int a = 3; a < 6; a++) bodies->load[j][a] += out[3 + a][k];
     }
 }
 
 /* The links in slots first .. end-1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
-DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
-    const double h = w->kernel_dt__;
+DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
+    dem__links *links = &w->engine->links;
+    const double h = w->engine->run.kernel_dt;
     const void *user = w->user;
     dem__rows b;
-    dem__traits traits; /* of which links have sizes only */
+    dem__type_rows types; /* of which links have sizes only */
     dem__row state[DEM_STATE_MAX], out[9];
-    for (ptrdiff_t base = first; base < end; base += DEM_BLOCK) {
-        const int n = end - base < DEM_BLOCK ? (int)(end - base) : DEM_BLOCK;
-        dem__place wall[DEM_BLOCK];
+    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        dem__wall_row wall[DEM__BLOCK];
         int walls = 0;
         for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = w->link_i__[c], j = w->link_j__[c], ahead = c + DEM__AHEAD;
-            if (ahead < end) dem__fetch_particle(w, w->link_i__[ahead]), dem__fetch_particle(w, w->link_j__[ahead]);
+            const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
+            if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
             if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
-            else dem__gather_wall(w, i, -1 - j, w->link_element__[c], -1, &b, k, 0.0, &wall[walls++]);
-            traits.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
-            traits.part[k] = w->particle[i].radius / traits.sum[k];
+            else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &b, k, 0.0, &wall[walls++]);
+            types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+            types.part[k] = w->particle[i].radius / types.sum[k];
         }
-        dem__complete_rows(w, &b, &traits, n, 0.0, wall, walls);
+        dem__complete_rows(w, &b, &types, n, 0.0, wall, walls);
 
         dem__row ended, share;
-        dem__slots old, at;
-        for (int a = 0; a < law->states; a++) old.state[a] = w->link_state__[a] + base;
-        for (int a = 0; a < 9; a++) old.out[a] = w->link_out__[a] + base;
-        for (int a = 0; a < law->states; a++) at.state[a] = DEM__IN_ROWS ? state[a] : old.state[a];
-        for (int a = 0; a < 9; a++) at.out[a] = DEM__IN_ROWS ? out[a] : old.out[a];
-        for (int k = 0; k < n; k++) share[k] = dem__share(w, w->link_i__[base + k], w->link_j__[base + k]);
+        dem__columns old, at;
+        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? out[a] : old.out[a];
+        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, links->i[base + k], links->j[base + k]);
         DEM__INDEPENDENT
         for (int k = 0; k < n; k++) {
             dem_contact q;
@@ -652,7 +670,7 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
             for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
             for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__view(&b, &traits, k, 0.0, 1, &q, &arm_i, &arm_j);
+            dem__contact_geometry(&b, &types, k, 0.0, 1, &q, &arm_i, &arm_j);
             q.mass = 0.0;
             q.share = share[k];
             q.dt = h;
@@ -665,18 +683,18 @@ DEM_INLINE void dem_link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, co
             dem__put_force(at.out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
         }
         const size_t bytes = (size_t)n * sizeof(double);
-        for (int a = 0; a < law->history && DEM__IN_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
-        for (int a = 0; a < 9 && DEM__IN_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
-        memcpy(w->link_gap__ + base, b.gap, bytes);
-        for (int k = 0; k < n; k++) w->link_ended__[base + k] = ended[k] != 0.0;
-        if (dem__parts(w, w->link_count__) == 1) dem__add_links(w, base, base + n);
+        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(links->gap + base, b.gap, bytes);
+        for (int k = 0; k < n; k++) links->ended[base + k] = ended[k] != 0.0;
+        if (dem__parts(w, links->count) == 1) dem__add_links(w, base, base + n);
     }
 }
 
-#define DEM__KERNEL(name, call) DEM__TWICE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
+#define DEM__KERNEL(name, call) DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
-    DEM__FAST static DEM__APART void name##_mend(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__verge *was) {                   \
-        dem__mend(world, c, q, was, &(law), features);                                                                                     \
+    DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
+        dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
     }                                                                                                                                      \
-    DEM__KERNEL(name, dem_kernel(world, first, end, &(law), name##_mend, features))
-#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem_link_kernel(world, first, end, &(law)))
+    DEM__KERNEL(name, dem__kernel(world, first, end, &(law), name##_edge, features))
+#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, &(law)))

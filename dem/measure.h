@@ -142,13 +142,14 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
 /* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre. 0 if it
    carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
-    const dem_contact_info c = k < w->live_count__ ? dem_get_contact(w, k) : dem_get_link(w, k - w->live_count__);
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
     *to = dem_position(w, c.i);
     *force = c.force;
-    if (c.j >= 0) *from = dem__sub(*to, dem__apart(w, dem__sub(*to, dem_position(w, c.j))));
+    if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
     else {
         dem__touch touch;
-        dem__touch_place(w, k < w->live_count__ ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
+        dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
                          &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
@@ -169,7 +170,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     const int images = dem__images(w, shift);
     memset(&m, 0, sizeof m);
     const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
-    dem__bounds(region, &low, &high);
+    dem__tree_bounds(region, &low, &high);
     for (int pass = 0; pass < 2; pass++) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem_vec at = dem_position(w, i), v = dem_velocity(w, i);
@@ -200,7 +201,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
         if (pass == 1) m.granular_temperature *= inverse / 3.0;
     }
     if (m.count > 0) m.coordination /= (double)m.count;
-    for (ptrdiff_t k = 0; k < w->live_count__ + w->link_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < images; image++) {
@@ -295,7 +296,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         dem__smear(w, c, field, dem_position(w, i), &load);
     }
     memset(&load, 0, sizeof load);
-    for (ptrdiff_t k = 0; k < w->live_count__ + w->link_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
         dem_vec from, to;
         if (!dem__branch(w, k, &from, &to, &load.force)) continue;
         load.along = dem__sub(to, from);
@@ -321,7 +322,7 @@ DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, d
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
-    for (ptrdiff_t k = 0; k < w->live_count__; k++) {
+    for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
         const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
@@ -399,9 +400,9 @@ DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, cons
 DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     double unlike = 0.0, all = 0.0, ends = 0.0;
     if (!world) return (double)NAN;
-    DEM__EACH(world, k) {
-        const int32_t i = world->live_i__[k], j = world->live_j__[k];
-        if (j < 0 || !(world->live_gap__[k] < 0.0)) continue;
+    DEM__EACH_CONTACT(world, k) {
+        const int32_t i = world->engine->contacts.i[k], j = world->engine->contacts.j[k];
+        if (j < 0 || !(world->engine->contacts.gap[k] < 0.0)) continue;
         const int a = world->group[i] == group, b = world->group[j] == group;
         unlike += a != b, ends += a + b, all += 1.0;
     }

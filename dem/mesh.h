@@ -167,12 +167,12 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     }
     if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     if (local) a->fn(a->user, local, bytes, 0);
-    if (wall.tree && !dem__make_places(w)) {
+    if (wall.tree && !dem__make_touch_memory(w)) {
         a->fn(a->user, wall.tree, wall.tree->bytes, 0);
         wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
     }
     if (!wall.tree) return -(int)status;
-    w->meshes__++;
+    w->engine->walls.meshes++;
     return dem__add_wall(w, &wall);
 }
 

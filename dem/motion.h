@@ -9,7 +9,7 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     a->motion_start = w->time;
     if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
     a->drive = DEM_KINEMATIC;
-    w->stale__ = 1;
+    w->engine->run.needs_lists = 1;
     return a;
 }
 
@@ -66,7 +66,7 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
     a->slides = 1;
     a->drive = (int)drive;
-    w->fresh__ = 1; /* its acceleration is to be found */
+    w->engine->run.needs_forces = 1; /* its acceleration is to be found */
     return a;
 }
 
@@ -82,13 +82,13 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.drive = DEM_PRESCRIBED;
     probe.spin_centre = centre;
     probe.motion = motion, probe.motion_user = user;
-    probe.interval = world->dt__;
+    probe.interval = world->engine->run.dt;
     dem__move_wall(&probe, world->time);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->dt__;
+    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->engine->run.dt;
     a->spin_centre = centre;
     a->motion = motion, a->motion_user = user;
-    world->stale__ = 1; /* another function may put it elsewhere */
+    world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
     return DEM_OK;
 }
 
@@ -108,7 +108,7 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     a->load = load;
     a->damping = damping;
     a->rate = rate;
-    w->controls__ = 1;
+    w->engine->walls.controls = 1;
     return DEM_OK;
 }
 
@@ -129,7 +129,8 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
 
 /* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
-    for (int k = 0; k < w->walls && w->controls__; k++) {
+    const dem__run *run = &w->engine->run;
+    for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
         if (a->drive < DEM_FORCE_CONTROLLED) continue;
         const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
@@ -138,7 +139,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = rate;
         a->rate_change = (push - a->damping * rate) / a->inertia;
-        a->motion_start = h > 0.0 ? w->start_time__ + (double)(w->step + 1 - w->start_step__) * w->dt__ : w->time;
+        a->motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);
     }
 }
@@ -155,6 +156,6 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
-    world->stale__ = world->fresh__ = 1;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;
 }

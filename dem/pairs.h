@@ -82,13 +82,13 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 }
 
 /* The near pairs that a thread finds, and room for so many. */
-typedef struct dem__finds {
+typedef struct dem__found_pairs {
     dem__near *pair;
     ptrdiff_t n, room;
     int full;
-} dem__finds;
+} dem__found_pairs;
 
-static inline int dem__add_near(const dem_world *w, dem__finds *finds, int32_t i, int32_t j) {
+static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
     q->i = i < j ? i : j;
@@ -98,12 +98,12 @@ static inline int dem__add_near(const dem_world *w, dem__finds *finds, int32_t i
 }
 
 /* Spheres that those of a cell may be near to. */
-enum { DEM__CROWD = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
-typedef struct dem__crowd {
-    double x[DEM__CROWD], y[DEM__CROWD], z[DEM__CROWD], extent[DEM__CROWD];
-    int32_t at[DEM__CROWD]; /* in the sorted list */
+enum { DEM__CANDIDATES_MAX = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
+typedef struct dem__candidates {
+    double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
+    int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
     int n;
-} dem__crowd;
+} dem__candidates;
 
 /* The nearest image of a distance of two places within the periodic box. */
 DEM_INLINE double dem__image(double d, double length) {
@@ -112,13 +112,13 @@ DEM_INLINE double dem__image(double d, double length) {
 }
 
 /* Those of a crowd that are near a sphere: their numbers in it, and how many. Without a branch, which nobody could predict. */
-DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count) {
-    double room[DEM__CROWD];
+DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
+    double room[DEM__CANDIDATES_MAX];
     int m = 0;
     for (int k = 0; k < c->n; k++) {
         double x = s->x - c->x[k], y = s->y - c->y[k], z = s->z - c->z[k];
         if (length) x = dem__image(x, length[0]), y = dem__image(y, length[1]), z = dem__image(z, length[2]);
-        const double sum = s->ball + c->extent[k];
+        const double sum = s->tolerance + c->extent[k];
         room[k] = x * x + y * y + z * z - sum * sum;
     }
     for (int k = 0; k < c->n; k++) {
@@ -127,8 +127,8 @@ DEM_INLINE void dem__choose_near(const dem__crowd *c, const dem__course *s, cons
     }
     *count = m;
 }
-DEM__TWICE(dem__choose, (const dem__crowd *c, const dem__course *s, const double *length, int32_t *near, int *count),
-           (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
+DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
+                (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
 /* Length of the box along an axis, HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -141,34 +141,35 @@ static inline double dem__narrowest(const dem_world *w) {
 }
 
 /* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. Returns 0 if there is no room. */
-static inline int dem__meet(const dem_world *w, const dem__crowd *crowd, int32_t first, int32_t end, dem__finds *finds) {
+static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
+                                             dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
-    int32_t near[DEM__CROWD];
+    int32_t near[DEM__CANDIDATES_MAX];
     for (int32_t p = first; p < end; p++) {
         int n;
-        dem__choose(crowd, &w->course__[p], w->has_periodic__ ? length : NULL, near, &n);
+        dem__choose(crowd, &w->engine->bodies.bound[p], w->engine->run.has_periodic ? length : NULL, near, &n);
         for (int k = 0; k < n; k++) {
             const int32_t q = crowd->at[near[k]];
-            if (q > p && !dem__add_near(w, finds, w->remap__[p], w->remap__[q])) return 0;
+            if (q > p && !dem__add_near(w, finds, w->engine->scratch.index[p], w->engine->scratch.index[q])) return 0;
         }
     }
     return 1;
 }
 
 /* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
-static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__finds *finds) {
-    const int32_t *start = w->cells__;
-    const dem__course *scratch = w->course__;
+static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
+    const int32_t *start = w->engine->pairs.cells;
+    const dem__bound *scratch = w->engine->bodies.bound;
     dem_vec low = dem_vec3(scratch[first].x, scratch[first].y, scratch[first].z), high = low;
     double extent = 0.0;
-    dem__crowd crowd;
+    dem__candidates crowd;
     for (int32_t p = first; p < end; p++) {
         low.x = scratch[p].x < low.x ? scratch[p].x : low.x, high.x = scratch[p].x > high.x ? scratch[p].x : high.x;
         low.y = scratch[p].y < low.y ? scratch[p].y : low.y, high.y = scratch[p].y > high.y ? scratch[p].y : high.y;
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
-        extent = scratch[p].ball > extent ? scratch[p].ball : extent;
+        extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->margin__;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -184,25 +185,27 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
-                if (crowd.n == DEM__CROWD) {
-                    if (!dem__meet(w, &crowd, first, end, finds)) return 0;
+                if (crowd.n == DEM__CANDIDATES_MAX) {
+                    if (!dem__pairs_with_candidates(w, &crowd, first, end, finds)) return 0;
                     crowd.n = 0;
                 }
                 crowd.x[crowd.n] = scratch[q].x, crowd.y[crowd.n] = scratch[q].y, crowd.z[crowd.n] = scratch[q].z;
-                crowd.extent[crowd.n] = scratch[q].ball;
+                crowd.extent[crowd.n] = scratch[q].tolerance;
                 crowd.at[crowd.n++] = q;
             }
         }
     }
-    return dem__meet(w, &crowd, first, end, finds);
+    return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
 /* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory.
-   The courses serve as scratch: a rebuild sets all of them. */
+   The bounds serve as scratch: a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__pairs *pairs = &w->engine->pairs;
     double smallest = HUGE_VAL;
     dem_vec low, high;
-    int32_t *sorted = w->remap__;
+    int32_t *sorted = w->engine->scratch.index;
     ptrdiff_t cells = 0;
     int levels = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
@@ -214,22 +217,22 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         grid[level].count++;
         sorted[i] = level;
     }
-    for (int a = 0; a < 3; a++) dem__bulk(w->listed_at__, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
+    for (int a = 0; a < 3; a++) dem__bulk(w->engine->pairs.listed_at, a, w->count, dem_axis_of(&low, a), dem_axis_of(&high, a));
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + w->margin__, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
-    if (!dem__grow_one(w, &w->cells__, &w->cells_capacity__, cells + 1)) return 0;
-    int32_t *start = w->cells__;
+    if (!dem__grow_one(w, &pairs->cells, &pairs->cells_capacity, cells + 1)) return 0;
+    int32_t *start = pairs->cells;
     for (ptrdiff_t c = 0; c <= cells; c++) start[c] = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->listed_at__[i]);
-        w->cell_next__[i] = (int32_t)c;
+        const ptrdiff_t c = dem__cell(&grid[sorted[i]], w->engine->pairs.listed_at[i]);
+        pairs->cell_of[i] = (int32_t)c;
         start[c]++;
     }
     for (ptrdiff_t c = 0, sum = 0; c <= cells; c++) {
@@ -238,23 +241,25 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     }
     for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
         if (!w->alive[i]) continue;
-        const int32_t k = --start[w->cell_next__[i]];
+        const int32_t k = --start[pairs->cell_of[i]];
         sorted[k] = (int32_t)i;
-        w->course__[k].x = w->listed_at__[i].x, w->course__[k].y = w->listed_at__[i].y, w->course__[k].z = w->listed_at__[i].z;
-        w->course__[k].ball = w->particle[i].radius + 0.5 * w->margin__;
+        bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
+        bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
     }
     return levels;
 }
 
 /* The near pairs of the spheres whose cells begin in first .. end-1 of the sorted list: those of a cell look at the cells around it on
    their own level and the coarser ones, and there at those after them in the list. Returns 0 if there is no room. */
-static inline int dem__find_in(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end, dem__finds *finds) {
-    const int32_t *start = w->cells__;
+static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
+                                       dem__found_pairs *finds) {
+    const int32_t *start = w->engine->pairs.cells;
     ptrdiff_t of_level = 0, p = first;
     finds->n = 0;
     for (int level = 0; level < levels; level++) {
         for (of_level += grid[level].count; p < of_level && p < end;) {
-            const int32_t cell = w->cell_next__[w->remap__[p]], from = start[cell], to = start[cell + 1];
+            const int32_t cell = w->engine->pairs.cell_of[w->engine->scratch.index[p]], from = start[cell], to = start[cell + 1];
             for (int other = level; other < levels && from == p; other++) {
                 if (grid[other].count > 0 && !dem__find_pairs_of(w, &grid[other], from, to, finds)) return 0;
             }
@@ -267,144 +272,156 @@ static inline int dem__find_in(const dem_world *w, const dem__grid *grid, int le
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
     dem__grid grid[DEM__LEVELS_MAX];
-    dem__finds finds[DEM__PARTS_MAX];
+    dem__found_pairs finds[DEM__PARTS_MAX];
     ptrdiff_t room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4, present = 0;
     int q, full = 1;
-    w->near_count__ = 0;
+    pairs->count = 0;
     if (w->count == 0) return 1;
     memset(grid, 0, sizeof grid);
     const int levels = dem__fill_cells(w, grid), parts = dem__parts(w, w->count);
     for (int level = 0; level < levels; level++) present += grid[level].count;
     while (full) {
         if (levels == 0 || room > INT32_MAX / 2 || !dem__grow_near(w, room)) return 0;
-        room = w->pair_timers__.capacity * DEM__BUNCH;
+        room = pairs->timers.capacity * DEM__LINE;
         full = 0;
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
 #endif
         for (q = 0; q < parts; q++) {
-            finds[q].pair = w->near__ + dem__part(room, q, parts);
+            finds[q].pair = pairs->near + dem__part(room, q, parts);
             finds[q].room = dem__part(room, q + 1, parts) - dem__part(room, q, parts);
-            finds[q].full = !dem__find_in(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
+            finds[q].full =
+                !dem__find_pairs_part(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
         }
         for (q = 0; q < parts; q++) full |= finds[q].full;
         room++;
     }
     for (q = 0; q < parts; q++) {
-        memmove(w->near__ + w->near_count__, finds[q].pair, (size_t)finds[q].n * sizeof *w->near__);
-        w->near_count__ += finds[q].n;
+        memmove(pairs->near + pairs->count, finds[q].pair, (size_t)finds[q].n * sizeof *pairs->near);
+        pairs->count += finds[q].n;
     }
     return 1;
 }
 
 /* The near pairs of each particle, both ways. */
 static inline int dem__find_adjacent(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
-    if (!dem__grow_one(w, &w->adjacent__, &w->adjacent_capacity__, 4 * w->near_count__)) return 0;
-    int32_t *start = w->adjacent_start__;
+    if (!dem__grow_one(w, &pairs->adjacent, &pairs->adjacent_capacity, 4 * pairs->count)) return 0;
+    int32_t *start = pairs->adjacent_start;
     for (ptrdiff_t i = 0; i <= w->count; i++) start[i] = 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) start[w->near__[p].i]++, start[w->near__[p].j]++;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) start[pairs->near[p].i]++, start[pairs->near[p].j]++;
     for (ptrdiff_t i = 0, sum = 0; i <= w->count; i++) {
         sum += start[i];
         start[i] = (int32_t)sum;
     }
-    for (ptrdiff_t p = w->near_count__ - 1; p >= 0; p--) {
-        const int32_t i = w->near__[p].i, j = w->near__[p].j, a = --start[i], b = --start[j];
-        w->adjacent__[2 * a] = w->adjacent__[2 * b] = (int32_t)p;
-        w->adjacent__[2 * a + 1] = j, w->adjacent__[2 * b + 1] = i;
+    for (ptrdiff_t p = pairs->count - 1; p >= 0; p--) {
+        const int32_t i = pairs->near[p].i, j = pairs->near[p].j, a = --start[i], b = --start[j];
+        pairs->adjacent[2 * a] = pairs->adjacent[2 * b] = (int32_t)p;
+        pairs->adjacent[2 * a + 1] = j, pairs->adjacent[2 * b + 1] = i;
     }
     return 1;
 }
 
 /* The near pair of two particles, or -1. */
 static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
-    if (w->stale__) return -1;
-    for (int32_t a = w->adjacent_start__[i]; a < w->adjacent_start__[i + 1]; a++) {
-        if (w->adjacent__[2 * a + 1] == j) return w->adjacent__[2 * a];
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
     }
     return -1;
 }
 
 static inline void dem__list_wall_contacts(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->wall_head__[i] = -1;
-    DEM__EACH(w, c) {
-        if (w->live_j__[c] >= 0) continue;
-        w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
-        w->wall_head__[w->live_i__[c]] = (int32_t)c;
+    dem__wall_state *walls = &w->engine->walls;
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t i = 0; i < w->count; i++) walls->first_contact[i] = -1;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] >= 0) continue;
+        contacts->wall_next[c] = walls->first_contact[contacts->i[c]];
+        walls->first_contact[contacts->i[c]] = (int32_t)c;
     }
 }
 
 /* Which near pair a live contact is. */
 static inline void dem__find_contacts(dem_world *w) {
-    DEM__EACH(w, c) {
-        const int32_t p = w->live_j__[c] < 0 ? -1 : dem__near_pair(w, w->live_i__[c], w->live_j__[c]);
-        w->live_near__[c] = p;
-        if (p >= 0) dem__stop_timer(&w->pair_timers__, p);
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
+        contacts->near[c] = p;
+        if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
     }
 }
 
 /* Near pair p (or -1) is linked, or not any more. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
-    dem__near *q = &w->near__[p];
-    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->link_near__ : 0.0);
+    dem__near *q = &w->engine->pairs.near[p];
+    q->distance = w->particle[q->i].radius + w->particle[q->j].radius + (linked ? w->engine->links.near : 0.0);
 }
 
 DEM_INLINE void dem__list_link(dem_world *w, int32_t k) {
-    const int32_t i = w->link_i__[k], j = w->link_j__[k];
-    w->link_next_i__[k] = w->link_head__[i];
-    w->link_head__[i] = k;
+    dem__links *links = &w->engine->links;
+    const int32_t i = links->i[k], j = links->j[k];
+    links->next_i[k] = links->first_link[i];
+    links->first_link[i] = k;
     if (j < 0) return;
     const int32_t p = dem__near_pair(w, i, j);
-    w->link_next_j__[k] = w->link_head__[j];
-    w->link_head__[j] = k;
+    links->next_j[k] = links->first_link[j];
+    links->first_link[j] = k;
     dem__mark_link(w, p, 1);
 }
 
 static inline void dem__find_links(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) w->link_head__[i] = -1;
-    for (int32_t k = 0; k < (int32_t)w->link_count__; k++) dem__list_link(w, k);
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->links.first_link[i] = -1;
+    for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
 }
 
-/* Timers of all near pairs that do not touch, in sheaves first .. end-1. */
-DEM_INLINE void dem__wait_for_new(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+/* Timers of all near pairs that do not touch, in pages first .. end-1. */
+DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
+    const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, w->step);
-    dem__waits waits;
-    dem__no_waits(&waits);
-    for (ptrdiff_t p = first * DEM__SHEAF; p < end * DEM__SHEAF; p++) {
-        if (w->pair_timers__.due[p] == DEM__STOPPED) continue;
-        const dem__course a = dem__course_at(&w->course__[w->near__[p].i], t), b = dem__course_at(&w->course__[w->near__[p].j], t);
-        dem__wait_on_courses(w, &waits, (int32_t)p, w->step, &a, &b);
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    for (ptrdiff_t p = first * DEM__PAGE; p < end * DEM__PAGE; p++) {
+        if (pairs->timers.due[p] == DEM__STOPPED) continue;
+        const dem__bound a = dem__bound_at(&w->engine->bodies.bound[pairs->near[p].i], t),
+                         b = dem__bound_at(&w->engine->bodies.bound[pairs->near[p].j], t);
+        dem__batch_bounds(w, &waits, (int32_t)p, w->step, &a, &b);
     }
-    dem__set_waits(w, &waits, w->step);
+    dem__flush_batch(w, &waits, w->step);
 }
-DEM__TWICE(dem__wait_in, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end), dem__wait_for_new(w, first, end))
-static inline void dem__wait_all(dem_world *w) {
-    const ptrdiff_t sheaves = w->pair_timers__.sheaves;
-    const int parts = dem__parts(w, w->near_count__);
+DEM__AVX2_CLONE(dem__set_new_timers_part, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end),
+                dem__set_new_timers(w, first, end))
+static inline void dem__set_all_timers(dem_world *w) {
+    const ptrdiff_t pages = w->engine->pairs.timers.pages;
+    const int parts = dem__parts(w, w->engine->pairs.count);
     int q;
     if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
     if (parts == 1) {
-        dem__wait_in(w, 0, sheaves);
+        dem__set_new_timers_part(w, 0, pages);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) num_threads(parts)
 #endif
-    for (q = 0; q < parts; q++) dem__wait_in(w, dem__part(sheaves, q, parts), dem__part(sheaves, q + 1, parts));
+    for (q = 0; q < parts; q++) dem__set_new_timers_part(w, dem__part(pages, q, parts), dem__part(pages, q + 1, parts));
 }
 
 /* Timers for a new list: pairs apart; walls as they are, or all stopped. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
+    dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
-    dem__timers *pair = &w->pair_timers__, *wall = &w->wall_timers__;
-    if (!dem__grow_near(w, w->near_count__)) return 0;
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) pair->due[p] = DEM__NEVER;
-    dem__stop_timers(pair, w->near_count__, w->near_count__);
+    dem__timers *pair = &pairs->timers, *wall = &w->engine->walls.timers;
+    if (!dem__grow_near(w, pairs->count)) return 0;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) pair->due[p] = DEM__NEVER;
+    dem__stop_timers(pair, pairs->count, pairs->count);
     pair->from = w->step;
     if (!keeps) {
-        if (!dem__grow_timers(w, wall, walls, &w->wall_sure__, sizeof *w->wall_sure__)) return 0;
+        if (!dem__grow_timers(w, wall, walls, &w->engine->walls.sure, sizeof *w->engine->walls.sure)) return 0;
         dem__stop_timers(wall, 0, walls);
         wall->from = w->step;
     } else dem__count_from(wall, w->step);
@@ -413,27 +430,31 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
 
 /* The list waits for somebody to move in the frame of what most do: it drifts at their mean velocity, and falls with them if they fly. */
 static inline void dem__choose_frame(dem_world *w) {
-    const int flies = 2 * w->active_count__ < w->count;
+    dem__pairs *pairs = &w->engine->pairs;
+    const int flies = 2 * w->engine->bodies.active_count < w->count;
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     double n = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
     }
-    w->list_velocity__ = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
-    w->list_acceleration__ = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
-    w->list_fall__ = flies ? 0.0 : w->fall__;
+    pairs->frame_velocity = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
+    pairs->frame_acceleration = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
+    pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
 /* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
-static DEM__APART int dem__rebuild(dem_world *w) {
-    const int keeps = !w->stale__;
-    if (!keeps || w->dropped__ > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+static DEM__NOINLINE int dem__rebuild(dem_world *w) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__pairs *pairs = &w->engine->pairs;
+    const int keeps = !run->needs_lists;
+    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest = HUGE_VAL, largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
-        w->listed_at__[i] = x;
+        w->engine->pairs.listed_at[i] = x;
         smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
         largest = w->particle[i].radius > largest ? w->particle[i].radius : largest;
         if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
@@ -442,26 +463,28 @@ static DEM__APART int dem__rebuild(dem_world *w) {
             return 0;
         }
     }
-    w->pace__ = (1.0 - 1e-9) / w->dt__; /* steps a second, not rounded up */
-    const int few = w->near_count__ < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) w->stretch__ *= (double)lasts / (double)(w->step - w->listed__ + 1);
-    w->stretch__ = dem__clamp(w->stretch__, 1.0, 3.0);
-    const double wanted = 2.0 * smallest * w->def.skin * w->stretch__, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    w->margin__ = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    w->slack__ = 0.05 * w->margin__ / (DEM__OFTEN * w->dt__);
-    w->reach__ = 4.0 * w->margin__;
-    w->blur__ = 2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
-    w->fall__ = dem__length(w->def.gravity);
+    pairs->steps_per_second = (1.0 - 1e-9) / run->dt; /* steps a second, not rounded up */
+    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
+    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
+    const double wanted = 2.0 * smallest * w->def.skin * pairs->margin_factor,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * run->dt);
+    pairs->wall_reach = 4.0 * pairs->margin;
+    pairs->position_tolerance =
+        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
+    pairs->gravity_size = dem__length(w->def.gravity);
     dem__choose_frame(w);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    if (!(w->link_near__ <= 0.01 * w->margin__) && w->link_count__ > 0) {
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) {
         w->status = DEM_BAD_DEFINITION;
         return 0;
     }
-    if (w->near_count__ > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
+    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
         w->status = DEM_TOO_MANY;
         return 0;
     }
@@ -469,48 +492,48 @@ static DEM__APART int dem__rebuild(dem_world *w) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
-    w->stale__ = 0;
+    run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
     dem__find_links(w);
-    w->next_check__ = w->step + DEM__FAR;
-    w->listed__ = w->step;
+    pairs->next_check = w->step + DEM__STEPS_MAX;
+    pairs->listed_step = w->step;
     w->rebuilds++;
-    for (ptrdiff_t i = 0; i < w->count && !keeps; i++) w->wall_speed__[i] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count && !keeps; i++) bodies->wall_speed[i] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i]) dem__begin_course(w, i, w->step);
+        if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    dem__wait_all(w);
+    dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
         if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
         a->speed_bound = speed, a->spin_bound = spin;
-        if (keeps) dem__hurry(w, k, w->step + 1);
+        if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
     }
     for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
         for (int k = 0; k < w->walls; k++) {
-            if (dem__awaits(w, i, k)) dem__set_timer(&w->wall_timers__, (int32_t)i * w->walls + k, w->step + 1);
+            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
         }
     }
     return 1;
 }
 
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
-static DEM__APART int dem__check_list(dem_world *w) {
+static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    int64_t due = w->listed__ + DEM__FAR;
+    int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
         const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->dt__)) continue;
+        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
         const int steps = dem__steps_left(w, &leeway);
         if (steps < 12) return dem__rebuild(w);
         due = w->step + steps;
     }
-    w->next_check__ = due;
+    w->engine->pairs.next_check = due;
     return 1;
 }

@@ -22,19 +22,19 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
     if (!world) return l;
-    l = world->ledger__;
+    l = world->engine->ledger.sums;
     l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
-        if (world->ledger_on__) l.link_work += dem__link_work(world, i);
+        if (world->engine->ledger.on) l.link_work += dem__link_work(world, i);
     }
-    if (world->ledger_on__) {
-        DEM__EACH(world, c) { l.elastic += world->live_elastic__[c]; }
+    if (world->engine->ledger.on) {
+        DEM__EACH_CONTACT(world, c) { l.elastic += world->engine->contacts.elastic[c]; }
     }
-    if (!world->ledger_started__) return l;
+    if (!world->engine->ledger.started) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
     l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
@@ -42,41 +42,41 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->live_count__ : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->engine->contacts.count : 0; }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->live_count__) return info;
+    if (!world || k < 0 || k >= world->engine->contacts.count) return info;
     k = dem__slot_of(world, k);
-    info.i = world->live_i__[k];
-    info.j = world->live_j__[k];
-    info.gap = world->live_gap__[k];
-    info.force = dem_vec3(world->live_out__[0][k], world->live_out__[1][k], world->live_out__[2][k]);
-    info.element = world->live_element__[k];
-    for (int a = 0; a < world->states__; a++) info.state[a] = world->live_state__[a][k];
+    info.i = world->engine->contacts.i[k];
+    info.j = world->engine->contacts.j[k];
+    info.gap = world->engine->contacts.gap[k];
+    info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
+    info.element = world->engine->contacts.element[k];
+    for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
     return info;
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->live_count__) return;
-    for (int a = 0; a < world->states__; a++) world->live_state__[a][dem__slot_of(world, slot)] = state[a];
+    if (!world || !state || slot < 0 || slot >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->link_count__ : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->engine->links.count : 0; }
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->link_count__) return info;
-    info.i = world->link_i__[k];
-    info.j = world->link_j__[k];
-    info.element = world->link_element__[k];
-    info.gap = world->link_gap__[k];
-    info.force = dem_vec3(world->link_out__[0][k], world->link_out__[1][k], world->link_out__[2][k]);
-    for (int a = 0; a < world->link_states__; a++) info.state[a] = world->link_state__[a][k];
+    if (!world || k < 0 || k >= world->engine->links.count) return info;
+    info.i = world->engine->links.i[k];
+    info.j = world->engine->links.j[k];
+    info.element = world->engine->links.element[k];
+    info.gap = world->engine->links.gap[k];
+    info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
+    for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
     return info;
 }
 
@@ -104,10 +104,10 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];
         int n = 0, holding = 0;
-        for (int32_t c = world->wall_head__[i]; c >= 0 && n < DEM__TOUCHES; c = world->live_wall_next__[c]) {
+        for (int32_t c = world->engine->walls.first_contact[i]; c >= 0 && n < DEM__TOUCHES; c = world->engine->contacts.wall_next[c]) {
             dem__touch touch;
-            if (world->live_j__[c] != -1 - wall || !(world->live_gap__[c] < 0.0)) continue;
-            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->live_element__[c], &touch);
+            if (world->engine->contacts.j[c] != -1 - wall || !(world->engine->contacts.gap[c] < 0.0)) continue;
+            dem__touch_element(s, dem__add(d, s->position), world->particle[i].radius, world->engine->contacts.element[c], &touch);
             normal[n++] = touch.normal;
         }
         if (n < 2) continue;

@@ -95,50 +95,53 @@ static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
 
 /* Particles present and contacts; remap__[i] must be the index among those present. */
 static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__links *links = &w->engine->links;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem_particle *p = &w->particle[i];
         dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
             dem__vecs(s, &w->spin_rate[i], 1);
         dem__f64(s, &p->radius), dem__f64(s, &p->mass);
-        for (int a = 0; a < 6; a++) dem__f64(s, &w->load__[i][a]);
+        for (int a = 0; a < 6; a++) dem__f64(s, &bodies->load[i][a]);
         dem__i64(s, &w->particle[i].origin);
         dem__u64(s, &w->id[i]);
         dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
         for (int a = 0; a < 6; a++) {
-            if (w->links_on__) dem__f64(s, &w->external__[i][a]);
-            else if (s->loading) w->external__[i][a] = w->load__[i][a];
+            if (links->on) dem__f64(s, &bodies->external[i][a]);
+            else if (s->loading) bodies->external[i][a] = bodies->load[i][a];
         }
-        for (int a = 0; a < 6 && w->links_on__ && with_forces; a++) dem__f64(s, &w->linked__[i][a]);
-        if (w->links_on__) dem__i32(s, &w->link_loaded__[i]);
+        for (int a = 0; a < 6 && links->on && with_forces; a++) dem__f64(s, &links->evaluated_at[i][a]);
+        if (links->on) dem__i32(s, &links->is_loaded[i]);
     }
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        int32_t i = remap ? remap[w->link_i__[k]] : w->link_i__[k], j = w->link_j__[k];
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        int32_t i = remap ? remap[links->i[k]] : links->i[k], j = links->j[k];
         if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->link_element__[k]);
-        if (s->loading) w->link_i__[k] = i, w->link_j__[k] = j;
-        for (int a = 0; a < w->link_states__; a++) dem__f64(s, &w->link_state__[a][k]);
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &links->element[k]);
+        if (s->loading) links->i[k] = i, links->j[k] = j;
+        for (int a = 0; a < links->states; a++) dem__f64(s, &links->state[a][k]);
     }
-    DEM__EACH(w, c) {
-        int32_t i = remap ? remap[w->live_i__[c]] : w->live_i__[c], j = w->live_j__[c];
+    DEM__EACH_CONTACT(w, c) {
+        int32_t i = remap ? remap[contacts->i[c]] : contacts->i[c], j = contacts->j[c];
         if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &w->live_element__[c]);
-        if (s->loading) w->live_i__[c] = i, w->live_j__[c] = j;
-        dem__f64(s, &w->live_gap__[c]), dem__f64(s, &w->live_force__[c]);
-        for (int a = 0; a < w->states__; a++) dem__f64(s, &w->live_state__[a][c]);
+        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &contacts->element[c]);
+        if (s->loading) contacts->i[c] = i, contacts->j[c] = j;
+        dem__f64(s, &contacts->gap[c]), dem__f64(s, &contacts->force[c]);
+        for (int a = 0; a < contacts->states; a++) dem__f64(s, &contacts->state[a][c]);
         if (!with_forces) continue;
-        for (int a = 0; w->places__ && a < 4; a++) dem__f64(s, &w->live_place__[a][c]);
-        for (int a = 0; a < 9; a++) dem__f64(s, &w->live_out__[a][c]);
-        if (w->ledger_on__) {
-            dem__f64(s, &w->live_elastic__[c]);
-            for (int a = 0; a < 3; a++) dem__f64(s, &w->live_power__[a][c]);
+        for (int a = 0; w->engine->walls.touch_keepers && a < 4; a++) dem__f64(s, &contacts->touch[a][c]);
+        for (int a = 0; a < 9; a++) dem__f64(s, &contacts->wrench[a][c]);
+        if (w->engine->ledger.on) {
+            dem__f64(s, &contacts->elastic[c]);
+            for (int a = 0; a < 3; a++) dem__f64(s, &contacts->power[a][c]);
         }
     }
 }
 
 static inline void dem__number_present(const dem_world *w) {
     int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->remap__[i] = w->alive[i] ? n++ : -1;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? n++ : -1;
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
@@ -152,59 +155,75 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     for (int k = 0; k < w.walls; k++) {
         if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
-    dem__stream_state(&s, &w, w.remap__, 0);
+    dem__stream_state(&s, &w, w.engine->scratch.index, 0);
     return s.hash;
 }
 
-static inline void dem__stream_sections(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
-    const int64_t all = live + DEM_BLOCK;
+static inline void dem__stream_chunks(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int64_t all = live + DEM__BLOCK;
     ptrdiff_t first = 0;
-    dem__ints(s, &w->sections__, 1);
-    if (w->sections__ < 1 || w->sections__ > DEM__SECTIONS) s->failed = 1;
-    for (int q = 0; q < w->sections__ && !s->failed; q++) {
-        dem__section *in = &w->section__[q];
-        int64_t of = in->live, room = in->room;
-        int32_t from = in->from;
+    dem__ints(s, &contacts->chunk_count, 1);
+    if (contacts->chunk_count < 1 || contacts->chunk_count > DEM__CHUNKS) s->failed = 1;
+    for (int q = 0; q < contacts->chunk_count && !s->failed; q++) {
+        dem__chunk *in = &contacts->chunk[q];
+        int64_t of = in->count, room = in->capacity;
+        int32_t from = in->first_particle;
         if (!s->loading && from > 0) from = dem__remapped(w, from);
         dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
-        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < w->sections__ - 1 && of > room)) s->failed = 1;
+        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < contacts->chunk_count - 1 && of > room)) s->failed = 1;
         if (!s->loading || s->failed) continue;
-        in->first = first, in->live = (ptrdiff_t)of, in->room = (ptrdiff_t)room, in->from = q < w->sections__ - 1 ? from : 0;
-        first += in->room;
+        in->first = first, in->count = (ptrdiff_t)of, in->capacity = (ptrdiff_t)room,
+        in->first_particle = q < contacts->chunk_count - 1 ? from : 0;
+        first += in->capacity;
         live -= of;
     }
     if (s->loading && live != 0) s->failed = 1;
 }
 
 static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
-    uint64_t magic = 0x0a1a64656d52u, version = DEM_FORMAT;
+    dem__run *run = &w->engine->run;
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__ledger *ledger = &w->engine->ledger;
+    uint64_t magic = 0x0a1a64656d52u, version = DEM__FORMAT;
     dem__u64(s, &magic), dem__u64(s, &version);
-    if (magic != 0x0a1a64656d52u || version != DEM_FORMAT) s->failed = 1;
+    if (magic != 0x0a1a64656d52u || version != DEM__FORMAT) s->failed = 1;
     dem__stream_def(s, &w->def);
-    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &w->start_time__), dem__i64(s, &w->start_step__), dem__f64(s, &w->target__);
-    dem__u64(s, &w->next_id__);
+    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &run->target);
+    dem__u64(s, &w->engine->bodies.next_id);
     dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
-    const int64_t counts[] = {w->step, w->start_step__, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
+    const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
-    int *flags[] = {&w->walls,      &w->fresh__,  &w->ledger_on__, &w->ledger_started__,
-                    &w->loads_on__, &w->states__, &w->links_on__,  &w->link_states__};
+    int *flags[] = {&w->walls,
+                    &run->needs_forces,
+                    &ledger->on,
+                    &ledger->started,
+                    &w->engine->bodies.loads_on,
+                    &contacts->states,
+                    &w->engine->links.on,
+                    &w->engine->links.states};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || w->states__ < 0 || w->states__ > DEM_STATE_MAX) s->failed = 1;
-    if (w->link_states__ < 0 || w->link_states__ > DEM_STATE_MAX) s->failed = 1;
-    dem__f64(s, &w->link_interval__), dem__f64(s, &w->link_near__);
+    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || contacts->states < 0 || contacts->states > DEM_STATE_MAX) s->failed = 1;
+    if (w->engine->links.states < 0 || w->engine->links.states > DEM_STATE_MAX) s->failed = 1;
+    dem__f64(s, &w->engine->links.interval), dem__f64(s, &w->engine->links.near);
+    if (!s->failed && s->loading && !dem__grow_walls(w, w->walls)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        s->failed = 1;
+    }
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
-    dem_energy_ledger *l = &w->ledger__;
+    dem_energy_ledger *l = &ledger->sums;
     double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
                       &l->added,       &l->removed,      &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
-    int64_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    int64_t live = contacts->count, passed = w->passed_count, links = w->engine->links.count;
     dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
-    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->link_near__) || !dem__not_negative(w->link_interval__)) s->failed = 1;
+    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->engine->links.near) || !dem__not_negative(w->engine->links.interval))
+        s->failed = 1;
     if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
-    dem__stream_sections(s, w, live, *present);
-    w->live_count__ = (ptrdiff_t)live;
+    dem__stream_chunks(s, w, live, *present);
+    contacts->count = (ptrdiff_t)live;
     w->passed_count = (ptrdiff_t)passed;
-    w->link_count__ = (ptrdiff_t)links;
+    w->engine->links.count = (ptrdiff_t)links;
 }
 
 static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
@@ -260,7 +279,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     if (!world || !world->def.allocator.fn) return 0;
     for (int pass = 0; pass < 2; pass++) {
         dem_world w = *world;
-        int64_t present = w.count - w.dropped__;
+        int64_t present = w.count - w.engine->bodies.dropped;
         uint64_t check;
         memset(&s, 0, sizeof s);
         s.hash = 0xcbf29ce484222325u;
@@ -268,7 +287,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
         s.size = capacity;
         dem__number_present(&w);
         dem__stream_head(&s, &w, &present);
-        dem__stream_state(&s, &w, w.remap__, 1);
+        dem__stream_state(&s, &w, w.engine->scratch.index, 1);
         dem__stream_passed(&s, &w);
         dem__stream_meshes(&s, &w);
         check = s.hash;
@@ -280,6 +299,8 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
 
 /* Every index and number in loaded data that the code relies on. */
 static inline int dem__loaded_is_sound(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
@@ -287,19 +308,19 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
             return 0;
         if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
     }
-    DEM__EACH(w, c) {
-        const int32_t i = w->live_i__[c], j = w->live_j__[c];
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (w->live_element__[c] < 0 || w->live_element__[c] >= DEM__NUMBERS)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS)) return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
-        w->slots__[n++] = (int32_t)c;
+        contacts->slots[n++] = (int32_t)c;
     }
-    dem__sort(w, w->slots__, n); /* none is there twice */
+    dem__sort(w, contacts->slots, n); /* none is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
-        if (!dem__before(w, w->slots__[c - 1], w->slots__[c])) return 0;
+        if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
-    for (ptrdiff_t k = 0; k < w->link_count__; k++) {
-        const int32_t i = w->link_i__[k], j = w->link_j__[k];
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        const int32_t i = links->i[k], j = links->j[k];
         if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || i == j) return 0;
     }
     for (int k = 0; k < w->walls; k++) {
@@ -330,42 +351,49 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     memory.user = NULL;
     if (allocator) memory = *allocator;
     w->def.allocator = memory;
+    if (!dem__make_engine(w)) {
+        memset(w, 0, sizeof *w);
+        return DEM_OUT_OF_MEMORY;
+    }
     dem__stream_head(&s, w, &present);
     const size_t per_particle = 27 * 8, per_contact = 14 * 8;
-    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle || (size_t)w->live_count__ > size / per_contact ||
-        (size_t)w->passed_count > size / 80 || (size_t)w->link_count__ > size / 24) {
-        memset(w, 0, sizeof *w);
-        return DEM_BAD_DATA;
+    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle ||
+        (size_t)w->engine->contacts.count > size / per_contact || (size_t)w->passed_count > size / 80 ||
+        (size_t)w->engine->links.count > size / 24) {
+        const dem_status why = w->status == DEM_OUT_OF_MEMORY ? DEM_OUT_OF_MEMORY : DEM_BAD_DATA;
+        if (!w->wall) w->walls = 0;
+        dem_free(w);
+        return why;
     }
     dem__array list[DEM__ARRAYS_MAX];
-    ptrdiff_t live = w->live_count__, passed = w->passed_count, links = w->link_count__;
+    ptrdiff_t live = w->engine->contacts.count, passed = w->passed_count, links = w->engine->links.count;
     int enough;
-    w->live_count__ = w->passed_count = w->link_count__ = 0;
+    w->engine->contacts.count = w->passed_count = w->engine->links.count = 0;
     for (int k = 0; k < w->walls; k++) {
-        w->meshes__ += w->wall[k].kind == DEM_MESH;
-        w->places__ += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
-        w->controls__ |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+        w->engine->walls.meshes += w->wall[k].kind == DEM_MESH;
+        w->engine->walls.touch_keepers += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
+        w->engine->walls.controls |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
     }
-    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->particle_block__, &w->particle_bytes__, &w->capacity__,
-                             (ptrdiff_t)present + 1);
-    enough = enough && dem__grow_live(w, dem__next_slot(w) + 1);
-    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->link_block__, &w->link_bytes__,
-                                                      &w->link_capacity__, links));
+    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
+                             &w->engine->bodies.capacity, (ptrdiff_t)present + 1);
+    enough = enough && dem__grow_contacts(w, dem__next_slot(w) + 1);
+    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                                                      &w->engine->links.capacity, links));
     if (enough && passed > 0) {
         w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
         enough = w->passed != NULL;
-        w->passed_capacity__ = passed;
+        w->engine->bodies.passed_capacity = passed;
     }
     if (!enough) {
         dem_free(w);
         return DEM_OUT_OF_MEMORY;
     }
     w->count = (ptrdiff_t)present;
-    w->keeps_out__ = 1;
-    w->live_count__ = live;
+    w->engine->run.keeps_wrenches = 1;
+    w->engine->contacts.count = live;
     w->passed_count = passed;
-    w->link_count__ = links;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->wall_head__[i] = w->link_head__[i] = -1;
+    w->engine->links.count = links;
+    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
     const dem_status meshes = dem__stream_meshes(&s, w);
@@ -379,24 +407,24 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
         dem_free(w);
         return DEM_BAD_DATA;
     }
-    w->dt__ = w->def.dt;
-    w->has_periodic__ = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    w->stale__ = 1;
+    w->engine->run.dt = w->def.dt;
+    w->engine->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    w->engine->run.needs_lists = 1;
     dem__find_links(w);
-    DEM__EACH(w, c) {
-        dem__activate(w, w->live_i__[c]);
-        if (w->live_j__[c] >= 0) dem__activate(w, w->live_j__[c]);
+    DEM__EACH_CONTACT(w, c) {
+        dem__activate(w, w->engine->contacts.i[c]);
+        if (w->engine->contacts.j[c] >= 0) dem__activate(w, w->engine->contacts.j[c]);
         else {
-            w->live_wall_next__[c] = w->wall_head__[w->live_i__[c]];
-            w->wall_head__[w->live_i__[c]] = (int32_t)c;
+            w->engine->contacts.wall_next[c] = w->engine->walls.first_contact[w->engine->contacts.i[c]];
+            w->engine->walls.first_contact[w->engine->contacts.i[c]] = (int32_t)c;
         }
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__weigh(w, i);
-        if (dem__is_loaded(w, i) && !w->is_active__[i]) {
+        dem__set_inverse_mass(w, i);
+        if (dem__is_loaded(w, i) && !w->engine->bodies.activity[i]) {
             dem__activate(w, i);
             w->touching[i]--;
-            dem__divide(w, i);
+            dem__set_mass_share(w, i);
         }
     }
     return DEM_OK;

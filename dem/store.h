@@ -16,66 +16,81 @@ typedef struct dem__array {
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
     int n = 0;
-    double **doubles[] = {&w->wall_speed__, &w->shifted__, &w->share__};
-    dem__six **sixes[] = {&w->load__, &w->external__, &w->linked__};
-    int32_t **integers[] = {&w->material,         &w->group,       &w->alive,   &w->touching,    &w->active__,    &w->wall_head__,
-                            &w->adjacent_start__, &w->cell_next__, &w->remap__, &w->is_active__, &w->link_head__, &w->link_loaded__,
-                            &w->unsettled__};
+    double **doubles[] = {&bodies->wall_speed, &bodies->shifted, &bodies->mass_share};
+    dem__wrench **sixes[] = {&bodies->load, &bodies->external, &links->evaluated_at};
+    int32_t **integers[] = {&w->material,
+                            &w->group,
+                            &w->alive,
+                            &w->touching,
+                            &bodies->active,
+                            &w->engine->walls.first_contact,
+                            &w->engine->pairs.adjacent_start,
+                            &w->engine->pairs.cell_of,
+                            &w->engine->scratch.index,
+                            &bodies->activity,
+                            &links->first_link,
+                            &links->is_loaded,
+                            &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
     }
     for (size_t k = 0; k < sizeof sixes / sizeof *sixes; k++, n++) {
-        list[n].address = sixes[k], list[n].size = sizeof(dem__six);
+        list[n].address = sixes[k], list[n].size = sizeof(dem__wrench);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
-    list[n].address = &w->listed_at__, list[n++].size = sizeof(dem_vec);
-    list[n].address = &w->impact__, list[n++].size = sizeof(dem_vec);
+    list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);
+    list[n].address = &bodies->impact, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
-    list[n].address = &w->course__, list[n++].size = sizeof(dem__course);
-    list[n].address = &w->sum__, list[n++].size = sizeof(dem__sum);
+    list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
+    list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
     return n;
 }
 
-static inline int dem__has_deferrals(const dem_world *w) { return w->deferral__ || w->def.threads > 1; }
+static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
 /* Of contacts, in the order of how long they hold something: from step to step, ... */
-static inline int dem__live_arrays(dem_world *w, dem__array *list) {
+static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
+    dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
-    int32_t **integers[] = {&w->live_i__, &w->live_j__, &w->live_element__, &w->live_near__, &w->live_wall_next__, &w->live_kind__};
-    double **own[DEM__OWN_ARRAYS] = {&w->live_predict__, &w->live_mass__, &w->live_sum__, &w->live_part__};
+    int32_t **integers[] = {&contacts->i, &contacts->j, &contacts->element, &contacts->near, &contacts->wall_next, &contacts->type};
+    double **own[DEM__OWN_ARRAYS] = {&contacts->predict, &contacts->mass, &contacts->sum, &contacts->part};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    list[n].address = &w->live_gap__, list[n++].size = sizeof(double);
-    list[n].address = &w->live_force__, list[n++].size = sizeof(double);
-    for (int k = 0; k < w->states__; k++, n++) list[n].address = &w->live_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; w->places__ && k < 4; k++, n++) list[n].address = &w->live_place__[k], list[n].size = sizeof(double);
-    if (w->ledger_on__) {
-        list[n].address = &w->live_elastic__, list[n++].size = sizeof(double);
-        for (int k = 0; k < 3; k++, n++) list[n].address = &w->live_power__[k], list[n].size = sizeof(double);
-        for (int k = 0; k < 4; k++, n++) list[n].address = &w->live_loss__[k], list[n].size = sizeof(double);
+    list[n].address = &contacts->gap, list[n++].size = sizeof(double);
+    list[n].address = &contacts->force, list[n++].size = sizeof(double);
+    for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < 4; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    if (w->engine->ledger.on) {
+        list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
+        for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
+        for (int k = 0; k < 4; k++, n++) list[n].address = &contacts->loss[k], list[n].size = sizeof(double);
     }
-    list[n].address = &w->live_ended__, list[n++].size = 1;
+    list[n].address = &contacts->ended, list[n++].size = 1;
     /* ... with constants of their own, ... */
     for (int k = 0; k < DEM__OWN_ARRAYS; k++, n++) list[n].address = own[k], list[n].size = sizeof(double);
-    for (int k = 0; k < w->constants__; k++, n++) list[n].address = &w->live_constant__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < contacts->constants; k++, n++) list[n].address = &contacts->constant[k], list[n].size = sizeof(double);
     /* ... after the last step of a run, ... */
-    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &w->live_out__[k], list[n].size = sizeof(double);
+    for (int k = 0; k < DEM__OUT_ARRAYS; k++, n++) list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
-    list[n].address = &w->live_handed__, list[n++].size = sizeof(dem__handed);
-    list[n].address = &w->live_event__, list[n++].size = 1;
-    list[n].address = &w->slots__, list[n++].size = sizeof(int32_t);
-    if (dem__has_deferrals(w)) list[n].address = &w->deferral__, list[n++].size = sizeof(dem__deferral);
+    list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
+    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
+    if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;
 }
 
 /* Of those the first so many hold something when a contact is moved to another slot. */
-static inline int dem__held_arrays(dem_world *w, dem__array *list) {
-    const int with_out = dem__live_arrays(w, list) - dem__has_deferrals(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
-    return w->keeps_out__ ? with_out : w->kinds__ > DEM_KINDS_MAX ? with_own : with_own - DEM__OWN_ARRAYS - w->constants__;
+static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
+    const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
+    return w->engine->run.keeps_wrenches                     ? with_out
+           : w->engine->contacts.type_count > DEM__TYPES_MAX ? with_own
+                                                             : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
@@ -107,36 +122,38 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
 }
 
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
+    dem__links *links = &w->engine->links;
     int n = 0;
-    int32_t **integers[] = {&w->link_i__, &w->link_j__, &w->link_element__, &w->link_next_i__, &w->link_next_j__};
+    int32_t **integers[] = {&links->i, &links->j, &links->element, &links->next_i, &links->next_j};
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) list[n].address = integers[k], list[n].size = sizeof(int32_t);
-    for (int k = 0; k < w->link_states__; k++, n++) list[n].address = &w->link_state__[k], list[n].size = sizeof(double);
-    for (int k = 0; k < 9; k++, n++) list[n].address = &w->link_out__[k], list[n].size = sizeof(double);
-    list[n].address = &w->link_gap__, list[n++].size = sizeof(double);
-    list[n].address = &w->link_ended__, list[n++].size = 1;
+    for (int k = 0; k < links->states; k++, n++) list[n].address = &links->state[k], list[n].size = sizeof(double);
+    for (int k = 0; k < 9; k++, n++) list[n].address = &links->wrench[k], list[n].size = sizeof(double);
+    list[n].address = &links->gap, list[n++].size = sizeof(double);
+    list[n].address = &links->ended, list[n++].size = 1;
     return n;
 }
 
 /* Room for so many timers, and for what else is kept of each, so many bytes. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
-    const dem__array list[] = {{&t->due, DEM__BUNCH * sizeof *t->due},
-                               {&t->list, DEM__BUNCH * sizeof *t->list},
+    const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
+                               {&t->list, DEM__LINE * sizeof *t->list},
                                {&t->earliest, sizeof *t->earliest},
-                               {other, DEM__BUNCH * bytes}};
-    const ptrdiff_t bunches = (count / DEM__SHEAF + 1) * DEM__BUNCH;
-    return bunches <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, bunches);
+                               {other, DEM__LINE * bytes}};
+    const ptrdiff_t lines = (count / DEM__PAGE + 1) * DEM__LINE;
+    return lines <= t->capacity || dem__grow_group(w, list, 4, &t->block, &t->bytes, &t->capacity, lines);
 }
 static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
-    return dem__grow_timers(w, &w->pair_timers__, count, &w->near__, sizeof *w->near__);
+    dem__pairs *pairs = &w->engine->pairs;
+    return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
 /* So many timers, of which those from `kept` on are stopped. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
-    t->sheaves = count / DEM__SHEAF + 1;
-    for (ptrdiff_t e = kept; e < t->sheaves * DEM__SHEAF; e++) t->due[e] = DEM__STOPPED;
-    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) {
+    t->pages = count / DEM__PAGE + 1;
+    for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) {
         t->earliest[b] = DEM__STOPPED;
-        for (const int32_t *due = t->due + b * DEM__BUNCH, *end = due + DEM__BUNCH; due < end; due++)
+        for (const int32_t *due = t->due + b * DEM__LINE, *end = due + DEM__LINE; due < end; due++)
             t->earliest[b] = *due < t->earliest[b] ? *due : t->earliest[b];
     }
 }
@@ -144,8 +161,8 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
 /* Steps counted from another one. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
-    for (ptrdiff_t e = 0; e < t->sheaves * DEM__SHEAF; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
-    for (ptrdiff_t b = 0; b < t->sheaves * DEM__BUNCH; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
+    for (ptrdiff_t b = 0; b < t->pages * DEM__LINE; b++) t->earliest[b] -= t->earliest[b] < DEM__NEVER ? later : 0;
     t->from = step;
 }
 
@@ -158,5 +175,32 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     if (*array) w->def.allocator.fn(w->def.allocator.user, *array, (size_t)*capacity * sizeof **array, 0);
     *array = fresh;
     *capacity = larger;
+    return 1;
+}
+
+/* Room for so many walls, and for the forces of every chunk on them. */
+static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
+    dem__engine *e = w->engine;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 4, room = larger > wanted ? larger : wanted;
+    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    if (wanted <= e->walls.capacity) return 1;
+    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
+    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
+    if (!walls || !forces) {
+        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
+        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
+        return 0;
+    }
+    memset(walls, 0, (size_t)room * wall);
+    memset(forces, 0, (size_t)room * force);
+    if (w->wall) {
+        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
+        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
+        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
+    }
+    w->wall = walls;
+    e->contacts.wall_force = forces;
+    e->walls.capacity = room;
     return 1;
 }

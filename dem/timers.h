@@ -23,7 +23,7 @@ DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
-    int32_t *earliest = &t->earliest[(uint32_t)e / DEM__BUNCH];
+    int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
     t->due[e] = due;
     *earliest = due < *earliest ? due : *earliest;
 }
@@ -32,64 +32,64 @@ DEM_INLINE void dem__stop_timer(dem__timers *t, int32_t e) { t->due[e] = DEM__ST
 
 DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     int32_t earliest = DEM__STOPPED;
-    DEM__ROLLED
-    for (int k = 0; k < DEM__BUNCH; k++) earliest = due[k] < earliest ? due[k] : earliest;
+    DEM__NO_UNROLL
+    for (int k = 0; k < DEM__LINE; k++) earliest = due[k] < earliest ? due[k] : earliest;
     return earliest;
 }
 
-/* Those of bunch b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
-DEM_INLINE ptrdiff_t dem__open_bunch(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
-    int32_t *due = t->due + b * DEM__BUNCH;
+/* Those of line b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
+DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
+    int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
     if (t->earliest[b] > now) return n; /* those it was have been set anew */
-    for (int k = 0; k < DEM__BUNCH; k++) {
-        list[n] = (int32_t)(b * DEM__BUNCH) + k;
+    for (int k = 0; k < DEM__LINE; k++) {
+        list[n] = (int32_t)(b * DEM__LINE) + k;
         n += due[k] <= now;
     }
-    DEM__ROLLED
-    for (int k = 0; k < DEM__BUNCH; k++) due[k] = due[k] <= now ? then : due[k];
+    DEM__NO_UNROLL
+    for (int k = 0; k < DEM__LINE; k++) due[k] = due[k] <= now ? then : due[k];
     t->earliest[b] = dem__earliest(due);
     return n;
 }
 
-/* Lists the timers in sheaves first .. end-1 that are due at a step, from list[first * DEM__SHEAF] on, and sets them to `then`; how
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`; how
    many. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
-    int32_t *list = t->list + first * DEM__SHEAF;
+    int32_t *list = t->list + first * DEM__PAGE;
     ptrdiff_t n = 0;
-    int32_t open[4 * DEM__BUNCH];
+    int32_t open[4 * DEM__LINE];
     int opened = 0;
     for (ptrdiff_t s = first; s < end; s++) {
-        const int32_t *earliest = &t->earliest[s * DEM__BUNCH];
+        const int32_t *earliest = &t->earliest[s * DEM__LINE];
         int any = 0;
-        DEM__ROLLED
-        for (int k = 0; k < DEM__BUNCH; k++) any |= earliest[k] <= now;
+        DEM__NO_UNROLL
+        for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__BUNCH && any; k++) { /* without a branch, which nobody could predict */
-            open[opened] = (int32_t)(s * DEM__BUNCH) + k;
+        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which nobody could predict */
+            open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
-        for (int k = before; k < opened; k++) DEM__PREFETCH(&t->due[open[k] * DEM__BUNCH]);
-        if (opened <= 3 * DEM__BUNCH && s + 1 < end) continue;
-        for (int k = 0; k < opened; k++) n = dem__open_bunch(t, open[k], now, then, list, n);
+        for (int k = before; k < opened; k++) DEM__PREFETCH(&t->due[open[k] * DEM__LINE]);
+        if (opened <= 3 * DEM__LINE && s + 1 < end) continue;
+        for (int k = 0; k < opened; k++) n = dem__take_due_of_line(t, open[k], now, then, list, n);
         opened = 0;
     }
     return n;
 }
-DEM__TWICE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
-           (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
+DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
+                (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
 /* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
-    return (int)(int32_t)(w->wall_sure__[e] - (uint32_t)(uint64_t)step);
+    return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Steps until t [s], at least one, at most DEM__FAR - 1: no contact can happen before. */
+/* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
-    double n = t * w->pace__;
-    return n < (double)(DEM__FAR - 2) ? 1 + (int)n : DEM__FAR - 1;
+    double n = t * w->engine->pairs.steps_per_second;
+    return n < (double)(DEM__STEPS_MAX - 2) ? 1 + (int)n : DEM__STEPS_MAX - 1;
 }
 
 /* Time in which something at speed s, falling besides with g, covers a distance. */
@@ -104,79 +104,83 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 }
 
 /* From the centre of j to that of i, at a step. */
-DEM_INLINE dem_vec dem__pair_apart(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
-    return dem__apart(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->dt__),
-                                  dem__at(w, j, (double)(step - w->particle[j].origin) * w->dt__)));
+DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
+    return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                                          dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
 
-typedef double dem__row[DEM_BLOCK];
+typedef double dem__row[DEM__BLOCK];
 
 /* Pairs whose timers are to be set; and what looks have found. */
-typedef struct dem__waits {
-    dem__course apart[DEM_BLOCK]; /* of one relative to the other: they touch within `off` */
-    int32_t pair[DEM_BLOCK], steps[DEM_BLOCK];
+typedef struct dem__timer_batch {
+    dem__bound apart[DEM__BLOCK]; /* of one relative to the other: they touch within `off` */
+    int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
     int32_t *found; /* of a look: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
-} dem__waits;
+} dem__timer_batch;
 
-DEM_INLINE void dem__no_waits(dem__waits *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
+DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Steps until spheres can touch that stray so far from their courses: 0 for never, else at least one, at most DEM__FAR - 1. */
-DEM_INLINE void dem__wait_steps(dem__waits *q, double pace) {
+/* Steps until spheres can touch that stray so far from their bounds: 0 for never, else at least one, at most DEM__STEPS_MAX - 1. */
+DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
-        const dem__course *r = &q->apart[k];
-        const double a = r->ux * r->ux + r->uy * r->uy + r->uz * r->uz - r->ball * r->ball;
-        const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->off * r->ball;
-        const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->off * r->off;
+        const dem__bound *r = &q->apart[k];
+        const double a = r->ux * r->ux + r->uy * r->uy + r->uz * r->uz - r->tolerance * r->tolerance;
+        const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
+        const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace, turns = n < (double)(DEM__FAR - 2) ? n : (double)(DEM__FAR - 2);
-        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + turns : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace,
+                     later = n < (double)(DEM__STEPS_MAX - 2) ? n : (double)(DEM__STEPS_MAX - 2);
+        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : 0.0;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
-DEM__TWICE(dem__find_steps, (dem__waits * q, double pace), (q, pace), dem__wait_steps(q, pace))
+DEM__AVX2_CLONE(dem__compute_due, (dem__timer_batch * q, double pace), (q, pace), dem__compute_due_steps(q, pace))
 
-static inline void dem__set_waits(dem_world *w, dem__waits *q, int64_t step) {
-    const int32_t now = (int32_t)(step - w->pair_timers__.from);
-    dem__find_steps(q, w->pace__);
-    for (int k = 0; k < q->n; k++) dem__set_due(&w->pair_timers__, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
+static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t step) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int32_t now = (int32_t)(step - pairs->timers.from);
+    dem__compute_due(q, pairs->steps_per_second);
+    for (int k = 0; k < q->n; k++) dem__set_due(&pairs->timers, q->pair[k], q->steps[k] > 0 ? now + q->steps[k] : DEM__NEVER);
     q->n = 0;
 }
 
-/* Time on the courses [s]. */
-DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) { return (double)(step - w->listed__) * w->dt__; }
+/* Time on the bounds [s]. */
+DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
+    return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
+}
 
-/* Where a course has led by t [s]. */
-DEM_INLINE dem__course dem__course_at(const dem__course *c, double t) {
-    dem__course now = *c;
-    now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.off += t * c->ball;
+/* Where a bound has led by t [s]. */
+DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
+    dem__bound now = *c;
+    now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.reach += t * c->tolerance;
     return now;
 }
 
-/* A place for pair p and two courses, one relative to the other. */
-DEM_INLINE dem__course *dem__wait_for_pair(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a,
-                                           const dem__course *b) {
-    if (q->n == DEM_BLOCK) dem__set_waits(w, q, step);
-    dem__course *r = &q->apart[q->n];
+/* A place for pair p and two bounds, one relative to the other. */
+DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
+                                       const dem__bound *b) {
+    if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
+    dem__bound *r = &q->apart[q->n];
     q->pair[q->n++] = p;
-    r->x = a->x - b->x, r->y = a->y - b->y, r->z = a->z - b->z, r->off = a->off + b->off;
-    r->ux = a->ux - b->ux, r->uy = a->uy - b->uy, r->uz = a->uz - b->uz, r->ball = a->ball + b->ball;
+    r->x = a->x - b->x, r->y = a->y - b->y, r->z = a->z - b->z, r->reach = a->reach + b->reach;
+    r->ux = a->ux - b->ux, r->uy = a->uy - b->uy, r->uz = a->uz - b->uz, r->tolerance = a->tolerance + b->tolerance;
     return r;
 }
 
-/* Pair p, linked or not, by where its courses have led at a step. */
-DEM_INLINE void dem__wait_on_courses(dem_world *w, dem__waits *q, int32_t p, int64_t step, const dem__course *a, const dem__course *b) {
-    dem__course *r = dem__wait_for_pair(w, q, p, step, a, b);
-    if (!w->has_periodic__) return;
-    const dem_vec d = dem__apart(w, dem_vec3(r->x, r->y, r->z));
+/* Pair p, linked or not, by where its bounds have led at a step. */
+DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
+    dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
+    if (!w->engine->run.has_periodic) return;
+    const dem_vec d = dem__nearest_image(w, dem_vec3(r->x, r->y, r->z));
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
 /* Pair p, whose centres are known to be d apart at a step. */
-DEM_INLINE void dem__wait_from(dem_world *w, dem__waits *q, int32_t p, int64_t step, dem_vec d) {
-    const dem__near *pair = &w->near__[p];
-    dem__course *r = dem__wait_for_pair(w, q, p, step, &w->course__[pair->i], &w->course__[pair->j]);
-    r->x = d.x, r->y = d.y, r->z = d.z, r->off = pair->distance + 2.0 * w->blur__;
+DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
+    const dem__near *pair = &w->engine->pairs.near[p];
+    dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
+    r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }

@@ -1,23 +1,23 @@
 /* ------------------------------------------------------------------------------------------------ >>types */
 
 /* Tuning constants, each with its reason. */
-#define DEM_MATERIALS_MAX 8                  /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                     /* walls are looked at by every particle near them; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16                 /* constants of a law, folded per contact at its birth */
-#define DEM_STATE_MAX 16                     /* doubles that a law may keep per contact */
-#define DEM_KINDS_MAX 32                     /* sets of constants that contacts share: all of a few sizes and materials */
-#define DEM_BLOCK 64                         /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__FAR (1 << 20)                   /* steps that a list can last, and a look can be put off: rounding grows with them */
-#define DEM__OFTEN 1024                      /* steps after which another look costs little: at turning walls nobody waits longer */
-#define DEM__AHEAD 16                        /* looks for which memory is asked ahead */
-#define DEM__BUNCH 16                        /* timers asked together whether any is due: a cache line */
-#define DEM__SHEAF (DEM__BUNCH * DEM__BUNCH) /* timers of bunches asked together, likewise */
-#define DEM__TIDY 256                        /* steps between two orderings of contacts */
-#define DEM__LIST_STEPS 100 /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
-#define DEM__FEW_PAIRS 3    /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
-#define DEM__SECTIONS 16    /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__PARTS_MAX 256  /* threads that share a step: arrays of so many lie on the stack */
-#define DEM_FORMAT 7u       /* version of dem_save */
+#define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
+#define DEM_WALLS_MAX 32                  /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_CONSTANTS_MAX 16              /* constants of a law, folded per contact at its birth */
+#define DEM_STATE_MAX 16                  /* doubles that a law may keep per contact */
+#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: all of a few sizes and materials */
+#define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
+#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
+#define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
+#define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
+#define DEM__REORDER_STEPS 256            /* steps between two orderings of contacts */
+#define DEM__LIST_STEPS 100               /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
+#define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
+#define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
+#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
+#define DEM__FORMAT 7u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -98,6 +98,10 @@ typedef struct dem_def {
                                 repeated: let them reach a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
+    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. Default NULL:
+       OpenMP where the compiler has it, else one after the other. At most `threads` tasks at a time; not saved. */
+    void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
+    void *parallel_user;
     dem_material material[DEM_MATERIALS_MAX];
     dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
 } dem_def;
@@ -276,7 +280,7 @@ typedef struct dem_law {
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
-    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel has_friction with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
        the third order; else 0 */
@@ -308,85 +312,20 @@ typedef struct dem_energy_ledger {
 
 typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
 
-/* Private: what timers know of a particle. In a frame that falls since the list was built, t [s] ago, its surface is within off + t ball
-   of x + t u: its velocity strays from u by less than ball until it is given another course. One cache line. */
-typedef struct dem__course {
-    double x, y, z, off;     /* [m] */
-    double ux, uy, uz, ball; /* [m/s] */
-} dem__course;
-
-typedef double dem__six[6]; /* private: force [N] and torque [N m], or place [m] and spin [rad/s] */
-
-/* Private: sums of forces and torques, and what makes accelerations of them. One cache line. */
-typedef struct dem__sum {
-    dem__six load;
-    double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
-} dem__sum;
-
-/* Private: what contacts of the same sizes and materials share. */
-typedef struct dem__kind {
-    double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
-    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
-    double constant[DEM_CONSTANTS_MAX];
-} dem__kind;
-
-/* Private: the contacts whose i are particles from `from` on, up to where the section before begins, in slots of their own: first ..
-   first + live - 1. Without room (of the last: without end) new ones go into the last section. As i < j, a particle has contacts in its own
-   section and later ones only. */
-typedef struct dem__section {
-    ptrdiff_t first, live, room;
-    ptrdiff_t marked, deferred; /* contacts that begin or end in a step, listed in slots__; sums that wait for another thread */
-    int32_t from, own; /* sums of particles from `own` on wait: see dem__claim */
-    int32_t low, high; /* least and greatest number of a particle in deferred sums; for none INT32_MAX, 0 */
-} dem__section;
-
-/* Private: what a contact does, for the sums of its particles to which another thread adds first. */
-typedef struct dem__deferral {
-    double out[9];
-    int32_t i, j;
-} dem__deferral;
-
-/* Private: what a contact that begins or ends leaves for the end of the step. */
-typedef struct dem__handed {
-    double n[3], shift; /* normal; how far apart it moves its bodies along it [kg m] */
-    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
-} dem__handed;
-
-/* Private: what a section's contacts do to a wall. */
-typedef struct dem__push {
-    dem_vec force, torque;
-} dem__push;
-
-/* Private: two particles that may meet. */
-typedef struct dem__near {
-    int32_t i, j;    /* i < j */
-    double distance; /* of centres, below which they are in contact [m] */
-} dem__near;
-
-/* Private: when near pairs, or particles and walls, are to be looked at. */
-typedef struct dem__timers {
-    int64_t from;                /* the step that others are counted from */
-    int32_t *due;                /* step, or DEM__NEVER, or DEM__STOPPED */
-    int32_t *earliest;           /* of each bunch: none of its timers is due before */
-    int32_t *list;               /* those found due */
-    ptrdiff_t sheaves, capacity; /* in use; room, in bunches */
-    void *block;
-    size_t bytes;
-} dem__timers;
-enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* on the present course; as long as it touches, or has left */
-
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
-    dem_vec x;      /* [m] */
-    double radius;  /* [m] */
-    dem_vec v;      /* [m/s] */
-    double mass;    /* [kg] */
-    dem_vec a;      /* [m/s2] */
-    int64_t origin; /* step of the state */
-    dem_vec spin;   /* [rad/s] */
-    double room__;  /* how much further it may stray from its course, at least [m/s] */
+    dem_vec x;               /* [m] */
+    double radius;           /* [m] */
+    dem_vec v;               /* [m/s] */
+    double mass;             /* [kg] */
+    dem_vec a;               /* [m/s2] */
+    int64_t origin;          /* step of the state */
+    dem_vec spin;            /* [rad/s] */
+    double tolerance_left__; /* private: how much its velocity may still change within its bound, at least [m/s] */
 } dem_particle;
+
+enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
    otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
@@ -399,7 +338,7 @@ typedef struct dem_world {
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
-    dem_wall wall[DEM_WALLS_MAX];
+    dem_wall *wall;
     ptrdiff_t passed_count;
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
@@ -408,73 +347,11 @@ typedef struct dem_world {
     int64_t rebuilds;       /* of the neighbour list */
 
     dem_particle *particle;
-    dem_vec *spin_rate;                           /* [rad/s2] */
-    uint64_t *id;                                 /* stable, in the order of adding, from 0 */
-    int32_t *material, *group, *alive, *touching; /* touching: live contacts */
+    dem_vec *spin_rate; /* [rad/s2] */
+    uint64_t *id;       /* stable, in the order of adding, from 0 */
+    int32_t *material, *group;
+    int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
+    int32_t *touching; /* contacts of it */
 
-    /* the rest is private */
-    double dt__, kernel_dt__, start_time__, target__, pace__, stretch__, margin__, slack__, reach__, fall__, list_fall__, blur__;
-    dem_vec list_velocity__, list_acceleration__; /* of the frame in which the list waits for somebody to move */
-    int64_t start_step__, next_check__;
-    double damping_ratio__[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
-    int keeps_out__, fresh__, stale__, meshes__, places__, controls__, leaving__, loads_on__, states__, constants__, has_periodic__,
-        features__, ledger_on__, ledger_started__;
-    uint64_t next_id__;
-    const dem_law *law__;
-    dem_energy_ledger ledger__;
-    ptrdiff_t capacity__, passed_capacity__, dropped__, active_count__, unsettled_count__;
-    void *particle_block__, *live_block__;
-    size_t particle_bytes__, live_bytes__;
-    dem__sum *sum__;
-    dem__six *load__;     /* what does not change in a step */
-    dem__six *external__; /* the external part of it; the rest is of links */
-    dem__six *linked__;   /* place and spin when links were evaluated last */
-    dem_vec *listed_at__; /* position when the list was built */
-    dem_vec *impact__;    /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
-    dem__course *course__;
-    double *shifted__;    /* how far first and last steps of contacts have shifted it from its course [m] */
-    double *wall_speed__; /* speed that the timers of walls count on */
-    double *share__;      /* of its mass that a contact may count on: 1 / contacts [-] */
-    int32_t *active__, *is_active__, *wall_head__, *adjacent_start__, *cell_next__, *remap__, *link_head__, *link_loaded__,
-        *unsettled__; /* link_loaded: its load has a part of links; unsettled: list of those with is_active 2 */
-
-    /* near pairs p, 0 .. near_count - 1; particles and walls i * walls + k */
-    ptrdiff_t near_count__, due__, adjacent_capacity__, cells_capacity__; /* due: pairs looked at in the last step */
-    int32_t *adjacent__, *cells__;                                        /* adjacent: (pair, other particle) of each particle */
-    dem__timers pair_timers__, wall_timers__;
-    dem__near *near__;
-    uint32_t *wall_sure__; /* step, modulo 2^32, before which a wall need not be looked at, whatever the particle's course */
-    int64_t listed__;      /* step at which the list was built */
-
-    /* live contacts, in slots: in each section those of a step by partners, after those of earlier steps; gaps are filled from its end;
-       now and then all are ordered by i, the last first. What has happened alone fixes their order, and that the order of every sum */
-    ptrdiff_t live_count__, live_capacity__, born__;
-    int sections__;
-    dem__section section__[DEM__SECTIONS];
-    dem__push push__[DEM__SECTIONS][DEM_WALLS_MAX];
-    dem__deferral *deferral__; /* with threads */
-    int32_t *live_i__, *live_j__, *live_element__, *live_near__, *live_wall_next__, *live_kind__,
-        *slots__; /* kind: or -1, has its own; slots: a list, for the moment, or one in each section */
-    uint8_t *live_event__, *live_ended__;
-    double *live_gap__, *live_force__;
-    dem__kind kind__[DEM_KINDS_MAX];
-    int kinds__;
-    double *live_mass__, *live_predict__, *live_sum__, *live_part__, *live_constant__[DEM_CONSTANTS_MAX]; /* of those that have their own */
-    double *live_place__[4]; /* with a mesh: normal and gap of the place that the contact follows; with a cone: its curvature */
-    double *live_state__[DEM_STATE_MAX];
-    double *live_out__[9]; /* force on i, torques on i and j: of a run's last step */
-    dem__handed *live_handed__;
-    double *live_elastic__, *live_power__[3], *live_loss__[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
-
-    /* links, in the order of their making; each stands in the lists of its bodies */
-    const dem_law *link_law__;
-    dem_kernel_fn link_kernel__;
-    double link_interval__, link_near__;
-    int links_on__, link_stride__, link_states__;
-    ptrdiff_t link_count__, link_capacity__;
-    void *link_block__;
-    size_t link_bytes__;
-    int32_t *link_i__, *link_j__, *link_element__, *link_next_i__, *link_next_j__;
-    double *link_state__[DEM_STATE_MAX], *link_out__[9], *link_gap__;
-    uint8_t *link_ended__;
+    struct dem__engine *engine; /* private */
 } dem_world;

@@ -23,11 +23,12 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
 
 static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
     w->wall[w->walls].position = wall->origin;
     w->wall[w->walls].motion_start = w->time;
-    w->stale__ = w->fresh__ = 1;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return w->walls++;
 }
 
@@ -70,12 +71,13 @@ DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, 
 }
 
 /* Room for what a mesh or a cone keeps of each contact. */
-static inline int dem__make_places(dem_world *w) {
+static inline int dem__make_touch_memory(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
-    if (w->places__++ > 0 || w->live_capacity__ == 0) return 1;
-    if (dem__grow_group(w, list, dem__live_arrays(w, list), &w->live_block__, &w->live_bytes__, &w->live_capacity__, w->live_capacity__))
+    if (w->engine->walls.touch_keepers++ > 0 || contacts->capacity == 0) return 1;
+    if (dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, contacts->capacity))
         return 1;
-    w->places__--;
+    w->engine->walls.touch_keepers--;
     return 0;
 }
 
@@ -104,7 +106,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
-    return dem__make_places(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
+    return dem__make_touch_memory(world) ? dem__add_wall(world, &wall) : -(int)DEM_OUT_OF_MEMORY;
 }
 
 DEM_API dem_screen dem_default_screen(void) {

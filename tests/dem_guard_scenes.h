@@ -26,8 +26,8 @@ static inline void guard_mix_vec(uint64_t *hash, dem_vec v) { guard_mix(hash, v.
 
 static inline void guard_mix_energy(uint64_t *hash, const dem_world *w) {
     const dem_energy_ledger l = dem_energy(w);
-    const double sums[] = {l.kinetic,       l.rotational, l.elastic, l.potential, l.normal_loss, l.sliding_loss, l.rolling_loss, l.wall_work,
-                           l.external_work, l.link_work,  l.added,   l.removed,   l.error};
+    const double sums[] = {l.kinetic,   l.rotational,    l.elastic,   l.potential, l.normal_loss, l.sliding_loss, l.rolling_loss,
+                           l.wall_work, l.external_work, l.link_work, l.added,     l.removed,     l.error};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) guard_mix(hash, sums[k]);
 }
 
@@ -229,7 +229,9 @@ static inline dem_status guard_saved(dem_world *w, int threads, int saves, uint6
     for (int scene = 0; scene < 3 && status == DEM_OK; scene++) {
         const int features = scene == 1 ? DEM_HERTZ | DEM_FRICTION | DEM_ROLLING : DEM_LINEAR | DEM_FRICTION;
         if (scene > 0) dem_free(w);
-        status = scene == 0 ? guard_links_begin(w, threads, 4e-5) : scene == 1 ? guard_mesh_begin(w, threads) : guard_driven_begin(w, threads);
+        status = scene == 0   ? guard_links_begin(w, threads, 4e-5)
+                 : scene == 1 ? guard_mesh_begin(w, threads)
+                              : guard_driven_begin(w, threads);
         for (int part = 0; part < 3 && status == DEM_OK; part++) {
             status = dem_run(w, 1013.0 * w->def.dt, features);
             if (status == DEM_OK && saves) status = guard_reload(w);

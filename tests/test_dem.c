@@ -962,7 +962,7 @@ static void test_lists_last(void **state) {
             move(&w, i, v3(v.x, v.y + of[k].drift * diameter / def.dt, v.z), zero);
         }
         run(&w, 4000 * def.dt, DEM_LINEAR);
-        const double margin = w.margin__ / (def.skin * diameter), life = 4000.0 / (double)w.rebuilds;
+        const double margin = w.engine->pairs.margin / (def.skin * diameter), life = 4000.0 / (double)w.rebuilds;
         if (of[k].lasts == 0.0) assert_true(margin == 1.0 && w.rebuilds == 1);
         else if (of[k].lasts < 0.0) near_absolute(margin, 3.0, 1e-12, "margin");
         else assert_true(margin > 1.0 && margin < 3.0 && fabs(life / of[k].lasts - 1.0) < 0.3);
@@ -1198,12 +1198,12 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
 
 /* A thread adds first to sums of particles whose contacts are all in its sections or later ones: none may be in one before its own. */
 static void check_sections(const dem_world *w) {
-    DEM__EACH(w, c) {
-        const int section = (int)(in_c - w->section__);
+    DEM__EACH_CONTACT(w, c) {
+        const int section = (int)(in_c - w->engine->contacts.chunk);
         int own = 0;
-        while (w->live_i__[c] < w->section__[own].from) own++;
-        assert_in_range(section, own, w->sections__ - 1);
-        assert_true(w->live_j__[c] < 0 || w->live_i__[c] < w->live_j__[c]);
+        while (w->engine->contacts.i[c] < w->engine->contacts.chunk[own].first_particle) own++;
+        assert_in_range(section, own, w->engine->contacts.chunk_count - 1);
+        assert_true(w->engine->contacts.j[c] < 0 || w->engine->contacts.i[c] < w->engine->contacts.j[c]);
     }
 }
 
@@ -1220,7 +1220,7 @@ static void test_sections_of_contacts(void **state) {
         if (k == 2) w.def.skin = 0.2; /* lists at other times */
         run(&w, part, scene_features(SCENE_DEEP));
         /* or the scene is too small for this test */
-        assert_true(w.sections__ == DEM__SECTIONS && w.pair_timers__.sheaves > DEM__SECTIONS);
+        assert_true(w.engine->contacts.chunk_count == DEM__CHUNKS && w.engine->pairs.timers.pages > DEM__CHUNKS);
         pushed[k][0] = w.wall[0].force, pushed[k][1] = w.wall[0].torque, pushed[k][2] = w.wall[0].impulse;
         assert_memory_equal(pushed[k], pushed[0], sizeof pushed[0]);
         assert_true(pushed[0][0].z < 0.0);
@@ -1228,9 +1228,10 @@ static void test_sections_of_contacts(void **state) {
             if (w.alive[i]) assert_int_equal(dem_remove(&w, i), DEM_OK);
         }
         if (k == 2) w.def.threads = 2;
-        for (int q = 0; q < w.sections__; q += 3) w.section__[q].room = w.section__[q].live; /* full: new ones go into the last */
+        for (int q = 0; q < w.engine->contacts.chunk_count; q += 3)
+            w.engine->contacts.chunk[q].capacity = w.engine->contacts.chunk[q].count; /* full: new ones go into the last */
         run(&w, part, scene_features(SCENE_DEEP));
-        assert_true(w.sections__ == DEM__SECTIONS);
+        assert_true(w.engine->contacts.chunk_count == DEM__CHUNKS);
         size_t size;
         unsigned char *bytes = saved(&w, &size);
         dem_world copy;
@@ -1270,7 +1271,7 @@ static void add_unlike_pair(dem_world *w, int k) {
 /* More kinds of contacts than the table holds, in one world: each pair does what it does alone, to the bit. */
 static void test_more_kinds_than_the_table_holds(void **state) {
     (void)state;
-    enum { PAIRS = 2 * DEM_KINDS_MAX };
+    enum { PAIRS = 2 * DEM__TYPES_MAX };
     const int features = DEM_HERTZ | DEM_FRICTION | DEM_ROLLING;
     const dem_def def = scene_def(2e-6);
     dem_world all;
@@ -1278,14 +1279,14 @@ static void test_more_kinds_than_the_table_holds(void **state) {
     assert_true(dem_add_plane(&all, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
     for (int k = 0; k < PAIRS; k++) add_unlike_pair(&all, k);
     run(&all, 0.01, features);
-    assert_true(all.kinds__ > DEM_KINDS_MAX);
+    assert_true(all.engine->contacts.type_count > DEM__TYPES_MAX);
     for (int k = 0; k < PAIRS; k++) {
         dem_world alone;
         assert_int_equal(dem_init(&alone, &def, NULL), DEM_OK);
         assert_true(dem_add_plane(&alone, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
         add_unlike_pair(&alone, k);
         run(&alone, 0.01, features);
-        assert_true(alone.kinds__ > 0 && alone.kinds__ <= 3);
+        assert_true(alone.engine->contacts.type_count > 0 && alone.engine->contacts.type_count <= 3);
         for (int side = 0; side < 2; side++) {
             const dem_vec x[2] = {dem_position(&alone, side), dem_position(&all, 2 * k + side)};
             const dem_vec v[2] = {dem_velocity(&alone, side), dem_velocity(&all, 2 * k + side)};
@@ -1643,7 +1644,7 @@ static void test_law_mismatch(void **state) {
     run(&w, 1e-3, DEM_LINEAR);
     run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION); /* in flight there is no history to lose */
     run(&w, 1e-4, DEM_LINEAR);
-    for (int a = 0; a < 3; a++) assert_null(w.live_state__[a]); /* nothing of a block that is gone */
+    for (int a = 0; a < 3; a++) assert_null(w.engine->contacts.state[a]); /* nothing of a block that is gone */
     run(&w, 1e-4, DEM_HERTZ | DEM_FRICTION);
     dem_free(&w);
 }
@@ -1760,7 +1761,7 @@ static void test_memory_running_out(void **state) {
                 assert_true(memory.has_failed);
                 dem_free(&w);
                 assert_int_equal(dem_load(&w, bytes, size, &hook), DEM_OK);
-                w.target__ = w.time; /* the broken run's rest is asked for again */
+                w.engine->run.target = w.time; /* the broken run's rest is asked for again */
                 free(bytes);
             }
             assert_true(w.step == reference.step && dem_hash(&w) == dem_hash(&reference) && w.passed_count == reference.passed_count);
@@ -1827,7 +1828,7 @@ static void test_empty_worlds(void **state) {
     run(&copy, 1e-3, DEM_LINEAR);
     assert_int_equal(dem_remove(&copy, 0), DEM_OK);
     run(&copy, 1e-3, DEM_LINEAR);
-    assert_int_equal(copy.count - copy.dropped__, 0);
+    assert_int_equal(copy.count - copy.engine->bodies.dropped, 0);
     free(bytes);
     dem_free(&w), dem_free(&copy);
 }
@@ -1856,7 +1857,8 @@ int main(void) {
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_rolling_resistance),
         cmocka_unit_test(test_tangential_dashpot),
-        cmocka_unit_test(test_force_of_a_new_contact), cmocka_unit_test(test_history_turns_with_the_contact),
+        cmocka_unit_test(test_force_of_a_new_contact),
+        cmocka_unit_test(test_history_turns_with_the_contact),
         cmocka_unit_test(test_rigid_rotation_is_no_slip),
         cmocka_unit_test(test_binary_collisions_keep_momentum),
         cmocka_unit_test(test_wall_is_an_infinite_mass),

@@ -59,8 +59,8 @@ static void list_equals_brute_force(dem_world *w, const char *what) {
     const ptrdiff_t n = w->count;
     unsigned char *listed = calloc((size_t)(n * n), 1);
     assert_non_null(listed);
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) {
-        const dem__near *q = &w->near__[p];
+    for (ptrdiff_t p = 0; p < w->engine->pairs.count; p++) {
+        const dem__near *q = &w->engine->pairs.near[p];
         unsigned char *at = &listed[q->i * n + q->j];
         assert_true(q->i < q->j);
         if (*at) fail_msg("%s: pair %d %d stands twice", what, q->i, q->j);
@@ -69,7 +69,7 @@ static void list_equals_brute_force(dem_world *w, const char *what) {
     ptrdiff_t near_pairs = 0;
     for (ptrdiff_t i = 0; i < n; i++) {
         for (ptrdiff_t j = i + 1; j < n; j++) {
-            const double gap = closest_gap(w, i, j) - w->margin__;
+            const double gap = closest_gap(w, i, j) - w->engine->pairs.margin;
             near_pairs += gap < 0.0;
             if (fabs(gap) > 1e-12 && (gap < 0.0) != listed[i * n + j])
                 fail_msg("%s: pair %d %d, %g over the margin, is %s", what, (int)i, (int)j, gap, gap < 0.0 ? "missing" : "listed");
@@ -120,7 +120,7 @@ static void test_strays_do_not_spoil_the_cells(void **state) {
     assert_int_equal(dem_run(&w, 0.0, DEM_LINEAR), DEM_OK);
     const double reach = (1.0 + w.def.skin) * 1e-3,
                  expected = 0.5 * 30000.0 * 30000.0 * 4.0 / 3.0 * RIDDLE_PI * reach * reach * reach / (0.05 * 0.05 * 0.05);
-    near_relative((double)w.near_count__, expected, 0.1, "near pairs of random points");
+    near_relative((double)w.engine->pairs.count, expected, 0.1, "near pairs of random points");
     dem_free(&w);
 }
 
@@ -258,7 +258,8 @@ static void test_bad_sizes(void **state) {
 static void nothing_overlaps(dem_world *w) {
     assert_int_equal(dem_run(w, 0.0, DEM_LINEAR), DEM_OK);
     assert_int_equal(dem_contact_count(w), 0);
-    for (ptrdiff_t p = 0; p < w->near_count__; p++) assert_true(closest_gap(w, w->near__[p].i, w->near__[p].j) >= -1e-15);
+    for (ptrdiff_t p = 0; p < w->engine->pairs.count; p++)
+        assert_true(closest_gap(w, w->engine->pairs.near[p].i, w->engine->pairs.near[p].j) >= -1e-15);
 }
 
 static void whole_within(const dem_world *w, const dem_region *region) {
@@ -476,8 +477,8 @@ static void test_remove_and_ledger(void **state) {
         assert_int_equal(dem_feed_number(&w, &feed, 20000.0, 0.001), DEM_OK);
         assert_int_equal(dem_run(&w, 0.001, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
         if (k % 10 == 9) {
-            const ptrdiff_t before = w.count - w.dropped__, n = dem_remove_region(&w, k % 20 == 9 ? &top : &drop);
-            assert_true(n >= 0 && before - n == w.count - w.dropped__);
+            const ptrdiff_t before = w.count - w.engine->bodies.dropped, n = dem_remove_region(&w, k % 20 == 9 ? &top : &drop);
+            assert_true(n >= 0 && before - n == w.count - w.engine->bodies.dropped);
             removed += n;
         }
     }

@@ -94,10 +94,10 @@ static void test_checker_sees(void **state) {
     assert_int_equal(dem_run(&w, 0.01, DEM_LINEAR), DEM_OK);
     assert_null(dem_broken_invariant(&w, scratch));
     assert_true(dem_contact_count(&w) > 10 && w.count <= 400);
-    w.touching[w.live_i__[w.section__[0].first]]++;
+    w.touching[w.engine->contacts.i[w.engine->contacts.chunk[0].first]]++;
     assert_non_null(dem_broken_invariant(&w, scratch));
-    w.touching[w.live_i__[w.section__[0].first]]--;
-    w.pair_timers__.due[0] = (int32_t)(w.step - w.pair_timers__.from);
+    w.touching[w.engine->contacts.i[w.engine->contacts.chunk[0].first]]--;
+    w.engine->pairs.timers.due[0] = (int32_t)(w.step - w.engine->pairs.timers.from);
     assert_non_null(dem_broken_invariant(&w, scratch));
     dem_free(&w);
 }

@@ -252,7 +252,7 @@ static void incline(double tangent, double friction, dem_vec spin, int cells, do
         assert_int_equal(dem_contact_count(&w[1]), dem_contact_count(&w[0]));
         near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-9, "position on triangles");
         near_vec(dem_velocity(&w[1], 0), dem_velocity(&w[0], 0), 1e-9, "velocity on triangles");
-        for (int k = 0; k < 2; k++) dem__settle(&w[k], 0);
+        for (int k = 0; k < 2; k++) dem__set_origin(&w[k], 0);
         near_vec(w[1].particle[0].spin, w[0].particle[0].spin, 1e-9 / radius, "spin on triangles");
     }
     assert_true(dem__dot(dem_position(&w[1], 0), down) > 0.04); /* over many facets */
@@ -675,7 +675,7 @@ static void test_rotor(void **state) {
     const double before = m * v0 * (drum - radius);
     for (int n = 0; n < 50; n++) {
         run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
-        dem__settle(&w, 0);
+        dem__set_origin(&w, 0);
         const dem_vec moment = dem__cross(dem_position(&w, 0), dem_velocity(&w, 0));
         near_relative(m * moment.y + i * w.particle[0].spin.y + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
     }
@@ -716,7 +716,7 @@ static void test_belt(void **state) {
         near_relative(dem_velocity(&w, 0).x, mu * 9.81 * 0.98 * slips, 2e-3, "still slipping");
         run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
         near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * u, 2e-3, "rolling on a belt");
-        dem__settle(&w, 0);
+        dem__set_origin(&w, 0);
         near_relative(w.particle[0].v.x - radius * w.particle[0].spin.y, u, 2e-3, "its surface");
         near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
         dem_free(&w);
@@ -1190,8 +1190,8 @@ static void test_vibrating_together(void **state) {
     static const struct {
         dem_vec amplitude, phase;
         double frequency;
-    } motion[] = {{{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},   {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},  {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 51.0},
-                  {{1e-4, 0, 8e-4}, {1.5, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},  {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},
+    } motion[] = {{{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},   {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0}, {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 51.0},
+                  {{1e-4, 0, 8e-4}, {1.5, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0}, {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},
                   {{0, 1e-3, 8e-4}, {0.2, -0.3, 2}, 51.0}};
     enum { WALLS = sizeof motion / sizeof *motion };
     dem_world w;
