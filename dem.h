@@ -1958,33 +1958,6 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     return 1;
 }
 
-/* Room for so many walls, and for the forces of every chunk on them. */
-static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
-    dem__engine *e = w->engine;
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 4, room = larger > wanted ? larger : wanted;
-    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
-    if (wanted <= e->walls.capacity) return 1;
-    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
-    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
-    if (!walls || !forces) {
-        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
-        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
-        return 0;
-    }
-    memset(walls, 0, (size_t)room * wall);
-    memset(forces, 0, (size_t)room * force);
-    if (w->wall) {
-        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
-        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
-        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
-    }
-    w->wall = walls;
-    e->contacts.wall_force = forces;
-    e->walls.capacity = room;
-    return 1;
-}
-
 /* -------------------------------------------------------------------------------------------- >>definition */
 
 DEM_API const char *dem_status_text(dem_status status) {
@@ -2090,7 +2063,34 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* The private state of a world, empty. */
+/* Room for so many walls, and for the forces of every chunk on them. */
+static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
+    dem__engine *e = w->engine;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 8, room = larger > wanted ? larger : wanted;
+    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    if (wanted <= e->walls.capacity) return 1;
+    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
+    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
+    if (!walls || !forces) {
+        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
+        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
+        return 0;
+    }
+    memset(walls, 0, (size_t)room * wall);
+    memset(forces, 0, (size_t)room * force);
+    if (w->wall) {
+        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
+        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
+        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
+    }
+    w->wall = walls;
+    e->contacts.wall_force = forces;
+    e->walls.capacity = room;
+    return 1;
+}
+
+/* Makes the private state of an empty world, with room for the first walls, so that few scenes move them. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -2099,7 +2099,10 @@ static inline int dem__make_engine(dem_world *w) {
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     e->run.needs_lists = e->contacts.chunk_count = 1;
     w->engine = e;
-    return 1;
+    if (dem__grow_walls(w, 1)) return 1;
+    w->def.allocator.fn(w->def.allocator.user, e, sizeof *e, 0);
+    w->engine = NULL;
+    return 0;
 }
 
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {
@@ -2674,6 +2677,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
         high[k % 3] = x > high[k % 3] ? x : high[k % 3];
     }
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     wall.kind = DEM_MESH;
     wall.material = material;
     wall.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
@@ -3173,27 +3177,67 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     return DEM_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>lists */
+/* ------------------------------------------------------------------------------------------ >>parallel */
+/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are. */
 
-/* So many parts are n pieces of work shared in: one, or one a thread if each is worth starting it. One part begins no parallel region, for
-   that would cost more than the work of a dilute step. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+/* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
+static inline void dem__parallel(const dem_def *def, int tasks, void (*task)(void *context, int index), void *context) {
+    int q;
+    if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
+    else if (def->parallel) def->parallel(def->parallel_user, tasks, task, context);
+    else {
 #ifdef _OPENMP
-    return w->def.threads == 1 || n < 256 * (ptrdiff_t)w->def.threads ? 1
-           : w->def.threads < DEM__PARTS_MAX                          ? w->def.threads
-                                                                      : DEM__PARTS_MAX;
-#else
-    (void)w, (void)n;
-    return 1;
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
 #endif
+        for (q = 0; q < tasks; q++) task(context, q);
+    }
 }
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
-/* The same if there are only `most` things to share. */
+/* Number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+#ifndef _OPENMP
+    if (!w->def.parallel) return 1;
+#endif
+    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* The same with at most `most` parts. */
 DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
     const int parts = dem__parts(w, n);
     return parts < most ? parts : most;
 }
+
+/* The first of n items that belongs to a part. */
+DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
+
+/* A loop over items first .. end - 1, which are part `part` of n, with what the loop needs. */
+typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
+typedef struct dem__split {
+    dem_world *w;
+    dem__range_fn *loop;
+    void *context;
+    ptrdiff_t n;
+    int parts;
+} dem__split;
+
+static inline void dem__run_part(void *context, int q) {
+    const dem__split *s = (const dem__split *)context;
+    s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
+}
+
+/* Runs a loop over n items in so many parts. */
+static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
+    dem__split split;
+    split.w = w;
+    split.loop = loop;
+    split.context = context;
+    split.n = n;
+    split.parts = parts;
+    dem__parallel(&w->def, parts, dem__run_part, &split);
+}
+
+/* ------------------------------------------------------------------------------------------------- >>lists */
 
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
@@ -3553,26 +3597,21 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
-static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
+static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
+    (void)part;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, *(const int64_t *)step, 0);
+        }
     }
 }
 
-/* Contacts with meshes to a step at which the walls already are. */
+/* Moves contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w), chunks = contacts->chunk_count;
-    const int parts = dem__parts_of(w, contacts->count, contacts->chunk_count);
-    int q;
-    if (parts == 1) dem__find_followers(w, step, 0, chunks);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(chunks, q, parts), dem__part(chunks, q + 1, parts));
-    }
+    const ptrdiff_t end = dem__next_slot(w);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__find_followers, &step);
     DEM__EACH_CONTACT(w, c) {
         if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }
@@ -3917,20 +3956,23 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
 DEM__AVX2_CLONE(dem__reset_timers_part, (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
                 (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
 
-/* New timers for the pairs of the listed particles, which have new bounds. */
+/* Particles with new bounds. */
+typedef struct dem__reset_list {
+    const int32_t *particle;
+    ptrdiff_t n;
+    int64_t step;
+} dem__reset_list;
+static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__reset_list *list = (const dem__reset_list *)context;
+    (void)part;
+    dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
+}
+
+/* Sets new timers for the pairs of the listed particles, which have new bounds. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
-    const ptrdiff_t pages = w->engine->pairs.timers.pages;
-    const int parts = dem__parts(w, 4 * n);
-    int q;
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    if (parts == 1) {
-        dem__reset_timers_part(w, reset, n, 0, pages, step);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__reset_timers_part(w, reset, n, dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
+    dem__reset_list list;
+    list.particle = reset, list.n = n, list.step = step;
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
 /* Active particles in the order of memory. */
@@ -4275,38 +4317,45 @@ static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid
     return 1;
 }
 
+/* A search for near pairs by several threads, each with its part of the array. */
+typedef struct dem__search {
+    dem__grid grid[DEM__LEVELS_MAX];
+    dem__found_pairs finds[DEM__PARTS_MAX];
+    int levels, parts;
+    ptrdiff_t room;
+} dem__search;
+static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__search *s = (dem__search *)context;
+    const ptrdiff_t from = dem__part(s->room, part, s->parts);
+    s->finds[part].pair = w->engine->pairs.near + from;
+    s->finds[part].room = dem__part(s->room, part + 1, s->parts) - from;
+    s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
+}
+
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
-    dem__grid grid[DEM__LEVELS_MAX];
-    dem__found_pairs finds[DEM__PARTS_MAX];
-    ptrdiff_t room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4, present = 0;
-    int q, full = 1;
+    dem__search s;
+    ptrdiff_t present = 0;
+    int full = 1;
     pairs->count = 0;
     if (w->count == 0) return 1;
-    memset(grid, 0, sizeof grid);
-    const int levels = dem__fill_cells(w, grid), parts = dem__parts(w, w->count);
-    for (int level = 0; level < levels; level++) present += grid[level].count;
+    memset(s.grid, 0, sizeof s.grid);
+    s.room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4;
+    s.levels = dem__fill_cells(w, s.grid), s.parts = dem__parts(w, w->count);
+    for (int level = 0; level < s.levels; level++) present += s.grid[level].count;
     while (full) {
-        if (levels == 0 || room > INT32_MAX / 2 || !dem__grow_near(w, room)) return 0;
-        room = pairs->timers.capacity * DEM__LINE;
+        if (s.levels == 0 || s.room > INT32_MAX / 2 || !dem__grow_near(w, s.room)) return 0;
+        s.room = pairs->timers.capacity * DEM__LINE;
         full = 0;
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
-#endif
-        for (q = 0; q < parts; q++) {
-            finds[q].pair = pairs->near + dem__part(room, q, parts);
-            finds[q].room = dem__part(room, q + 1, parts) - dem__part(room, q, parts);
-            finds[q].full =
-                !dem__find_pairs_part(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
-        }
-        for (q = 0; q < parts; q++) full |= finds[q].full;
-        room++;
+        dem__in_parts(w, s.parts, present, dem__search_range, &s);
+        for (int q = 0; q < s.parts; q++) full |= s.finds[q].full;
+        s.room++;
     }
-    for (q = 0; q < parts; q++) {
-        memmove(pairs->near + pairs->count, finds[q].pair, (size_t)finds[q].n * sizeof *pairs->near);
-        pairs->count += finds[q].n;
+    for (int q = 0; q < s.parts; q++) {
+        memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
+        pairs->count += s.finds[q].n;
     }
     return 1;
 }
@@ -4402,19 +4451,13 @@ DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end
 }
 DEM__AVX2_CLONE(dem__set_new_timers_part, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end),
                 dem__set_new_timers(w, first, end))
+static inline void dem__set_new_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part, (void)context;
+    dem__set_new_timers_part(w, first, end);
+}
 static inline void dem__set_all_timers(dem_world *w) {
-    const ptrdiff_t pages = w->engine->pairs.timers.pages;
-    const int parts = dem__parts(w, w->engine->pairs.count);
-    int q;
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    if (parts == 1) {
-        dem__set_new_timers_part(w, 0, pages);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__set_new_timers_part(w, dem__part(pages, q, parts), dem__part(pages, q + 1, parts));
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
 /* Timers for a new list: pairs apart; walls as they are, or all stopped. */
@@ -5599,17 +5642,21 @@ static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int 
         }
     }
 }
+typedef struct dem__arrangement {
+    const dem__chunk *chunk;
+    const dem__array *list;
+    int chunks, arrays, parts;
+} dem__arrangement;
+static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__arrangement *a = (const dem__arrangement *)context;
+    (void)first, (void)end;
+    dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
+}
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
-    const int parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
-    int q;
-    if (parts == 1) {
-        dem__arrange_part(w, chunk, chunks, list, arrays, 0, 1);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__arrange_part(w, chunk, chunks, list, arrays, q, parts);
+    dem__arrangement a;
+    a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
+    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
+    dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
@@ -5868,19 +5915,14 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_all(w, h, first, end))
+static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_part(w, *(const double *)h, first, end);
+}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
-    const int parts = books ? 1 : dem__parts(w, n / 4);                    /* to move or kick a particle is little work */
-    int q;
-    if (parts == 1) {
-        dem__advance_part(w, h, 0, n);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__advance_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts));
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic;         /* those who leave the box are one sum */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, dem__advance_range, &h); /* to move or kick a particle is little work */
 }
 
 static inline void dem__gather_losses(dem_world *w) {
@@ -5979,27 +6021,26 @@ static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *dou
     }
     return strays;
 }
-static inline void dem__kick_share(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
-    dem__kick_part(w, h, first, end, check, strays);
-    *strays = dem__find_deviating(w, h, w->engine->scratch.index + first, *strays);
+typedef struct dem__kicked {
+    double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
+    ptrdiff_t strays[DEM__PARTS_MAX];
+} dem__kicked;
+static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__kicked *kicked = (dem__kicked *)context;
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
+    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
-    double check[DEM__PARTS_MAX], all = 0.0;
-    ptrdiff_t strays[DEM__PARTS_MAX];
-    int q;
-    if (parts == 1) dem__kick_share(w, h, 0, n, &check[0], &strays[0]);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__kick_share(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
-    }
-    for (q = 0; q < parts; q++) {
+    dem__kicked kicked;
+    double all = 0.0;
+    kicked.h = h;
+    dem__in_parts(w, parts, n, dem__kick_range, &kicked);
+    for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < strays[q]; k++) dem__mark_to_check(w, stray[k]);
-        all += check[q];
+        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        all += kicked.check[q];
     }
     return all == 0.0;
 }
@@ -6105,22 +6146,20 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Courses and timers of the to_check; those whose flight begins leave the list of active particles. */
+static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *checked) {
+    dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
+}
+
+/* Checks the bounds of particles marked for it, and sets new bounds and timers; whoever begins a flight leaves the list of active particles. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
     const int parts = dem__parts(w, 4 * n);
     dem__checked watched[DEM__PARTS_MAX];
     ptrdiff_t reset = 0, kept = 0;
-    int q, flown = 0;
-    if (parts == 1) dem__check_bounds_part(w, 0, n, &watched[0]);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__check_bounds_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts), &watched[q]);
-    }
-    for (q = 0; q < parts; q++) {
+    int flown = 0;
+    dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
+    for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
         for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++) w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
@@ -6173,22 +6212,25 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
     dem__flush_batch(w, waits, step);
 }
 
-/* Threads take pages of their own, if about as many pairs are due as in the step before. */
+typedef struct dem__due_test {
+    int64_t step;
+    dem__timer_batch *batch; /* of each part */
+} dem__due_test;
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__due_test *test = (const dem__due_test *)context;
+    dem__test_due_part(w, &test->batch[part], first, end, test->step);
+}
+
+/* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t pages = pairs->timers.pages;
     const int parts = dem__parts_of(w, pairs->due_count, DEM__CHUNKS);
     dem__timer_batch waits[DEM__CHUNKS];
-    int q;
-    if (parts == 1) dem__test_due_part(w, &waits[0], 0, pages, step);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__test_due_part(w, &waits[q], dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
-    }
+    dem__due_test test;
+    test.step = step, test.batch = waits;
+    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &test);
     pairs->due_count = 0;
-    for (q = 0; q < parts; q++) {
+    for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)waits[q].looks;
         dem__new_pair_contacts(w, &waits[q]);
     }
@@ -6239,23 +6281,22 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     return 0;
 }
 
-/* Blocks of links to threads. */
-static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
-    const ptrdiff_t blocks = (count + DEM__BLOCK - 1) / DEM__BLOCK;
-    const int parts = dem__parts(w, count);
-    int q;
-    if (parts == 1) {
-        kernel(w, 0, count);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) {
-        const ptrdiff_t first = DEM__BLOCK * dem__part(blocks, q, parts), end = DEM__BLOCK * dem__part(blocks, q + 1, parts);
-        kernel(w, first, end < count ? end : count);
-    }
+/* Runs the links' kernel on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)part, (void)context;
+    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count);
 }
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__parts(w, n), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+/* An evaluation of all contacts by several threads. */
+typedef struct dem__evaluation {
+    dem_kernel_fn kernel;
+    int parts, has_friction;
+} dem__evaluation;
 
 /* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
 static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
@@ -6273,85 +6314,49 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* A thread adds to particles of the share before the one that it has evaluated (the first of those to the last): nearly all of what waits
-   for them it has left itself, and has in its cache. */
+/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
+   all of them itself, so they are in its cache. */
+static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__chunk *chunk = w->engine->contacts.chunk;
+    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
+    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
+}
 static inline void dem__add_postponed(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const int chunks = contacts->chunk_count;
+    dem__evaluation e;
     ptrdiff_t n = 0;
-    int q;
-    for (q = 0; q < chunks; q++) n += contacts->chunk[q].postponed;
-    const int parts = dem__parts_of(w, n, chunks);
-    if (parts == 1) {
-        dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) {
-        const int share = (2 * parts - 2 - q) % parts;
-        const ptrdiff_t first = dem__part(chunks, share, parts), end = dem__part(chunks, share + 1, parts);
-        dem__add_postponed_to(w, contacts->chunk[end - 1].first_particle, first > 0 ? contacts->chunk[first - 1].first_particle : INT32_MAX,
-                              has_friction);
-    }
+    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
+    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
+    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
+    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* A thread's share of the chunks, the last share the first thread's: it takes them from `next` on, others help it from the end. */
-typedef struct dem__chunk_queue {
-    int first, next, end;
-} dem__chunk_queue;
-
-/* The next chunk that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
-   owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first: those
-   before `own`. */
-static inline int dem__next_chunk(dem_world *w, dem__chunk_queue *stint, int parts, int part) {
-    int chunk = -1;
-#ifdef _OPENMP
-#pragma omp critical(dem_claim)
-#endif
-    {
-        dem__chunk_queue *of = &stint[part];
-        const int helps = of->next == of->end;
-        for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
-        if (of->next + helps < of->end) {
-            chunk = helps ? --of->end : of->next++;
-            const int first = helps ? chunk : of->first;
-            w->engine->contacts.chunk[chunk].postpone_from = first > 0 ? w->engine->contacts.chunk[first - 1].first_particle : INT32_MAX;
-        }
-    }
-    return chunk;
-}
-static inline void dem__evaluate_queue(dem_world *w, dem_kernel_fn kernel, dem__chunk_queue *stint, int parts, int part) {
-    for (int chunk = dem__next_chunk(w, stint, parts, part); chunk >= 0; chunk = dem__next_chunk(w, stint, parts, part))
-        kernel(w, chunk, chunk + 1);
+/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
+   before has the others. */
+static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    dem__chunk *chunk = w->engine->contacts.chunk;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    e->kernel(w, first, end);
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
-    const int parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
-    dem__chunk_queue stint[DEM__CHUNKS];
-    int q;
+    dem__evaluation e;
+    e.kernel = kernel, e.has_friction = has_friction;
+    e.parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
-    for (q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].postpone_from = INT32_MAX;
-    if (parts == 1) kernel(w, 0, contacts->chunk_count);
-    else {
-        for (q = 0; q < parts; q++) {
-            stint[q].first = stint[q].next = (int)dem__part(contacts->chunk_count, parts - 1 - q, parts);
-            stint[q].end = (int)dem__part(contacts->chunk_count, parts - q, parts);
-        }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__evaluate_queue(w, kernel, stint, parts, q);
-        dem__add_postponed(w, has_friction);
-    }
+    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
+    if (e.parts > 1) dem__add_postponed(w, has_friction);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
-        for (q = 0; q < contacts->chunk_count; q++) {
+        for (int q = 0; q < contacts->chunk_count; q++) {
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
@@ -6491,7 +6496,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
-    dem__share_blocks(w, links->kernel, links->count);
+    dem__evaluate_links(w);
     if (dem__parts(w, links->count) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
@@ -6692,7 +6697,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
-    if (!world) return l;
+    if (!world || !world->engine) return l;
     l = world->engine->ledger.sums;
     l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
@@ -6713,13 +6718,13 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->engine->contacts.count : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->engine->contacts.count) return info;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
     k = dem__slot_of(world, k);
     info.i = world->engine->contacts.i[k];
     info.j = world->engine->contacts.j[k];
@@ -6731,17 +6736,17 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->engine->contacts.count) return;
+    if (!world || !world->engine || !state || slot < 0 || slot >= world->engine->contacts.count) return;
     for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->engine->links.count : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->engine->links.count) return info;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
     info.i = world->engine->links.i[k];
     info.j = world->engine->links.j[k];
     info.element = world->engine->links.element[k];
@@ -7692,7 +7697,7 @@ DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, cons
 
 DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     double unlike = 0.0, all = 0.0, ends = 0.0;
-    if (!world) return (double)NAN;
+    if (!world || !world->engine) return (double)NAN;
     DEM__EACH_CONTACT(world, k) {
         const int32_t i = world->engine->contacts.i[k], j = world->engine->contacts.j[k];
         if (j < 0 || !(world->engine->contacts.gap[k] < 0.0)) continue;

@@ -227,18 +227,21 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
 DEM__AVX2_CLONE(dem__reset_timers_part, (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
                 (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
 
-/* New timers for the pairs of the listed particles, which have new bounds. */
+/* Particles with new bounds. */
+typedef struct dem__reset_list {
+    const int32_t *particle;
+    ptrdiff_t n;
+    int64_t step;
+} dem__reset_list;
+static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__reset_list *list = (const dem__reset_list *)context;
+    (void)part;
+    dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
+}
+
+/* Sets new timers for the pairs of the listed particles, which have new bounds. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
-    const ptrdiff_t pages = w->engine->pairs.timers.pages;
-    const int parts = dem__parts(w, 4 * n);
-    int q;
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    if (parts == 1) {
-        dem__reset_timers_part(w, reset, n, 0, pages, step);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__reset_timers_part(w, reset, n, dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
+    dem__reset_list list;
+    list.particle = reset, list.n = n, list.step = step;
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }

@@ -253,17 +253,21 @@ static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int 
         }
     }
 }
+typedef struct dem__arrangement {
+    const dem__chunk *chunk;
+    const dem__array *list;
+    int chunks, arrays, parts;
+} dem__arrangement;
+static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__arrangement *a = (const dem__arrangement *)context;
+    (void)first, (void)end;
+    dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
+}
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
-    const int parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
-    int q;
-    if (parts == 1) {
-        dem__arrange_part(w, chunk, chunks, list, arrays, 0, 1);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__arrange_part(w, chunk, chunks, list, arrays, q, parts);
+    dem__arrangement a;
+    a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
+    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
+    dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {

@@ -103,7 +103,34 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* The private state of a world, empty. */
+/* Room for so many walls, and for the forces of every chunk on them. */
+static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
+    dem__engine *e = w->engine;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 8, room = larger > wanted ? larger : wanted;
+    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    if (wanted <= e->walls.capacity) return 1;
+    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
+    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
+    if (!walls || !forces) {
+        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
+        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
+        return 0;
+    }
+    memset(walls, 0, (size_t)room * wall);
+    memset(forces, 0, (size_t)room * force);
+    if (w->wall) {
+        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
+        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
+        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
+    }
+    w->wall = walls;
+    e->contacts.wall_force = forces;
+    e->walls.capacity = room;
+    return 1;
+}
+
+/* Makes the private state of an empty world, with room for the first walls, so that few scenes move them. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -112,7 +139,10 @@ static inline int dem__make_engine(dem_world *w) {
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     e->run.needs_lists = e->contacts.chunk_count = 1;
     w->engine = e;
-    return 1;
+    if (dem__grow_walls(w, 1)) return 1;
+    w->def.allocator.fn(w->def.allocator.user, e, sizeof *e, 0);
+    w->engine = NULL;
+    return 0;
 }
 
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field) {

@@ -61,6 +61,7 @@
 #include "mesh.h"
 #include "stl.h"
 #include "motion.h"
+#include "parallel.h"
 #include "timers.h"
 #include "detect.h"
 #include "bounds.h"

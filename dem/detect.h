@@ -191,26 +191,21 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
 
-static inline void dem__find_followers(dem_world *w, int64_t step, ptrdiff_t first, ptrdiff_t end) {
+static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
+    (void)part;
     for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, step, 0);
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            contacts->edge[c] = (uint8_t)dem__follow_slot(w, c, *(const int64_t *)step, 0);
+        }
     }
 }
 
-/* Contacts with meshes to a step at which the walls already are. */
+/* Moves contacts with meshes to a step at which the walls already are. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t end = dem__next_slot(w), chunks = contacts->chunk_count;
-    const int parts = dem__parts_of(w, contacts->count, contacts->chunk_count);
-    int q;
-    if (parts == 1) dem__find_followers(w, step, 0, chunks);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__find_followers(w, step, dem__part(chunks, q, parts), dem__part(chunks, q + 1, parts));
-    }
+    const ptrdiff_t end = dem__next_slot(w);
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__find_followers, &step);
     DEM__EACH_CONTACT(w, c) {
         if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }

@@ -399,7 +399,7 @@ DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, cons
 
 DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     double unlike = 0.0, all = 0.0, ends = 0.0;
-    if (!world) return (double)NAN;
+    if (!world || !world->engine) return (double)NAN;
     DEM__EACH_CONTACT(world, k) {
         const int32_t i = world->engine->contacts.i[k], j = world->engine->contacts.j[k];
         if (j < 0 || !(world->engine->contacts.gap[k] < 0.0)) continue;

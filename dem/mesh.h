@@ -152,6 +152,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
         high[k % 3] = x > high[k % 3] ? x : high[k % 3];
     }
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
+    if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     wall.kind = DEM_MESH;
     wall.material = material;
     wall.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));

@@ -269,38 +269,45 @@ static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid
     return 1;
 }
 
+/* A search for near pairs by several threads, each with its part of the array. */
+typedef struct dem__search {
+    dem__grid grid[DEM__LEVELS_MAX];
+    dem__found_pairs finds[DEM__PARTS_MAX];
+    int levels, parts;
+    ptrdiff_t room;
+} dem__search;
+static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__search *s = (dem__search *)context;
+    const ptrdiff_t from = dem__part(s->room, part, s->parts);
+    s->finds[part].pair = w->engine->pairs.near + from;
+    s->finds[part].room = dem__part(s->room, part + 1, s->parts) - from;
+    s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
+}
+
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
-    dem__grid grid[DEM__LEVELS_MAX];
-    dem__found_pairs finds[DEM__PARTS_MAX];
-    ptrdiff_t room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4, present = 0;
-    int q, full = 1;
+    dem__search s;
+    ptrdiff_t present = 0;
+    int full = 1;
     pairs->count = 0;
     if (w->count == 0) return 1;
-    memset(grid, 0, sizeof grid);
-    const int levels = dem__fill_cells(w, grid), parts = dem__parts(w, w->count);
-    for (int level = 0; level < levels; level++) present += grid[level].count;
+    memset(s.grid, 0, sizeof s.grid);
+    s.room = w->count < INT32_MAX / 24 ? 6 * w->count : INT32_MAX / 4;
+    s.levels = dem__fill_cells(w, s.grid), s.parts = dem__parts(w, w->count);
+    for (int level = 0; level < s.levels; level++) present += s.grid[level].count;
     while (full) {
-        if (levels == 0 || room > INT32_MAX / 2 || !dem__grow_near(w, room)) return 0;
-        room = pairs->timers.capacity * DEM__LINE;
+        if (s.levels == 0 || s.room > INT32_MAX / 2 || !dem__grow_near(w, s.room)) return 0;
+        s.room = pairs->timers.capacity * DEM__LINE;
         full = 0;
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts) if (parts > 1)
-#endif
-        for (q = 0; q < parts; q++) {
-            finds[q].pair = pairs->near + dem__part(room, q, parts);
-            finds[q].room = dem__part(room, q + 1, parts) - dem__part(room, q, parts);
-            finds[q].full =
-                !dem__find_pairs_part(w, grid, levels, dem__part(present, q, parts), dem__part(present, q + 1, parts), &finds[q]);
-        }
-        for (q = 0; q < parts; q++) full |= finds[q].full;
-        room++;
+        dem__in_parts(w, s.parts, present, dem__search_range, &s);
+        for (int q = 0; q < s.parts; q++) full |= s.finds[q].full;
+        s.room++;
     }
-    for (q = 0; q < parts; q++) {
-        memmove(pairs->near + pairs->count, finds[q].pair, (size_t)finds[q].n * sizeof *pairs->near);
-        pairs->count += finds[q].n;
+    for (int q = 0; q < s.parts; q++) {
+        memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
+        pairs->count += s.finds[q].n;
     }
     return 1;
 }
@@ -396,19 +403,13 @@ DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end
 }
 DEM__AVX2_CLONE(dem__set_new_timers_part, (dem_world * w, ptrdiff_t first, ptrdiff_t end), (w, first, end),
                 dem__set_new_timers(w, first, end))
+static inline void dem__set_new_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    (void)part, (void)context;
+    dem__set_new_timers_part(w, first, end);
+}
 static inline void dem__set_all_timers(dem_world *w) {
-    const ptrdiff_t pages = w->engine->pairs.timers.pages;
-    const int parts = dem__parts(w, w->engine->pairs.count);
-    int q;
-    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
-    if (parts == 1) {
-        dem__set_new_timers_part(w, 0, pages);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__set_new_timers_part(w, dem__part(pages, q, parts), dem__part(pages, q + 1, parts));
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
 /* Timers for a new list: pairs apart; walls as they are, or all stopped. */

@@ -21,7 +21,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
-    if (!world) return l;
+    if (!world || !world->engine) return l;
     l = world->engine->ledger.sums;
     l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
@@ -42,13 +42,13 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     return l;
 }
 
-DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world ? world->engine->contacts.count : 0; }
+DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
 
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->engine->contacts.count) return info;
+    if (!world || !world->engine || k < 0 || k >= world->engine->contacts.count) return info;
     k = dem__slot_of(world, k);
     info.i = world->engine->contacts.i[k];
     info.j = world->engine->contacts.j[k];
@@ -60,17 +60,17 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 }
 
 DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !state || slot < 0 || slot >= world->engine->contacts.count) return;
+    if (!world || !world->engine || !state || slot < 0 || slot >= world->engine->contacts.count) return;
     for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
 }
 
-DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world ? world->engine->links.count : 0; }
+DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
 
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
     info.gap = (double)NAN;
-    if (!world || k < 0 || k >= world->engine->links.count) return info;
+    if (!world || !world->engine || k < 0 || k >= world->engine->links.count) return info;
     info.i = world->engine->links.i[k];
     info.j = world->engine->links.j[k];
     info.element = world->engine->links.element[k];

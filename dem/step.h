@@ -18,19 +18,14 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_all(w, h, first, end))
+static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    (void)part;
+    dem__advance_part(w, *(const double *)h, first, end);
+}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
-    const int parts = books ? 1 : dem__parts(w, n / 4);                    /* to move or kick a particle is little work */
-    int q;
-    if (parts == 1) {
-        dem__advance_part(w, h, 0, n);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) dem__advance_part(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts));
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic;         /* those who leave the box are one sum */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, dem__advance_range, &h); /* to move or kick a particle is little work */
 }
 
 static inline void dem__gather_losses(dem_world *w) {
@@ -129,27 +124,26 @@ static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *dou
     }
     return strays;
 }
-static inline void dem__kick_share(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
-    dem__kick_part(w, h, first, end, check, strays);
-    *strays = dem__find_deviating(w, h, w->engine->scratch.index + first, *strays);
+typedef struct dem__kicked {
+    double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
+    ptrdiff_t strays[DEM__PARTS_MAX];
+} dem__kicked;
+static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__kicked *kicked = (dem__kicked *)context;
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
+    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
-    double check[DEM__PARTS_MAX], all = 0.0;
-    ptrdiff_t strays[DEM__PARTS_MAX];
-    int q;
-    if (parts == 1) dem__kick_share(w, h, 0, n, &check[0], &strays[0]);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__kick_share(w, h, dem__part(n, q, parts), dem__part(n, q + 1, parts), &check[q], &strays[q]);
-    }
-    for (q = 0; q < parts; q++) {
+    dem__kicked kicked;
+    double all = 0.0;
+    kicked.h = h;
+    dem__in_parts(w, parts, n, dem__kick_range, &kicked);
+    for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < strays[q]; k++) dem__mark_to_check(w, stray[k]);
-        all += check[q];
+        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        all += kicked.check[q];
     }
     return all == 0.0;
 }
@@ -255,22 +249,20 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Courses and timers of the to_check; those whose flight begins leave the list of active particles. */
+static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *checked) {
+    dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
+}
+
+/* Checks the bounds of particles marked for it, and sets new bounds and timers; whoever begins a flight leaves the list of active particles. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
     const int parts = dem__parts(w, 4 * n);
     dem__checked watched[DEM__PARTS_MAX];
     ptrdiff_t reset = 0, kept = 0;
-    int q, flown = 0;
-    if (parts == 1) dem__check_bounds_part(w, 0, n, &watched[0]);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__check_bounds_part(w, dem__part(n, q, parts), dem__part(n, q + 1, parts), &watched[q]);
-    }
-    for (q = 0; q < parts; q++) {
+    int flown = 0;
+    dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
+    for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
         for (ptrdiff_t k = 0; k < watched[q].hurried; k++) dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++) w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
@@ -323,22 +315,25 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
     dem__flush_batch(w, waits, step);
 }
 
-/* Threads take pages of their own, if about as many pairs are due as in the step before. */
+typedef struct dem__due_test {
+    int64_t step;
+    dem__timer_batch *batch; /* of each part */
+} dem__due_test;
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__due_test *test = (const dem__due_test *)context;
+    dem__test_due_part(w, &test->batch[part], first, end, test->step);
+}
+
+/* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t pages = pairs->timers.pages;
     const int parts = dem__parts_of(w, pairs->due_count, DEM__CHUNKS);
     dem__timer_batch waits[DEM__CHUNKS];
-    int q;
-    if (parts == 1) dem__test_due_part(w, &waits[0], 0, pages, step);
-    else {
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__test_due_part(w, &waits[q], dem__part(pages, q, parts), dem__part(pages, q + 1, parts), step);
-    }
+    dem__due_test test;
+    test.step = step, test.batch = waits;
+    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &test);
     pairs->due_count = 0;
-    for (q = 0; q < parts; q++) {
+    for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)waits[q].looks;
         dem__new_pair_contacts(w, &waits[q]);
     }
@@ -389,23 +384,22 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     return 0;
 }
 
-/* Blocks of links to threads. */
-static inline void dem__share_blocks(dem_world *w, dem_kernel_fn kernel, ptrdiff_t count) {
-    const ptrdiff_t blocks = (count + DEM__BLOCK - 1) / DEM__BLOCK;
-    const int parts = dem__parts(w, count);
-    int q;
-    if (parts == 1) {
-        kernel(w, 0, count);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) {
-        const ptrdiff_t first = DEM__BLOCK * dem__part(blocks, q, parts), end = DEM__BLOCK * dem__part(blocks, q + 1, parts);
-        kernel(w, first, end < count ? end : count);
-    }
+/* Runs the links' kernel on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)part, (void)context;
+    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count);
 }
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__parts(w, n), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+/* An evaluation of all contacts by several threads. */
+typedef struct dem__evaluation {
+    dem_kernel_fn kernel;
+    int parts, has_friction;
+} dem__evaluation;
 
 /* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
 static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
@@ -423,85 +417,49 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* A thread adds to particles of the share before the one that it has evaluated (the first of those to the last): nearly all of what waits
-   for them it has left itself, and has in its cache. */
+/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
+   all of them itself, so they are in its cache. */
+static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__chunk *chunk = w->engine->contacts.chunk;
+    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
+    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
+}
 static inline void dem__add_postponed(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const int chunks = contacts->chunk_count;
+    dem__evaluation e;
     ptrdiff_t n = 0;
-    int q;
-    for (q = 0; q < chunks; q++) n += contacts->chunk[q].postponed;
-    const int parts = dem__parts_of(w, n, chunks);
-    if (parts == 1) {
-        dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-    for (q = 0; q < parts; q++) {
-        const int share = (2 * parts - 2 - q) % parts;
-        const ptrdiff_t first = dem__part(chunks, share, parts), end = dem__part(chunks, share + 1, parts);
-        dem__add_postponed_to(w, contacts->chunk[end - 1].first_particle, first > 0 ? contacts->chunk[first - 1].first_particle : INT32_MAX,
-                              has_friction);
-    }
+    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
+    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
+    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
+    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* A thread's share of the chunks, the last share the first thread's: it takes them from `next` on, others help it from the end. */
-typedef struct dem__chunk_queue {
-    int first, next, end;
-} dem__chunk_queue;
-
-/* The next chunk that a thread is to evaluate: of its own share, else the last of the largest that has more than one left, as that one's
-   owner has it in its cache; -1: there is none. A thread adds to sums of particles whose contacts it all has, or has first: those
-   before `own`. */
-static inline int dem__next_chunk(dem_world *w, dem__chunk_queue *stint, int parts, int part) {
-    int chunk = -1;
-#ifdef _OPENMP
-#pragma omp critical(dem_claim)
-#endif
-    {
-        dem__chunk_queue *of = &stint[part];
-        const int helps = of->next == of->end;
-        for (int q = 0; q < parts && helps; q++) of = stint[q].end - stint[q].next > of->end - of->next ? &stint[q] : of;
-        if (of->next + helps < of->end) {
-            chunk = helps ? --of->end : of->next++;
-            const int first = helps ? chunk : of->first;
-            w->engine->contacts.chunk[chunk].postpone_from = first > 0 ? w->engine->contacts.chunk[first - 1].first_particle : INT32_MAX;
-        }
-    }
-    return chunk;
-}
-static inline void dem__evaluate_queue(dem_world *w, dem_kernel_fn kernel, dem__chunk_queue *stint, int parts, int part) {
-    for (int chunk = dem__next_chunk(w, stint, parts, part); chunk >= 0; chunk = dem__next_chunk(w, stint, parts, part))
-        kernel(w, chunk, chunk + 1);
+/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
+   before has the others. */
+static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    dem__chunk *chunk = w->engine->contacts.chunk;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    e->kernel(w, first, end);
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
 static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
-    const int parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
-    dem__chunk_queue stint[DEM__CHUNKS];
-    int q;
+    dem__evaluation e;
+    e.kernel = kernel, e.has_friction = has_friction;
+    e.parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
-    for (q = 0; q < contacts->chunk_count; q++) contacts->chunk[q].postpone_from = INT32_MAX;
-    if (parts == 1) kernel(w, 0, contacts->chunk_count);
-    else {
-        for (q = 0; q < parts; q++) {
-            stint[q].first = stint[q].next = (int)dem__part(contacts->chunk_count, parts - 1 - q, parts);
-            stint[q].end = (int)dem__part(contacts->chunk_count, parts - q, parts);
-        }
-#ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(parts)
-#endif
-        for (q = 0; q < parts; q++) dem__evaluate_queue(w, kernel, stint, parts, q);
-        dem__add_postponed(w, has_friction);
-    }
+    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
+    if (e.parts > 1) dem__add_postponed(w, has_friction);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
-        for (q = 0; q < contacts->chunk_count; q++) {
+        for (int q = 0; q < contacts->chunk_count; q++) {
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
@@ -641,7 +599,7 @@ static inline void dem__step_links(dem_world *w) {
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
-    dem__share_blocks(w, links->kernel, links->count);
+    dem__evaluate_links(w);
     if (dem__parts(w, links->count) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;

@@ -177,30 +177,3 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     *capacity = larger;
     return 1;
 }
-
-/* Room for so many walls, and for the forces of every chunk on them. */
-static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
-    dem__engine *e = w->engine;
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 4, room = larger > wanted ? larger : wanted;
-    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
-    if (wanted <= e->walls.capacity) return 1;
-    dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
-    dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
-    if (!walls || !forces) {
-        if (walls) a->fn(a->user, walls, (size_t)room * wall, 0);
-        if (forces) a->fn(a->user, forces, (size_t)room * force, 0);
-        return 0;
-    }
-    memset(walls, 0, (size_t)room * wall);
-    memset(forces, 0, (size_t)room * force);
-    if (w->wall) {
-        memcpy(walls, w->wall, (size_t)e->walls.capacity * wall);
-        a->fn(a->user, w->wall, (size_t)e->walls.capacity * wall, 0);
-        a->fn(a->user, e->contacts.wall_force, (size_t)e->walls.capacity * force, 0);
-    }
-    w->wall = walls;
-    e->contacts.wall_force = forces;
-    e->walls.capacity = room;
-    return 1;
-}

@@ -1,25 +1,5 @@
 /* ------------------------------------------------------------------------------------------------- >>lists */
 
-/* So many parts are n pieces of work shared in: one, or one a thread if each is worth starting it. One part begins no parallel region, for
-   that would cost more than the work of a dilute step. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-#ifdef _OPENMP
-    return w->def.threads == 1 || n < 256 * (ptrdiff_t)w->def.threads ? 1
-           : w->def.threads < DEM__PARTS_MAX                          ? w->def.threads
-                                                                      : DEM__PARTS_MAX;
-#else
-    (void)w, (void)n;
-    return 1;
-#endif
-}
-DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
-
-/* The same if there are only `most` things to share. */
-DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
-    const int parts = dem__parts(w, n);
-    return parts < most ? parts : most;
-}
-
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
