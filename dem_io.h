@@ -458,9 +458,9 @@ DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *w
 
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series) {
     if (!series) return RIDDLE_IO_BAD_ARGUMENT;
-    const riddle_io_status particles = riddle_io_series_close(series->particles), walls = riddle_io_series_close(series->walls);
+    const riddle_io_status first = riddle_io_series_close(series->particles), second = riddle_io_series_close(series->walls);
     series->particles = series->walls = NULL;
-    return particles != RIDDLE_IO_OK ? particles : walls;
+    return first != RIDDLE_IO_OK ? first : second;
 }
 
 /* ======================================================== >>sections ======================================================== */

@@ -11,8 +11,11 @@
 
 #include "common.h"
 #include "dem.h"
+#include "world_picture.h"
 
 enum { RINGS = 6, SECTORS = 12, CASES = 5, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
+
+static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}};
 
 typedef struct heap {
     /* asked for */
@@ -20,7 +23,8 @@ typedef struct heap {
     int spheres;
     uint64_t seed;
     const dem_mesh *funnel;
-    const char *folder; /* of the .vtp series, or NULL */
+    const char *folder; /* of the series and pictures, or NULL */
+    bool film;
     progress *bar;
     /* found */
     dem_status status;
@@ -107,24 +111,6 @@ static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
     h->error = sqrt(fmax(syy - slope * sxy, 0.0) / (n - 2.0) / sxx) / (1.0 + slope * slope);
 }
 
-static void write_frame(const heap *h, const dem_world *w, pvd *series) {
-    double *x = malloc((size_t)(w->count + 1) * 7 * sizeof *x);
-    int n = 0;
-    for (ptrdiff_t i = 0; x && i < w->count; i++) {
-        const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
-        const double row[7] = {p.x, p.y, p.z, v.x, v.y, v.z, w->particle[i].radius};
-        if (w->alive[i]) memcpy(x + 7 * n++, row, sizeof row);
-    }
-    if (!x) {
-        common_fail("out of memory");
-        return;
-    }
-    vtk_array arrays[] = {vtk_vector_stride("velocity_m_s", x + 3, 7), vtk_vector_stride("radius_m", x + 6, 7)};
-    arrays[1].components = 1;
-    vtp_points(h->folder, pvd_name(series, w->time), n, vtk_vector_stride("position", x, 7), arrays, 2);
-    free(x);
-}
-
 /* Pours one heap and measures it. */
 static void pour(heap *h) {
     const double d = h->diameter, plate = cbrt(0.57 * h->spheres) * d; /* what stays on it is about half */
@@ -156,11 +142,15 @@ static void pour(heap *h) {
     feed.velocity = dem_vec3(0, 0, -sqrt(9.81 * d)), feed.scatter = dem_vec3(0.1 * sqrt(9.81 * d), 0.1 * sqrt(9.81 * d), 0);
     const double unit = sqrt(d / 9.81), interval = 2.0 * unit, rate = 10.0 / unit; /* the outlet lets through about 20 spheres a unit */
     const double end = h->spheres / rate + 45.0 * unit;
-    pvd *series = h->folder ? pvd_open(h->folder, "particles.pvd") : NULL;
+    dem_io_series series = {NULL, NULL, NULL};
+    if (h->folder) series = dem_io_open(h->folder, "particles");
+    world_movie reel = {0};
+    if (h->folder && h->film) reel = world_movie_open(h->folder, "angle_of_repose.mp4", &view);
     for (int step = 0; world.time < end && h->status == DEM_OK && !common_interrupted(); step++) {
         if (feed.placed < h->spheres) h->status = dem_feed_number(&world, &feed, rate, interval);
         if (step == 0 && h->status == DEM_OK) h->status = dem_set_time_step(&world, 2.0 * dem_advise(&world, FEATURES, 1.0).advised);
-        if (series && step % 5 == 0) write_frame(h, &world, series);
+        if (series.particles && step % 5 == 0) dem_io_add(&series, &world);
+        if (step > 0) world_movie_add(&reel, &world);
         if (h->status == DEM_OK) h->status = dem_run(&world, interval, FEATURES);
         for (ptrdiff_t i = world.count - 1; i >= 0; i--) { /* over the rim */
             const dem_vec p = dem_position(&world, i);
@@ -168,7 +158,9 @@ static void pour(heap *h) {
         }
         progress_add(h->bar, interval / end);
     }
-    if (series) write_frame(h, &world, series), pvd_close(series);
+    if (h->folder && h->status == DEM_OK) dem_io_add(&series, &world), draw_world(&world, &view, h->folder, "angle_of_repose.png");
+    if (h->folder) dem_io_close(&series);
+    world_movie_close(&reel);
     measure(h, &world, centre, plate);
     h->time = world.time;
     dem_free(&world);
@@ -229,6 +221,7 @@ static void report(const program *self, const heap *heaps, int n, const dem_stl_
 int main(int argc, char **argv) {
     double diameter_mm = 5.0, one_friction = 0.5, rolling = 0.02, scale = 1e-3;
     int spheres = 1000;
+    bool film = false;
     const char *stl = NULL;
     option options[] = {
         option_double("friction", "MU", &one_friction, 0.0, 5.0, "one coefficient of friction [-] instead of a row of five"),
@@ -236,10 +229,11 @@ int main(int argc, char **argv) {
         option_int("spheres", "N", &spheres, 100, 100000, "spheres poured"),
         option_positive("diameter-mm", "MM", &diameter_mm, 1000.0, "diameter of the spheres [mm]"),
         option_string("stl", "FILE", &stl, "a funnel of your own: mouth up, outlet down, the axis in the middle of its box"),
+        option_flag("movie", &film, "angle_of_repose.mp4 of the last heap, by ffmpeg"),
         option_positive("stl-scale", "M", &scale, 1e6, "length of the file's unit [m]"),
     };
     program self = program_start("angle_of_repose", "Pours spheres through a funnel onto a plate, and measures the heap's slope.", options,
-                                 6, argc, argv);
+                                 (int)(sizeof options / sizeof *options), argc, argv);
     const double d = 1e-3 * diameter_mm, row[CASES] = {0.05, 0.1, 0.2, 0.4, 0.8};
     const double funnel_points[3][2] = {{2.8 * d, 0.0}, {2.8 * d, 2.0 * d}, {9.0 * d, 10.0 * d}};
     const int n = options[0].given ? 1 : (self.quick ? 3 : CASES);
@@ -284,7 +278,7 @@ int main(int argc, char **argv) {
         heap *h = &heaps[k];
         h->diameter = d, h->friction = n == 1 ? one_friction : row[n == CASES ? k : 2 * k], h->rolling = rolling;
         h->spheres = spheres, h->seed = self.seed, h->funnel = &funnel, h->bar = &bar;
-        h->folder = k == n - 1 ? self.out : NULL;
+        h->folder = k == n - 1 ? self.out : NULL, h->film = film;
     }
     jobs_run(n, self.threads, pour_one, heaps);
     progress_end(&bar);

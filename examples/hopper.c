@@ -12,6 +12,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "world_picture.h"
 
 enum { RUNS_MAX = 8, BLOCKS = 20, FRAMES = 40 };
 static const double g = 9.81;
@@ -26,6 +27,8 @@ typedef struct silo {
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
+static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}};
+
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
     double rate, error, bulk_density, filled, ended; /* [kg/s], standard error, [kg/m3], [kg], time of the end [s] */
@@ -39,6 +42,7 @@ typedef struct study {
     discharge run[RUNS_MAX];
     int runs, orifices, base; /* the first `orifices` runs differ in them; the others have the orifice of run `base` and more fill */
     const program *self;
+    bool film;
     progress bar;
 } study;
 
@@ -114,23 +118,6 @@ static dem_status fill(dem_world *world, const silo *s, discharge *d, dem_feed *
     return status == DEM_OK ? dem_enable_wall(world, lid, 0) : status;
 }
 
-static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
-    const ptrdiff_t n = world->count;
-    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer), *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
-    int m = 0;
-    if (!buffer) common_fail("out of memory for a frame");
-    for (ptrdiff_t i = 0; i < n && buffer; i++) {
-        if (!world->alive[i]) continue;
-        const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
-        x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
-        v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-        d[m++] = 2.0 * world->particle[i].radius;
-    }
-    const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v)};
-    if (buffer) vtp_points(folder, pvd_name(series, time), m, vtk_vector("position", x), arrays, 2);
-    free(buffer);
-}
-
 /* Mean rate and standard error from equal parts of the time, between two spheres that passed. */
 static void find_rate(discharge *d, int first, int last) {
     double sum = 0.0, square = 0.0;
@@ -159,14 +146,24 @@ static int run(int index, void *user) {
     d->status = build(&world, s, d);
     if (d->status == DEM_OK) d->status = fill(&world, s, d, &feed, &st->bar, share);
     const double begin = world.time;
-    pvd *series = index == 0 && !st->self->quick ? pvd_open(st->self->out, "particles.pvd") : NULL;
-    double last_passing = 0.0, next_frame = 0.0, done = 0.0;
+    const bool shown = index == 0, written = shown && !st->self->quick;
+    dem_io_series series = {NULL, NULL, NULL};
+    if (written && d->status == DEM_OK) series = dem_io_open(st->self->out, "particles");
+    world_movie reel = {0};
+    if (shown && st->film) reel = world_movie_open(st->self->out, "hopper.mp4", &view);
+    double last_passing = 0.0, next_frame = 0.0, next_shot = 0.0, done = 0.0;
+    bool pictured = false;
     ptrdiff_t first = -1; /* that passed when the rate had become steady */
     feed.region = dem_cylinder_region(dem_vec3(0, 0, d->height), dem_vec3(0, 0, 1), 4.0 * s->diameter, d->radius);
     while (d->status == DEM_OK && !common_interrupted() && world.time - begin < s->time) {
         const ptrdiff_t before = world.passed_count;
-        if (series && world.time - begin >= next_frame) {
-            write_frame(&world, st->self->out, series, world.time - begin);
+        if (shown && world.time - begin < 2.0 * pace(s) && world.time - begin >= next_shot) {
+            world_movie_add(&reel, &world);
+            next_shot += 0.02 * pace(s);
+        }
+        if (shown && !pictured && world.time - begin >= start_up) draw_world(&world, &view, st->self->out, "hopper.png"), pictured = true;
+        if (series.particles && world.time - begin >= next_frame) {
+            dem_io_add(&series, &world);
             next_frame = s->dosta ? next_frame + s->time / FRAMES : fmax(next_frame * 1.1, next_frame + 0.02 * pace(s));
         }
         d->status = dem_run(&world, sample, features(s));
@@ -180,7 +177,9 @@ static int run(int index, void *user) {
         if (!s->dosta && first >= 0 && passed - first >= s->passing) break;
         if (passed == feed.placed || world.time - fmax(last_passing, begin) > pace(s)) break; /* empty, or an arch holds */
     }
-    pvd_close(series);
+    if (shown && !pictured && d->status == DEM_OK) draw_world(&world, &view, st->self->out, "hopper.png");
+    if (series.particles) dem_io_close(&series);
+    world_movie_close(&reel);
     d->ended = world.time - begin;
     d->passed = (int)world.passed_count;
     d->time = malloc((size_t)(d->passed + 1) * 2 * sizeof *d->time);
@@ -336,6 +335,8 @@ static void report(study *st, double k) {
 }
 
 int main(int argc, char **argv) {
+    study st;
+    memset(&st, 0, sizeof st);
     silo s = {0, 1, 0, 0.005, 0.1, 2500.0, 2.5, 0.0, 2000.0, 0.5, 0.5, 0.0, HUGE_VAL, 2500};
     double diameter = 5.0, slope = 0.0, height = 1.0, orifice = 40.0, k = 1.4, longest = 0.5;
     int spheres = 2000;
@@ -355,11 +356,10 @@ int main(int argc, char **argv) {
         option_int("material", "N", &s.material, 1, 2, "dosta: M1 or M2"),
         option_int("spheres", "N", &spheres, 100, 10000000, "dosta: number of spheres, 100 000 in the paper"),
         option_positive("time", "S", &longest, 1e6, "dosta: longest discharge [s]"),
+        option_flag("movie", &st.film, "hopper.mp4 of the first two seconds of the first run, half as fast, by ffmpeg"),
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    study st;
-    memset(&st, 0, sizeof st);
     if (!options[6].given) s.stiffness *= pow(diameter / 5.0, 2.0); /* the same overlaps over d */
     s.diameter = 1e-3 * diameter, s.slope = slope * RIDDLE_PI / 180.0;
     if (s.dosta) { /* the angle of the cone is not in the literature at hand: 45 degrees */

@@ -3,7 +3,8 @@
    Small and large spheres (or light and heavy ones) are rained into the lower half of a drum between two flat ends, well mixed or small
    on the left and large on the right (--start), and the drum turns. Told over time: Lacey's index in a grid of cells, the share of
    unlike contacts, the radial segregation (how much nearer to the middle of the bed the small ones lie), and the slope of the free
-   surface. --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale shrinks
+   surface. For a drum of your own: the options, the materials in build(), and dem_add_box in build() for lifters
+   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale shrinks
    numbers and drum width together (1: 8000 and 30 000 spheres in 60 mm). */
 #include <math.h>
 #include <stdio.h>
@@ -12,6 +13,7 @@
 
 #include "common.h"
 #include "dem.h"
+#include "world_picture.h"
 
 enum { SMALL, LARGE, SPECIES, CELLS = 24, SAMPLES_MAX = 2000 };
 
@@ -22,6 +24,8 @@ typedef struct drum {
     double radius, width, speed, turns, fill;         /* [m], [m], [rad/s], [-], share of the drum's volume */
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
+
+static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}};
 
 typedef struct curves {
     int n;
@@ -148,21 +152,6 @@ static void look(curves *c, const dem_world *world, const drum *d, double time) 
     }
 }
 
-static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
-    const ptrdiff_t n = world->count;
-    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer), *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
-    if (!buffer) common_fail("out of memory for a frame");
-    for (ptrdiff_t i = 0; i < n && buffer; i++) {
-        const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
-        x[3 * i] = at.x, x[3 * i + 1] = at.y, x[3 * i + 2] = at.z;
-        v[3 * i] = u.x, v[3 * i + 1] = u.y, v[3 * i + 2] = u.z;
-        d[i] = 2.0 * world->particle[i].radius;
-    }
-    const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("species", world->group)};
-    if (buffer) vtp_points(folder, pvd_name(series, time), (int)n, vtk_vector("position", x), arrays, 3);
-    free(buffer);
-}
-
 static void draw(const curves *c, const dem_world *world, const drum *d, const char *out, double angle, double error) {
     char text[80];
     plot *figure = plot_new(d->dosta ? "Drum of Dosta et al." : "Two sizes in a drum", 2, 2);
@@ -171,36 +160,25 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     plot_line(figure, "radial segregation", c->time, c->radial, c->n);
     plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
-    snprintf(text, sizeof text, "second half: %.1f \xc2\xb1 %.1f", angle, error);
+    snprintf(text, sizeof text, "second half: %.1f \xc2\xb1 %.1f degrees", angle, error);
     plot_line(figure, NULL, c->time, c->angle, c->n);
     plot_range_y(figure, 0.0, 60.0);
     plot_horizontal(figure, NULL, angle);
-    plot_text_share(figure, 0.4, 0.92, text);
+    plot_text_share(figure, 0.28, 0.92, text);
     plot_panel(figure, 1, 0, "time [s]", "small spheres [-]");
     for (int q = 0; q < 4; q++) {
         static const char *const names[] = {"upper right", "upper left", "lower left", "lower right"};
         plot_line(figure, names[q], c->time, c->quadrant[SMALL][q], c->n);
     }
-    double *at[SPECIES], *memory = malloc((size_t)(4 * world->count + 4) * sizeof *memory);
-    int n[SPECIES] = {0, 0};
-    at[SMALL] = memory, at[LARGE] = memory + 2 * world->count;
     plot_panel(figure, 1, 1, "x [mm]", "z [mm]");
-    plot_equal(figure);
-    for (ptrdiff_t i = 0; i < world->count && memory; i++) { /* a slice in the middle */
-        const dem_vec x = dem_position(world, i);
-        const int s = world->group[i];
-        if (fabs(x.y) > 0.5 * d->diameter[LARGE]) continue;
-        at[s][n[s]] = 1e3 * x.x, at[s][world->count + n[s]] = 1e3 * x.z;
-        n[s]++;
-    }
-    for (int s = 0; s < SPECIES && memory; s++) plot_points(figure, s == SMALL ? "small" : "large", at[s], at[s] + world->count, n[s]);
+    dem_io_section(world, figure, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), view.names, SPECIES);
     plot_write(figure, out, "rotating_drum.svg");
-    free(memory);
 }
 
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     const char *from = NULL;
+    bool film = false;
     particles given = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 0.1;
     option options[] = {
@@ -220,6 +198,7 @@ int main(int argc, char **argv) {
         option_double("rolling", "M", &d.rolling, 0.0, 1.0, "lever arm of rolling resistance [m]"),
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns, 5 in the paper [s]"),
+        option_flag("movie", &film, "rotating_drum.mp4, by ffmpeg"),
         option_string("from", "FILE", &from,
                       "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),
     };
@@ -264,15 +243,18 @@ int main(int argc, char **argv) {
     if (status == DEM_BAD_ARGUMENT && !from) program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
     for (int k = 0; k < 3 && status == DEM_OK; k++) /* the cylinder and its two ends */
         status = dem_rotate(&world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d.speed);
-    pvd *series = pvd_open(self.out, "particles.pvd");
+    dem_io_series series = dem_io_open(self.out, "particles");
+    world_movie reel = film ? world_movie_open(self.out, "rotating_drum.mp4", &view) : (world_movie){0};
     const int samples = (int)(duration / sample + 0.5);
     for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
         if (k > 0) status = dem_run(&world, sample, features(&d));
         look(&c, &world, &d, k * sample);
-        if (k % (samples / 50 + 1) == 0) write_frame(&world, self.out, series, k * sample);
+        if (k % (samples / 50 + 1) == 0) dem_io_add(&series, &world);
+        world_movie_add(&reel, &world);
         progress_add(&bar, 0.8 / (samples + 1));
     }
-    pvd_close(series);
+    dem_io_close(&series);
+    world_movie_close(&reel);
     progress_end(&bar);
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) {
@@ -293,6 +275,7 @@ int main(int argc, char **argv) {
         angle /= late;
         const double scatter = sqrt(fmax(square / late - angle * angle, 0.0));
         draw(&c, &world, &d, self.out, angle, scatter);
+        draw_world(&world, &view, self.out, "rotating_drum.png");
         common_print(
             "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f +- %.1f degrees, Lacey %.3f, unlike "
             "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",

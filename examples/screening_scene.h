@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "world_picture.h"
 #include "wet_contact.h"
 
 enum { SMALL, NEAR_MESH, LARGE, CLASSES, UNDERSIZE = 2 };
@@ -380,27 +381,6 @@ static void remaining_mass(const dem_world *world, const wet_scene *wet, double 
     }
 }
 
-static void write_frame(const dem_world *world, const char *folder, pvd *series, double time) {
-    const ptrdiff_t n = world->count;
-    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer);
-    int *group = malloc((size_t)(n + 1) * sizeof *group), m = 0;
-    if (buffer && group) {
-        double *x = buffer, *v = buffer + 3 * n, *d = buffer + 6 * n;
-        for (ptrdiff_t i = 0; i < n; i++) {
-            if (!world->alive[i]) continue;
-            const dem_vec at = dem_position(world, i), u = dem_velocity(world, i);
-            x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
-            v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-            d[m] = 2.0 * world->particle[i].radius;
-            group[m++] = world->group[i];
-        }
-        const vtk_array arrays[] = {vtk_scalar("diameter_m", d), vtk_vector("velocity_m_s", v), vtk_ints("class", group)};
-        vtp_points(folder, pvd_name(series, time), m, vtk_vector("position", x), arrays, 3);
-    } else common_fail("out of memory for a frame");
-    free(buffer);
-    free(group);
-}
-
 /* Accumulated deviation of the classes' mean heights from the mean height (eq 44) [m]. */
 static double height_deviation(const dem_world *world) {
     double sum[CLASSES] = {0.0}, all = 0.0, deviation = 0.0;
@@ -421,9 +401,12 @@ static double height_deviation(const dem_world *world) {
 /* Who looks on; any of them may be NULL. */
 typedef struct observer {
     progress *bar;
-    pvd *series;
-    const char *out; /* folder of the series */
+    dem_io_series *series;
+    world_movie *reel;
+    const char *out; /* folder of the series and of the picture; NULL: none */
 } observer;
+
+static const picture_def screen_view = {{"small 5 mm", "near-mesh 7 mm", "large 10 mm"}, CLASSES, 0.0, {0.3, 1.0, -0.75}};
 
 static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, const settings *s, int deck) {
     *wet = malloc(sizeof **wet);
@@ -482,6 +465,7 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
     const bool has_ledger = s->energy && (!wet || s->laws == 0);
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (has_ledger ? DEM_ENERGY : 0);
     const int watches = (int)(s->time / WATCH + 0.5), every = (int)(SAMPLE / WATCH + 0.5);
+    const int shown_at = (int)(fmin(0.6, s->time) / WATCH + 0.5);
     const double arrival = sqrt(2.0 * s->drop / 9.81);
     double initial[CLASSES] = {0.0};
     for (int k = 0; k <= watches && r->status == DEM_OK && !common_interrupted(); k++) {
@@ -497,8 +481,10 @@ static void run_scene(const settings *s, uint64_t seed, result *r, const observe
                 r->bridges_mean += bridges;
                 looks++;
             }
-            if (watcher->series) write_frame(&world, watcher->out, watcher->series, time);
+            if (watcher->series) dem_io_add(watcher->series, &world);
         }
+        if (watcher->reel) world_movie_add(watcher->reel, &world);
+        if (watcher->out && k == shown_at) draw_world(&world, &screen_view, watcher->out, "batch_screening.png");
         if (watcher->bar && k > 0) progress_add(watcher->bar, WATCH);
     }
     if (r->status == DEM_OK && !common_interrupted()) {

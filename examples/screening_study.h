@@ -29,7 +29,8 @@ typedef struct study {
     const program *self;
     const char *runs; /* folder of the files of single runs, or NULL */
     progress *bar;
-    pvd *series;
+    dem_io_series *series;
+    world_movie *reel;
 } study;
 
 static result *result_of(const study *st, int v, int q) { return &st->results[v * st->seeds + q]; }

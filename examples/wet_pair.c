@@ -6,7 +6,7 @@
       the bridge forms in contact and breaks at its dynamic rupture distance. Ratio of the speeds after and before is the wet coefficient of
       restitution; below the sticking velocity the two never part.
 
-   Pictures: force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv, sticking.csv. */
+   Pictures: wet_pair.png, force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv, sticking.csv. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -335,6 +335,71 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
     json_number(report, "sticking_velocity_printed_laws_m_s", as_printed);
 }
 
+/* ---- the picture ---- */
+
+enum { PROFILE = 40, ROUND = 96 };
+
+/* The liquid's surface from the neck to the wetted circle of one solid, as (radius, distance from the neck): the force is the same at every
+   section, F = 2 pi sigma r/sqrt(1 + r'^2) - pi r^2 p. The radius goes with the square of u, which removes the pole at the neck. */
+static void meridian(const bridge_shape *b, double sigma, double ring, double profile[PROFILE + 1][2]) {
+    double z = 0.0;
+    profile[0][0] = b->neck, profile[0][1] = 0.0;
+    for (int k = 1; k <= PROFILE; k++) {
+        for (int q = 0; q < 20; q++) {
+            const double u = (k - 1 + (q + 0.5) / 20) / PROFILE, r = b->neck + (ring - b->neck) * u * u;
+            const double s = 2.0 * RIDDLE_PI * sigma * r / (b->force + RIDDLE_PI * r * r * b->pressure), steep2 = s * s - 1.0;
+            if (steep2 > 0.0) z += (ring - b->neck) * 2.0 * u / (20.0 * PROFILE) / sqrt(steep2);
+        }
+        profile[k][0] = b->neck + (ring - b->neck) * k * k / (double)(PROFILE * PROFILE), profile[k][1] = z;
+    }
+}
+
+static void put_lathe(picture *p, double profile[PROFILE + 1][2], double neck, double side) {
+    const picture_colour water = {120, 185, 235};
+    for (int k = 0; k < PROFILE; k++)
+        for (int n = 0; n < ROUND; n++) {
+            double corner[2][2][3];
+            for (int a = 0; a < 2; a++)
+                for (int b = 0; b < 2; b++) {
+                    const double angle = 2.0 * RIDDLE_PI * (n + b) / ROUND, r = profile[k + a][0];
+                    corner[a][b][0] = neck + side * profile[k + a][1], corner[a][b][1] = r * cos(angle), corner[a][b][2] = r * sin(angle);
+                }
+            picture_triangle(p, corner[0][0], corner[0][1], corner[1][0], water, PICTURE_SOLID);
+            picture_triangle(p, corner[1][1], corner[1][0], corner[0][1], water, PICTURE_SOLID);
+        }
+}
+
+/* Both solids and the liquid between them at 0.6 of the gap at which it breaks; x runs from i to j. */
+static void draw_doublet(const program *self, const scene *s, const bridge_pair *pair) {
+    const bridge b = formed(pair, s->volume);
+    const double direction[3] = {0.15, 1.0, -0.25}, ri = s->def.radius_i, rj = s->def.radius_j, gap = 0.6 * b.rupture_gap;
+    double profile[PROFILE + 1][2], centre[3] = {0.0, 0.0, 0.0};
+    bridge_shape shape;
+    char text[60];
+    if (bridge_young_laplace(&s->def, s->volume, gap, &shape) != BRIDGE_OK) return;
+    picture *p = picture_new(960, 640);
+    picture_sphere(p, centre, ri, picture_class(4));
+    centre[0] = ri + gap + (isinf(rj) ? 0.0 : rj);
+    if (!isinf(rj)) picture_sphere(p, centre, rj, picture_class(4));
+    const double wide = 1.3 * ri,
+                 plate[4][3] = {{centre[0], -wide, -wide}, {centre[0], wide, -wide}, {centre[0], wide, wide}, {centre[0], -wide, wide}};
+    if (isinf(rj)) {
+        picture_triangle(p, plate[0], plate[1], plate[2], picture_steel(), PICTURE_SOLID);
+        picture_triangle(p, plate[0], plate[2], plate[3], picture_steel(), PICTURE_SOLID);
+    }
+    const double sigma = s->def.liquid.surface_tension;
+    meridian(&shape, sigma, shape.ring_i, profile);
+    const double neck = ri * cos(shape.filling_i) + profile[PROFILE][1];
+    put_lathe(p, profile, neck, -1.0);
+    meridian(&shape, sigma, shape.ring_j, profile);
+    put_lathe(p, profile, neck, 1.0);
+    snprintf(text, sizeof text, "%.3g ul, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
+    picture_title(p, text);
+    picture_look(p, direction);
+    picture_write(p, self->out, "wet_pair.png");
+    picture_free(p);
+}
+
 int main(int argc, char **argv) {
     scene s = {bridge_pair_default_def(), 2534.1, 1e5, 0.7808, 1e-10};
     double diameter_i = 5.0, diameter_j = 5.0, angle_i = 15.0, angle_j = 15.0, volume_ul = 0.1;
@@ -374,6 +439,7 @@ int main(int argc, char **argv) {
     json *report = json_open(self.json);
     draw_laws(&self, &s, &pair, report);
     draw_curves(&self, &s);
+    draw_doublet(&self, &s, &pair);
     progress bar;
     progress_begin(&bar, "colliding", self.quick ? 8.0 * 13.0 + 10.0 : 8.0 * 41.0 + 26.0);
     draw_restitution(&self, &s, &bar);

@@ -30,6 +30,13 @@ need() {
     exit 2
 }
 
+# wish WHAT...: the same for what a build can do without: libpng. Goes on where it cannot be had; the build says what is left out then.
+wish() {
+    for what in "$@"; do
+        is_there "$what" || (need "$what") >/dev/null 2>&1 || true
+    done
+}
+
 as_root() {
     if [ "$(id -u)" = 0 ]; then "$@"; else sudo -n "$@"; fi
 }
@@ -44,6 +51,7 @@ is_there() {
     pkg-config) command -v pkg-config >/dev/null 2>&1 || command -v pkgconf >/dev/null 2>&1 ;;
     cmocka) pkg-config --exists cmocka 2>/dev/null || pkgconf --exists cmocka 2>/dev/null ;;
     liblammps) pkg-config --exists liblammps 2>/dev/null ;;
+    libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
 }
@@ -55,6 +63,7 @@ package_of() {
     ninja) echo ninja-build ;;
     cmocka) echo libcmocka-dev ;;
     nm) echo binutils ;;
+    libpng) echo libpng-dev ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
     *) echo "$1" ;;

@@ -1,0 +1,158 @@
+/* render.h: spheres and triangles stand where the camera sees them, nothing that is not finite is drawn, files are whole. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common.h"
+
+enum { W = 240, H = 160 };
+static unsigned char rgb[H][W][3];
+static const double ahead[3] = {0.0, 1.0, 0.0};
+static const picture_colour red = {220, 20, 20}, green = {20, 200, 20};
+
+/* How many pixels are mostly of a colour's channel, and the middle between the outermost. */
+static int count(int channel, double *x, double *y) {
+    int n = 0, low[2] = {W, H}, high[2] = {0, 0};
+    for (int j = 0; j < H; j++)
+        for (int i = 0; i < W; i++) {
+            const unsigned char *p = rgb[j][i];
+            if (p[channel] > 2 * p[(channel + 1) % 3] && p[channel] > 2 * p[(channel + 2) % 3]) {
+                n++;
+                low[0] = i < low[0] ? i : low[0], high[0] = i > high[0] ? i : high[0];
+                low[1] = j < low[1] ? j : low[1], high[1] = j > high[1] ? j : high[1];
+            }
+        }
+    *x = 0.5 * (low[0] + high[0] + 1), *y = 0.5 * (low[1] + high[1] + 1);
+    return n;
+}
+
+static void test_a_sphere_is_round_and_in_the_middle(void **state) {
+    (void)state;
+    const double centre[3] = {3.0, 4.0, 5.0};
+    double x, y;
+    picture *p = picture_new(W, H);
+    picture_sphere(p, centre, 0.5, red);
+    picture_look(p, ahead);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+    const int n = count(0, &x, &y);
+    assert_true(fabs(x - 0.5 * W) < 3.0 && fabs(y - 0.5 * H) < 3.0);
+    const double radius = sqrt(n / 3.14159265358979); /* the whole height, less the margins */
+    assert_true(radius > 0.33 * H && radius < 0.5 * H);
+    picture_free(p);
+}
+
+/* The nearer sphere hides the other; right is right and up is up. */
+static void test_near_and_far(void **state) {
+    (void)state;
+    double near[3] = {0, 0, 0}, far[3] = {0, 2, 0}, x, y, x2, y2;
+    picture *p = picture_new(W, H);
+    picture_sphere(p, far, 0.5, green);
+    picture_sphere(p, near, 0.6, red);
+    picture_look(p, ahead);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+    assert_true(count(0, &x, &y) > 500);
+    assert_int_equal(count(1, &x2, &y2), 0);
+    picture_clear(p);
+    assert_true(picture_is_empty(p));
+    far[0] = 1.5, far[2] = 1.0;
+    picture_sphere(p, far, 0.5, green);
+    picture_sphere(p, near, 0.6, red);
+    picture_look(p, ahead);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+    assert_true(count(0, &x, &y) > 300 && count(1, &x2, &y2) > 100);
+    assert_true(x2 > x + 10.0 && y2 < y - 10.0);
+    picture_free(p);
+}
+
+/* A triangle behind is opaque whatever it is made of, one before it only when it is solid. */
+static void test_glass(void **state) {
+    (void)state;
+    const double centre[3] = {0, 0, 0}, a[3] = {-3, -1, -3}, b[3] = {3, -1, -3}, c[3] = {0, -1, 4};
+    double x, y;
+    int seen[2];
+    for (int kind = PICTURE_SOLID; kind <= PICTURE_GLASS; kind++) {
+        picture *p = picture_new(W, H);
+        const double before[3] = {0, -2, 0}, behind[3] = {0, 3, 0};
+        picture_sphere(p, centre, 0.5, red);
+        picture_sphere(p, behind, 0.1, red);
+        picture_sphere(p, before, 1e-3, red); /* the middle of the scene lies between */
+        picture_triangle(p, a, b, c, picture_glass(), kind);
+        picture_look(p, ahead);
+        assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+        seen[kind] = count(0, &x, &y);
+        picture_free(p);
+    }
+    assert_true(seen[PICTURE_SOLID] < 10);
+    assert_true(seen[PICTURE_GLASS] > 100);
+}
+
+static void test_hostile(void **state) {
+    (void)state;
+    const double values[] = {0.0, 1e-300, 1e300, -1e300, (double)NAN, HUGE_VAL, 1.0};
+    picture *p = picture_new(W, H);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0); /* empty */
+    for (int i = 0; i < 7; i++)
+        for (int k = 0; k < 7; k++) {
+            const double at[3] = {values[i], values[k], 0.0}, other[3] = {values[k], 1.0, values[i]};
+            picture_sphere(p, at, values[i], red);
+            picture_triangle(p, at, other, ahead, red, k % 2);
+            picture_clear(i == 6 ? p : NULL);
+        }
+    const double no_direction[3] = {0, 0, 0}, bad[3] = {(double)NAN, 0, 0};
+    picture_look(p, no_direction);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+    picture_look(p, bad);
+    picture_title(p, "\x01\xff ~");
+    for (int k = 0; k < 20; k++)
+        picture_legend(p, "too many rows of the legend, each too long for the width of the picture that it stands in", red);
+    picture_bar(p, "speed [m/s]", (double)NAN);
+    assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
+    picture_free(p);
+    assert_null(picture_new(3, 100000));
+    picture_sphere(NULL, ahead, 1.0, red);
+    picture_look(NULL, ahead);
+    picture_free(NULL);
+    assert_int_equal(picture_draw(NULL, &rgb[0][0][0]), -1);
+    movie_add(NULL, NULL);
+    assert_int_equal(movie_close(NULL), 0);
+}
+
+static void test_file(void **state) {
+    (void)state;
+    char name[300];
+    snprintf(name, sizeof name, "%s/riddle-render.%ld.png", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid());
+    picture *p = picture_new(W, H);
+    picture_sphere(p, ahead, 0.5, red);
+    assert_int_equal(picture_write(p, NULL, name), 0);
+    picture_free(p);
+    FILE *f = fopen(name, "rb");
+    if (!f) skip(); /* built without libpng */
+    unsigned char head[24];
+    assert_int_equal(fread(head, 1, 24, f), 24);
+    fclose(f);
+    remove(name);
+    assert_memory_equal(head, "\x89PNG\r\n\x1a\n", 8);
+    assert_int_equal(head[18] * 256 + head[19], W);
+    assert_int_equal(head[22] * 256 + head[23], H);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_sphere_is_round_and_in_the_middle),
+        cmocka_unit_test(test_near_and_far),
+        cmocka_unit_test(test_glass),
+        cmocka_unit_test(test_hostile),
+        cmocka_unit_test(test_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
