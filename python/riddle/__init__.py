@@ -1,0 +1,21 @@
+"""Riddle: particle-process engineering. One module a header: dem, bridge, screen, blocking, granulation, classifier, filtration.
+
+Functions and structures have the names of the headers without their prefix: blocking_fit is blocking.fit. Lengths of arrays are not
+given; answers are returned; a status other than ok is a riddle.Error with the status text and the field. help() has the headers' comments.
+Units are SI.
+"""
+import sys as _sys
+import types as _types_module
+
+from . import _core
+from ._core import Error, Handle, Structure
+
+for _lower in _core.api["headers"]:
+    if _lower != "dem":
+        _module = _types_module.ModuleType(f"riddle.{_lower}", f"{_core.api['headers'][_lower]['file']} in Python.")
+        _core.fill(_module, _lower)
+        _sys.modules[f"riddle.{_lower}"] = _module
+        globals()[_lower] = _module
+from . import dem
+
+__all__ = ["Error", "Handle", "Structure", *_core.api["headers"]]

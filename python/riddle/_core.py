@@ -1,0 +1,561 @@
+"""Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
+python/generate.py reads off the headers; nothing here knows a particular function."""
+import json
+import os
+import types
+
+import numpy as np
+
+from ._types import ffi
+
+_here = os.path.dirname(os.path.abspath(__file__))
+lib = ffi.dlopen(os.path.join(_here, "_riddle.so"))
+with open(os.path.join(_here, "api.json"), encoding="utf-8") as _file:
+    api = json.load(_file)
+for _number, _name in enumerate(api["layout"]):
+    if ffi.sizeof(_name) != lib.riddle_layout(_number):
+        raise ImportError(f"the library and its description differ in {_name}: build both anew")
+
+DTYPES = {"double": np.float64, "float": np.float32, "int": np.intc, "unsigned": np.uintc, "unsigned int": np.uintc, "size_t": np.uintp,
+          "ptrdiff_t": np.intp, "int32_t": np.int32, "uint32_t": np.uint32, "int64_t": np.int64, "uint64_t": np.uint64,
+          "uint8_t": np.uint8, "_Bool": np.bool_}
+LARGEST = 1 << 31  # elements of one array
+_types_of = {name: (lower, kind) for lower, h in api["headers"].items() for name, kind in h["types"].items()}
+_classes = {}
+_shapes = api["shapes"]
+
+
+class Error(RuntimeError):
+    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; field: what was wrong, where that is known."""
+
+    def __init__(self, status, name, text, field=None):
+        super().__init__(f"{text} ({name})" + (f": {field}" if field else ""))
+        self.status, self.name, self.field = status, name, field
+
+
+def _base(c_type):
+    return c_type.replace("const", "").replace("*", "").strip()
+
+
+def _array(value, dtype, what):
+    try:
+        made = np.ascontiguousarray(value, dtype=dtype)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{what}: numbers are needed, not {type(value).__name__} ({error})") from None
+    return made
+
+
+class Shape:
+    """A line of shapes.txt."""
+
+    def __init__(self, text, constants):
+        self.inout = text.startswith("inout")
+        self.optional = text.startswith("optional")
+        rest = text.replace("inout", "", 1).replace("optional", "", 1).strip()
+        self.scalar = rest == "scalar"
+        self.any = rest == "any"
+        self.dims = None
+        self.bare = []
+        if rest.startswith("["):
+            self.dims = compile(f"({rest[1:-1]},)", text, "eval")
+            self.bare = [d.strip() for d in rest[1:-1].split(",")]
+        self.constants = constants
+
+    def of(self, names, what):
+        scope = dict(self.constants)
+        scope.update(names)
+        try:
+            dims = tuple(int(d) for d in eval(self.dims, {"__builtins__": {}}, scope))
+        except (TypeError, AttributeError, IndexError, NameError, OverflowError):
+            raise ValueError(f"{what}: its length cannot be told from the other arguments") from None
+        size = 1
+        for d in dims:
+            size *= d
+            if d < 0 or size > LARGEST:
+                raise ValueError(f"{what}: no array of shape {dims}")
+        return dims
+
+
+def _shape(key, constants):
+    text = _shapes.get(key)
+    return Shape(text, constants) if text is not None else None
+
+
+_constants = {}
+for _lower, _h in api["headers"].items():
+    _upper = _lower.upper() + "_"
+    _values = {name[len(_upper):]: value for name, value in _h["constants"].items()}
+    _values.update({name[len(_upper):]: getattr(lib, name) for name in _h["enumerators"]})
+    _constants[_lower] = _values
+
+
+class Structure:
+    """A structure of the headers: the same fields. Made with its defaults where the header has some; fields by keyword."""
+
+    _name = None
+
+    def __init__(self, **fields):
+        default = _default_of(self._name)
+        object.__setattr__(self, "_c", ffi.new(f"{self._name} *"))
+        object.__setattr__(self, "_kept", {})
+        if default:
+            self._c[0] = getattr(lib, default)()
+        for name, value in fields.items():
+            setattr(self, name, value)
+
+    @classmethod
+    def _of(cls, c, parent=None):
+        """A structure around C's: a copy of a value, or a part of another one (parent keeps it)."""
+        made = cls.__new__(cls)
+        if parent is None:
+            c, value = ffi.new(f"{cls._name} *"), c
+            c[0] = value
+        object.__setattr__(made, "_c", c)
+        object.__setattr__(made, "_kept", {"parent": parent} if parent is not None else {})
+        return made
+
+    def __getattr__(self, name):
+        field = _types_of[self._name][1]["fields"].get(name)
+        if field is None or "__" in name:
+            raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
+        if name in self._kept:
+            return self._kept[name]
+        kind = ffi.typeof(self._c).item.fields
+        c_type = dict(kind)[name].type
+        value = getattr(self._c, name)
+        if c_type.kind == "struct":
+            part = ffi.addressof(self._c[0], name)
+            return _classes[c_type.cname]._of(part, self) if c_type.cname in _classes else part
+        if c_type.kind == "array":
+            return self._array_field(name, c_type, value)
+        if c_type.kind == "pointer":
+            return None if value == ffi.NULL else ffi.string(value).decode() if c_type.cname in ("char *", "const char *") else value
+        return value
+
+    def _array_field(self, name, c_type, value):
+        item, dims = c_type.item, [c_type.length]
+        while item.kind == "array":
+            dims.append(item.length)
+            item = item.item
+        if item.kind == "struct":
+            return [_classes[item.cname]._of(ffi.addressof(self._c[0], name, k), self) for k in range(dims[0])] if len(dims) == 1 else value
+        if item.cname == "char":
+            return ffi.string(value).decode(errors="replace")
+        dtype = DTYPES.get(item.cname, np.intc)
+        view = np.frombuffer(ffi.buffer(value), dtype=dtype).reshape(dims)
+        return view
+
+    def __setattr__(self, name, value):
+        about = _types_of[self._name][1]["fields"].get(name)
+        if about is None or "__" in name:
+            raise AttributeError(f"{self._name} has no field {name}; it has {', '.join(self._fields())}")
+        c_type = dict(ffi.typeof(self._c).item.fields)[name].type
+        what = f"{self._name}.{name}"
+        if isinstance(value, Structure) and c_type.kind == "struct":
+            if c_type.cname != value._name:
+                raise TypeError(f"{what}: a {c_type.cname} is needed, not a {value._name}")
+            setattr(self._c, name, value._c[0])
+            self._kept[name + " parts"] = value
+        elif c_type.kind == "struct":
+            setattr(self._c, name, tuple(value))
+        elif c_type.kind == "array":
+            view = getattr(self, name)
+            if isinstance(view, str):
+                raise TypeError(f"{what} cannot be set")
+            if isinstance(view, list):
+                for part, new in zip(view, value):
+                    part._c[0] = new._c[0]
+            else:
+                view[...] = value
+        elif c_type.kind == "pointer":
+            self._set_pointer(name, about, c_type, value, what)
+        else:
+            try:
+                setattr(self._c, name, value)
+            except (TypeError, OverflowError) as error:
+                raise TypeError(f"{what}: {error}") from None
+
+    def _set_pointer(self, name, about, c_type, value, what):
+        if value is None:
+            setattr(self._c, name, ffi.NULL)
+            self._kept.pop(name, None)
+        elif c_type.item.kind == "function":
+            made = _callback(c_type, value, what)
+            setattr(self._c, name, made)
+            self._kept[name] = made
+        elif about.get("pointer") in DTYPES:
+            array = _array(value, DTYPES[about["pointer"]], what)
+            setattr(self._c, name, ffi.cast(c_type, ffi.from_buffer(array)))
+            self._kept[name] = array
+        elif isinstance(value, Structure) and c_type.item.cname in ("void", value._name):
+            setattr(self._c, name, ffi.cast(c_type, value._c))
+            self._kept[name] = value
+        else:
+            raise TypeError(f"{what} cannot be set from Python")
+
+    def _fields(self):
+        return [name for name in _types_of[self._name][1]["fields"] if "__" not in name]
+
+    def _check_arrays(self, scope=None, prefix=None):
+        """Are the arrays that fields point to as long as the structure says?"""
+        lower, kind = _types_of[self._name]
+        for name, about in kind["fields"].items():
+            if about.get("pointer") not in DTYPES:
+                continue
+            shape = _shape(f"{prefix}.{name}" if prefix else "", _constants[lower]) or _shape(f"{self._name}.{name}", _constants[lower])
+            if shape is None or shape.dims is None:
+                continue
+            names = {n: getattr(self, n) for n in self._fields() if n != name}
+            names.update(scope or {})
+            dims = shape.of(names, f"{self._name}.{name}")
+            array = self._kept.get(name)
+            size = int(np.prod(dims))
+            if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or size == 0):
+                continue
+            if array is None or array.size != size:
+                raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
+        for name in self._fields():
+            part = self._kept.get(name + " parts")
+            if isinstance(part, Structure):
+                part._check_arrays()
+
+    def __dir__(self):
+        return self._fields()
+
+    def __repr__(self):
+        return f"{self._name}({', '.join(f'{n}={getattr(self, n)!r}' for n in self._fields())})"
+
+    def __iter__(self):
+        return iter([getattr(self, n) for n in self._fields()])
+
+    def __copy__(self):
+        made = type(self)._of(self._c[0])
+        made._kept.update(self._kept)
+        return made
+
+    def __reduce__(self):
+        raise TypeError(f"{self._name} cannot be pickled; keep its fields")
+
+
+def _default_of(name):
+    """The function without arguments that makes the defaults of a structure."""
+    lower = _types_of[name][0]
+    for function, about in api["headers"][lower]["functions"].items():
+        if about["returns"] == name and not about["parameters"] and "default" in function:
+            return about["symbol"]
+    return None
+
+
+def _callback(c_type, value, what):
+    """A C function for a Python one, or the address of one of the headers' own."""
+    symbol = getattr(value, "c_symbol", None)
+    if symbol:
+        return ffi.cast(c_type, ffi.addressof(lib, symbol))
+    if not callable(value):
+        raise TypeError(f"{what}: a function is needed, not {type(value).__name__}")
+    return ffi.callback(c_type, value)
+
+
+class Handle:
+    """Something that only C looks into: a simulation, a model. It is freed with its object, or by free()."""
+
+    _name = None
+    _free = None
+
+    def __init__(self):
+        size = getattr(lib, f"size_of_{self._name}")()
+        self._memory = ffi.new("char[]", size)
+        self._c = ffi.cast(f"{self._name} *", self._memory)
+        self._keep = []
+
+    @property
+    def _alive(self):
+        if self._c is None:
+            raise ValueError(f"this {self._name} has been freed")
+        return self._c
+
+    def free(self):
+        if self._c is not None and self._free:
+            getattr(lib, self._free)(self._c)
+        self._c = None
+
+    def __del__(self):
+        if getattr(self, "_c", None) is not None:
+            self.free()
+
+
+class Function:
+    """One function of a header."""
+
+    def __init__(self, lower, name, about):
+        self.lower, self.name, self.about = lower, name, about
+        self.symbol = about["symbol"]
+        self.c_function = getattr(lib, self.symbol)
+        self.constants = _constants[lower]
+        self.parameters = [Parameter(self, k, p) for k, p in enumerate(about["parameters"])]
+        self.returns = _base(about["returns"])
+        self.index = _shapes.get(name) == "index"
+        self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
+        inferred = self._inferred()
+        self.visible = [p for p in self.parameters if not p.hidden and not p.made and p.name not in inferred]
+        self.inferred = inferred
+
+    def _inferred(self):
+        """Integers that the length of an array tells: parameter -> (array's parameter, axis, what to take off)."""
+        found = {}
+        names = {p.name for p in self.parameters if not p.pointer}
+        for required in (True, False):
+            for p in self.parameters:
+                if not (p.shape and p.shape.dims) or p.made or (p.shape.optional == required):
+                    continue
+                for axis, dim in enumerate(p.shape.bare):
+                    parameter, _, more = dim.partition("+")
+                    if parameter.strip() in names and more.strip() in ("", "1"):
+                        found.setdefault(parameter.strip(), (p.name, axis, int(more or 0)))
+        return found
+
+    def __call__(self, *args, **keywords):
+        given = self._bind(args, keywords)
+        names, converted, keep = {}, {}, []
+        for p in self.parameters:
+            if p.name in given and not p.pointer:
+                names[p.name] = given[p.name]
+        for p in self.parameters:
+            if p.name in given and p.pointer:
+                converted[p.name] = p.take(given[p.name], keep)
+                names[p.name] = given[p.name]
+        for parameter, (array, axis, more) in self.inferred.items():
+            shape = np.shape(keep_of(keep, array)) if keep_of(keep, array) is not None else None
+            names[parameter] = 0 if shape is None or len(shape) <= axis else shape[axis] - more
+        for p in self.parameters:
+            if p.name in given and p.pointer:
+                p.check(given[p.name], keep_of(keep, p.name), names)
+        answers, arguments, field = [], [], None
+        for p in self.parameters:
+            if p.field:
+                field = ffi.new("const char **")
+                arguments.append(field)
+            elif p.made:
+                c, answer = p.make(names)
+                arguments.append(c)
+                answers.append((p.name, answer))
+            elif p.hidden:
+                arguments.append(ffi.NULL)
+            elif p.name in converted:
+                arguments.append(converted[p.name])
+            elif p.pointer:
+                arguments.append(ffi.NULL)
+            else:
+                arguments.append(p.number(names[p.name]))
+        value = self.c_function(*arguments)
+        return self._answer(value, answers, field)
+
+    def _bind(self, args, keywords):
+        if len(args) > len(self.visible):
+            raise TypeError(f"{self.name}: at most {len(self.visible)} arguments: {', '.join(p.name for p in self.visible)}")
+        given = {p.name: value for p, value in zip(self.visible, args)}
+        for name, value in keywords.items():
+            if name in given or name not in {p.name for p in self.visible}:
+                raise TypeError(f"{self.name}: {name} is given twice or unknown; it takes {', '.join(p.name for p in self.visible)}")
+            given[name] = value
+        for p in self.visible:
+            if p.name not in given:
+                if not p.optional:
+                    raise TypeError(f"{self.name}: {p.name} is missing; it takes {', '.join(q.name for q in self.visible)}")
+            elif given[p.name] is None and p.pointer:
+                if not p.optional:
+                    raise TypeError(f"{self.name}: {p.name} must not be None")
+                del given[p.name]
+        return given
+
+    def _answer(self, value, answers, field):
+        if self.status and value != 0 or self.index and value < 0:
+            status = int(value) if self.status else -int(value)
+            raise status_error(self.lower, status, None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode())
+        made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
+        if not self.status and self.about["returns"] != "void":
+            made.insert(0, ("value", self._value(value)))
+        if len(made) <= 1:
+            return made[0][1] if made else None
+        return types.SimpleNamespace(**dict(made))
+
+    def _value(self, value):
+        if isinstance(value, ffi.CData):
+            kind = ffi.typeof(value)
+            if kind.kind == "struct":
+                return _classes[kind.cname]._of(value)
+            if kind.cname in ("char *", "const char *"):
+                return ffi.string(value).decode() if value != ffi.NULL else None
+        return value
+
+
+def keep_of(keep, name):
+    for kept, value in keep:
+        if kept == name:
+            return value
+    return None
+
+
+def status_error(lower, status, field=None):
+    names = api["headers"][lower]["enums"].get(f"{lower}_status", [])
+    name = names[status] if 0 <= status < len(names) else str(status)
+    text = getattr(lib, api["headers"][lower]["functions"][f"{lower}_status_text"]["symbol"])(status)
+    return Error(status, name, ffi.string(text).decode(), field)
+
+
+class Parameter:
+    def __init__(self, function, place, about):
+        self.function, self.name, self.about = function, about["name"], about
+        self.pointer = about["pointer"]
+        self.callback = about["callback"]
+        base = _base(about["type"])
+        self.type = base
+        self.shape = _shape(f"{function.name}.{self.name}", function.constants)
+        self.opaque = base in _types_of and _types_of[base][1]["opaque"]
+        self.structure = base in _types_of and not self.opaque
+        self.field = about["deep"] and self.name == "field"
+        self.void = self.pointer and base == "void"
+        self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
+        first = place == 0
+        inout = self.shape is not None and (self.shape.inout or self.shape.optional)
+        constant = about["const"] or "const" in about["type"]
+        self.constant = constant
+        self.made = (self.pointer and not constant and not self.hidden and not inout and not self.callback and
+                     (not (self.opaque) or function.name.endswith("_init")))
+        self.optional = self.shape is not None and self.shape.optional
+        self.dtype = DTYPES.get(base)
+        del first
+
+    def number(self, value):
+        if isinstance(value, np.generic):
+            value = value.item()
+        c_type = self.about["type"]
+        if self.structure:
+            if isinstance(value, Structure):
+                if value._name != self.type:
+                    raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed, not a {value._name}")
+                return value._c[0]
+            try:
+                made = ffi.new(f"{self.type} *", tuple(float(v) for v in value))
+            except (TypeError, ValueError, IndexError) as error:
+                raise TypeError(f"{self.function.name}: {self.name}: a {self.type} is needed ({error})") from None
+            return made[0]
+        if self.callback or "_fn" in c_type or c_type.endswith(("_function", "_kernel")):
+            return ffi.NULL if value is None else _callback(ffi.typeof(c_type), value, self.name)
+        if isinstance(value, bool):
+            value = int(value)
+        if not isinstance(value, (int, float)):
+            raise TypeError(f"{self.function.name}: {self.name}: a number is needed, not {type(value).__name__}")
+        if self.type not in ("double", "float"):
+            if isinstance(value, float) and value != int(value):
+                raise TypeError(f"{self.function.name}: {self.name}: a whole number is needed, not {value}")
+            value = int(value)
+        return value
+
+    def take(self, value, keep):
+        """Converts what the caller gave for a pointer."""
+        what = f"{self.function.name}: {self.name}"
+        if self.opaque:
+            if not isinstance(value, Handle) or value._name != self.type:
+                raise TypeError(f"{what}: a {self.type} is needed, not {type(value).__name__}")
+            keep.append((self.name, value))
+            return value._alive
+        if self.structure and not (self.shape and self.shape.dims):
+            if not isinstance(value, Structure) or value._name != self.type:
+                raise TypeError(f"{what}: a {self.type} is needed, not {type(value).__name__}")
+            keep.append((self.name, value))
+            return value._c
+        if self.structure:
+            items = list(value)
+            for item in items:
+                if not isinstance(item, Structure) or item._name != self.type:
+                    raise TypeError(f"{what}: a list of {self.type} is needed")
+            c = ffi.new(f"{self.type}[]", max(len(items), 1))
+            for k, item in enumerate(items):
+                c[k] = item._c[0]
+            keep.append((self.name, items))
+            return c
+        if self.dtype is None:
+            raise TypeError(f"{what} cannot be given from Python")
+        if self.shape is not None and self.shape.inout:
+            if not (isinstance(value, np.ndarray) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
+                raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; it is changed")
+            array = value
+        else:
+            array = _array(value, self.dtype, what)
+        keep.append((self.name, array))
+        return ffi.cast(f"{self.type} *", ffi.from_buffer(array)) if array.size else ffi.NULL
+
+    def check(self, value, kept, names):
+        what = f"{self.function.name}: {self.name}"
+        if self.structure:
+            for item in kept if isinstance(kept, list) else [kept]:
+                item._check_arrays(names, f"{self.function.name}.{self.name}")
+            if isinstance(kept, list) and self.shape.of(names, what) != (len(kept),):
+                raise ValueError(f"{what}: {len(kept)} given, {self.shape.of(names, what)[0]} needed")
+        elif self.shape is not None and self.shape.dims:
+            dims = self.shape.of(names, what)
+            if kept.shape != dims and not (kept.size == int(np.prod(dims)) and kept.ndim == 1):
+                raise ValueError(f"{what}: shape {kept.shape} given, {dims} needed")
+
+    def make(self, names):
+        """Room for an answer: C's pointer, and how to make Python's value of it."""
+        what = f"{self.function.name}: {self.name}"
+        if self.opaque:
+            handle = _classes[self.type]()
+            handle._keep += [v for v in names.values() if isinstance(v, (Structure, Handle))]
+            return handle._c, handle
+        if self.structure:
+            count = self.shape.of(names, what)[0] if self.shape and self.shape.dims else None
+            c = ffi.new(f"{self.type}[]", max(count or 1, 1))
+            cls = _classes[self.type]
+            return c, (lambda: cls._of(c[0])) if count is None else (lambda: [cls._of(c[k]) for k in range(count)])
+        if self.shape is None or self.dtype is None:
+            raise TypeError(f"{what} cannot be made in Python")
+        if self.shape.scalar:
+            c = ffi.new(f"{self.type} *")
+            return c, lambda: c[0]
+        array = np.zeros(self.shape.of(names, what), dtype=self.dtype)
+        return (ffi.cast(f"{self.type} *", ffi.from_buffer(array)) if array.size else ffi.new(f"{self.type} *")), array
+
+
+def _python_function(function):
+    def call(*args, **keywords):
+        return function(*args, **keywords)
+
+    call.__name__ = function.name[len(function.lower) + 1:] or function.name
+    call.__qualname__ = call.__name__
+    answers = [p.name for p in function.parameters if p.made]
+    call.__doc__ = (f"{call.__name__}({', '.join(p.name + ('=None' if p.optional else '') for p in function.visible)})"
+                    + (f" -> {', '.join(answers)}" if answers else "") + f"\n\n{function.about['doc']}\n\nC: {function.about['signature']}")
+    call.c_symbol = function.symbol
+    call.c_name = function.name
+    return call
+
+
+def in_python(name):
+    return not _shapes.get(name, "").startswith("C only")
+
+
+def fill(module, lower):
+    """Puts a header's functions, structures and constants into a module, without their prefix."""
+    header = api["headers"][lower]
+    prefix = lower + "_"
+    module.functions = {}
+    for name, value in _constants[lower].items():
+        setattr(module, name, value)
+    for name, kind in header["types"].items():
+        short = name[len(prefix):] or name
+        base = Handle if kind["opaque"] else Structure
+        lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
+        cls = type(short, (base,), {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines), "__slots__": ()} if False else {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines)})
+        if kind["opaque"] and f"{name}_free" in header["functions"]:
+            cls._free = f"{name}_free"
+        elif kind["opaque"] and f"{lower}_free" in header["functions"]:
+            cls._free = f"{lower}_free"
+        _classes[name] = cls
+        setattr(module, short, cls)
+    for name, about in header["functions"].items():
+        if in_python(name):
+            module.functions[name] = _python_function(Function(lower, name, about))
+            setattr(module, name[len(prefix):] or name, module.functions[name])

@@ -1,0 +1,272 @@
+"""dem.h in Python: worlds of particles.
+
+    import numpy as np, riddle
+    from riddle import dem
+
+    definition = dem.def_(dt=4e-6)                            # the fields, defaults and checks of dem_def
+    glass = dem.add_material(definition, 2534.1, 50e9, 0.2)
+    dem.pair(definition, glass, glass).restitution = 0.78
+    world = dem.World(definition)
+    world.add_plane(glass, (0, 0, 0), (0, 0, 1))
+    world.add_spheres([[0, 0, 0.1]], [0.005], glass)
+    world.run(0.5, dem.LINEAR | dem.FRICTION)
+    print(world.positions())
+
+Functions that take a world are methods of World. A run can be stopped by Ctrl-C between steps. A world can be pickled.
+"""
+import signal
+import sys
+import time as _time
+
+import numpy as np
+
+from . import _core
+from ._core import Error, Structure, api, ffi, lib
+
+_STATES = {"positions": (0, 3), "velocities": (1, 3), "spins": (2, 3), "radii": (3, 0), "masses": (4, 0)}
+_RECORDS = {"ids": 0, "groups": 1, "materials": 2, "present": 3}
+
+
+class View:
+    """What a world stores, as it is read: a sequence of integers that raises once the world has changed. Copy it with numpy.array()."""
+
+    def __init__(self, world, values):
+        self._world, self._values, self._version = world, values, world._version
+
+    def _now(self):
+        if self._version != self._world._version or self._world._c is None:
+            raise RuntimeError("the world has changed since this view was taken; take it again")
+        return self._values
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self._now(), dtype=dtype)
+
+    def __len__(self):
+        return len(self._now())
+
+    def __getitem__(self, index):
+        return self._now()[index]
+
+    def __iter__(self):
+        return iter(self._now())
+
+    def __eq__(self, other):
+        return self._now() == np.asarray(other)
+
+    def __repr__(self):
+        return f"View({self._now()!r})"
+
+
+class World(_core.Handle):
+    """Particles, walls and links of one scene: dem_world. definition: dem.def_, checked by dem_init; the bad field is in the error."""
+
+    _name = "dem_world"
+    _free = "dem_free"
+
+    def __init__(self, definition=None):
+        super().__init__()
+        self._version = 0
+        self._callbacks = {}
+        if definition is None:
+            return
+        if not isinstance(definition, Structure) or definition._name != "dem_def":
+            self._c = None
+            raise TypeError("World: a dem.def_ is needed")
+        field = ffi.new("const char **")
+        status = lib.dem_init(self._c, definition._c, field)
+        if status != 0:
+            self._c = None
+            raise _core.status_error("dem", status, ffi.string(field[0]).decode() if field[0] != ffi.NULL else None)
+
+    def _check(self, status):
+        self._version += 1
+        if status != 0:
+            error = _core.status_error("dem", status)
+            if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST):
+                error.particle = lib.riddle_failed_id(self._alive)
+            raise error
+
+    # ---- reading ----
+
+    count = property(lambda self: lib.riddle_count(self._alive), doc="places of particles; one that has been removed keeps its place for a while: see present()")
+    time = property(lambda self: lib.riddle_time(self._alive), doc="[s]")
+    step = property(lambda self: lib.riddle_step(self._alive), doc="steps done")
+    dt = property(lambda self: lib.riddle_dt(self._alive), doc="time step [s]")
+    walls = property(lambda self: lib.riddle_walls(self._alive), doc="number of walls")
+    passed_count = property(lambda self: lib.riddle_passed_count(self._alive), doc="particles that have left by an exit and are recorded")
+    particle_steps = property(lambda self: lib.riddle_particle_steps(self._alive), doc="sum over steps of the particles present")
+
+    def __len__(self):
+        return self.count
+
+    def _state(self, name, out):
+        what, width = _STATES[name]
+        shape = (self.count, width) if width else (self.count,)
+        if out is None:
+            out = np.empty(shape)
+        elif not (isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == shape and out.flags.c_contiguous and out.flags.writeable):
+            raise ValueError(f"{name}: out must be a writable contiguous numpy array of float64 with shape {shape}")
+        if out.size:
+            lib.riddle_states(self._alive, what, ffi.cast("double *", ffi.from_buffer(out)))
+        return out
+
+    def _record(self, name):
+        values = np.empty(self.count, dtype=np.int64)
+        if values.size:
+            lib.riddle_records(self._alive, _RECORDS[name], ffi.cast("int64_t *", ffi.from_buffer(values)))
+        values.flags.writeable = False
+        return View(self, values)
+
+    # ---- changing ----
+
+    def add_spheres(self, centres, diameters, material, group=0):
+        """Adds spheres at rest. centres: [n][3] [m]; diameters: [n] [m] or one number. Returns the index of the first."""
+        centres = _core._array(centres, np.float64, "centres").reshape(-1, 3) if np.size(centres) else np.empty((0, 3))
+        diameters = np.ascontiguousarray(np.broadcast_to(_core._array(diameters, np.float64, "diameters"), (len(centres),)))
+        first = self.count
+        if len(centres):
+            self._check(lib.dem_add_spheres(self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
+                                            ffi.cast("double *", ffi.from_buffer(diameters)), material, group))
+        return first
+
+    def run(self, duration, features, progress=None):
+        """Advances by duration [s]. features: dem.LINEAR | dem.FRICTION | ... Ctrl-C stops between steps: the world is whole, and
+        KeyboardInterrupt is raised. progress: called with the world now and then."""
+        self._advance(duration, lambda span: lib.dem_run(self._alive, span, features), progress)
+
+    def _advance(self, duration, run, progress):
+        dt = self.dt
+        end = self.step + round(min(duration / dt, 2.0**62)) if duration > 0.0 and np.isfinite(duration) else None
+        if end is None:
+            self._check(run(duration))
+            return
+        steps, stopped = 64, []
+        before = None
+        try:
+            before = signal.signal(signal.SIGINT, lambda *_: stopped.append(True))
+        except ValueError:
+            pass  # not the main thread: the interpreter's own handler does it
+        try:
+            owed = duration
+            while owed > 0.0:
+                span = min(owed, steps * dt) if owed > 1.5 * steps * dt else owed
+                begun = _time.monotonic()
+                self._check(run(span))
+                owed = owed - span if span < owed else 0.0
+                if progress is not None:
+                    progress(self)
+                if stopped:
+                    raise KeyboardInterrupt
+                took = _time.monotonic() - begun
+                steps = int(min(max(steps * (0.1 / max(took, 1e-4)), steps / 4, 16), steps * 4))
+        finally:
+            if before is not None:
+                signal.signal(signal.SIGINT, before)
+
+    def prescribe(self, wall, centre, motion):
+        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called in every step: slow from Python."""
+        def pose(_, now, out):
+            shift, turn = motion(now)
+            out.shift = tuple(float(v) for v in shift)
+            out.turn = tuple(float(v) for v in turn)
+        made = ffi.callback("dem_motion_fn", pose)
+        self._callbacks[wall] = made
+        self._check(lib.dem_prescribe(self._alive, wall, tuple(float(v) for v in centre), made, ffi.NULL))
+
+    def add_stl(self, material, source, scale=1e-3, weld=1e-6):
+        """A wall from an STL file (its path or its bytes). scale [m per unit of the file]. Returns its index and the report."""
+        if not isinstance(source, (bytes, bytearray)):
+            with open(source, "rb") as file:
+                source = file.read()
+        mesh, report = ffi.new("dem_mesh *"), ffi.new("dem_stl_report *")
+        self._check(lib.dem_read_stl(bytes(source), len(source), scale, weld, ffi.NULL, mesh, report))
+        wall = lib.dem_add_mesh(self._alive, material, mesh)
+        lib.dem_free_mesh(mesh)
+        if wall < 0:
+            self._check(-wall)
+        return wall, _core._classes["dem_stl_report"]._of(report[0])
+
+    def coarse_grain(self, cells):
+        """Fields of dem_coarse_grain: a dict of numpy arrays [nz][ny][nx], vectors [..][3], tensors [..][3][3]."""
+        if not isinstance(cells, Structure) or cells._name != "dem_cells":
+            raise TypeError("coarse_grain: a dem.cells is needed")
+        nx, ny, nz = (int(v) for v in cells.n)
+        if not (0 < nx <= 100000 and 0 < ny <= 100000 and 0 < nz <= 100000 and nx * ny * nz < 1 << 26):
+            raise ValueError("coarse_grain: cells.n must be 1 .. 100000 by axis, below 2^26 in all")
+        fields = ffi.new("dem_field[]", nx * ny * nz)
+        self._check(lib.dem_coarse_grain(self._alive, cells._c, fields))
+        table = np.frombuffer(ffi.buffer(fields), dtype=np.float64).reshape(nz, ny, nx, -1).copy()
+        return {"density": table[..., 0], "momentum": table[..., 1:4], "contact_stress": table[..., 4:13].reshape(nz, ny, nx, 3, 3),
+                "kinetic_stress": table[..., 13:22].reshape(nz, ny, nx, 3, 3)}
+
+    # ---- saving ----
+
+    def save(self):
+        """The world as bytes: everything that its future depends on."""
+        size = lib.dem_save(self._alive, ffi.NULL, 0)
+        buffer = ffi.new("unsigned char[]", max(size, 1))
+        if size == 0 or lib.dem_save(self._alive, buffer, size) != size:
+            raise Error(lib.DEM_OUT_OF_MEMORY, "DEM_OUT_OF_MEMORY", "the world cannot be saved")
+        return bytes(ffi.buffer(buffer, size))
+
+    @classmethod
+    def load(cls, data):
+        """A world from save(). Prescribed motions (Python functions) must be set again."""
+        world = cls()
+        status = lib.dem_load(world._c, bytes(data), len(data), ffi.NULL)
+        if status != 0:
+            world._c = None
+            raise _core.status_error("dem", status)
+        return world
+
+    def __reduce__(self):
+        return (World.load, (self.save(),))
+
+
+for _name in _STATES:
+    def _read(self, out=None, _name=_name):
+        return self._state(_name, out)
+    _read.__doc__ = f"{_name} now, in one numpy array that may be given as out and used again."
+    setattr(World, _name, _read)
+for _name in _RECORDS:
+    def _view(self, _name=_name):
+        return self._record(_name)
+    _view.__doc__ = f"{_name} of the particles, read-only; raises once the world has changed."
+    setattr(World, _name, _view)
+
+_module = sys.modules[__name__]
+_core.fill(_module, "dem")
+_core._classes["dem_world"] = World
+def_ = _core._classes["dem_def"]
+
+
+def pair(definition, a, b):
+    """The parameters of a pair of materials in a definition, to be edited."""
+    if not isinstance(definition, Structure) or definition._name != "dem_def":
+        raise TypeError("pair: a dem.def_ is needed")
+    found = lib.dem_pair(definition._c, a, b)
+    if found == ffi.NULL:
+        raise IndexError(f"pair: no materials {a}, {b}")
+    return _core._classes["dem_pair_def"]._of(found, definition)
+
+
+def _method(function):
+    changes = not any(p["name"] == "world" and "const" in p["type"] for p in api["headers"]["dem"]["functions"][function.c_name]["parameters"])
+
+    def call(self, *args, **keywords):
+        try:
+            return function(self, *args, **keywords)
+        finally:
+            if changes:
+                self._version += 1
+
+    call.__name__, call.__doc__, call.c_name = function.__name__, function.__doc__, function.c_name
+    return call
+
+
+for _name, _function in list(functions.items()):  # noqa: F821 (made by fill)
+    _parameters = api["headers"]["dem"]["functions"][_name]["parameters"]
+    if _parameters and _parameters[0]["name"] == "world":
+        if not hasattr(World, _function.__name__):
+            setattr(World, _function.__name__, _method(_function))
+        delattr(_module, _function.__name__)
