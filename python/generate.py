@@ -18,7 +18,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
 HEADERS = ["dem.h", "liquid_bridge.h", "screen_models.h", "blocking.h", "granulation.h", "classifier.h", "filtration.h"]
 # Structures that only C looks into: Python holds them by a pointer.
-OPAQUE = {"dem_world", "granulation_sim", "granulation_balance", "granulation_montecarlo", "classifier_model", "filtration_fluid"}
+OPAQUE = {"dem_world", "granulation_sim", "granulation_balance", "granulation_montecarlo", "classifier_model", "filtration_fluid", "filtration_bed"}
 SYSTEM = ["int8_t", "uint8_t", "int16_t", "uint16_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "size_t", "ptrdiff_t"]
 
 
@@ -212,7 +212,7 @@ def without_shape(header, shapes):
     return missing
 
 
-NUMBERS = {"double", "_Bool", "float", "int", "size_t", "int32_t", "int64_t", "uint64_t", "uint32_t", "uint8_t", "unsigned", "unsigned int", "ptrdiff_t"}
+NUMBERS = {"double", "_Bool", "unsigned char", "float", "int", "size_t", "int32_t", "int64_t", "uint64_t", "uint32_t", "uint8_t", "unsigned", "unsigned int", "ptrdiff_t"}
 
 
 def c_file(headers):

@@ -2,6 +2,7 @@
 python/generate.py reads off the headers; nothing here knows a particular function."""
 import json
 import os
+import re
 import types
 
 import numpy as np
@@ -18,7 +19,7 @@ for _number, _name in enumerate(api["layout"]):
 
 DTYPES = {"double": np.float64, "float": np.float32, "int": np.intc, "unsigned": np.uintc, "unsigned int": np.uintc, "size_t": np.uintp,
           "ptrdiff_t": np.intp, "int32_t": np.int32, "uint32_t": np.uint32, "int64_t": np.int64, "uint64_t": np.uint64,
-          "uint8_t": np.uint8, "_Bool": np.bool_}
+          "uint8_t": np.uint8, "unsigned char": np.uint8, "_Bool": np.bool_}
 LARGEST = 1 << 31  # elements of one array
 _types_of = {name: (lower, kind) for lower, h in api["headers"].items() for name, kind in h["types"].items()}
 _classes = {}
@@ -35,6 +36,10 @@ class Error(RuntimeError):
 
 def _base(c_type):
     return c_type.replace("const", "").replace("*", "").strip()
+
+
+def _named(c_type):
+    return c_type.cname[7:] if c_type.cname.startswith("struct ") else c_type.cname
 
 
 def _array(value, dtype, what):
@@ -57,8 +62,9 @@ class Shape:
         self.dims = None
         self.bare = []
         if rest.startswith("["):
-            self.dims = compile(f"({rest[1:-1]},)", text, "eval")
-            self.bare = [d.strip() for d in rest[1:-1].split(",")]
+            inner = re.sub(r"\bdef\b", "definition", rest[1:-1])
+            self.dims = compile(f"({inner},)", text, "eval")
+            self.bare = [d.strip() for d in inner.split(",")]
         self.constants = constants
 
     def of(self, names, what):
@@ -125,7 +131,7 @@ class Structure:
         value = getattr(self._c, name)
         if c_type.kind == "struct":
             part = ffi.addressof(self._c[0], name)
-            return _classes[c_type.cname]._of(part, self) if c_type.cname in _classes else part
+            return _classes[_named(c_type)]._of(part, self) if _named(c_type) in _classes else part
         if c_type.kind == "array":
             return self._array_field(name, c_type, value)
         if c_type.kind == "pointer":
@@ -138,7 +144,7 @@ class Structure:
             dims.append(item.length)
             item = item.item
         if item.kind == "struct":
-            return [_classes[item.cname]._of(ffi.addressof(self._c[0], name, k), self) for k in range(dims[0])] if len(dims) == 1 else value
+            return [_classes[_named(item)]._of(ffi.addressof(self._c[0], name, k), self) for k in range(dims[0])] if len(dims) == 1 else value
         if item.cname == "char":
             return ffi.string(value).decode(errors="replace")
         dtype = DTYPES.get(item.cname, np.intc)
@@ -152,8 +158,8 @@ class Structure:
         c_type = dict(ffi.typeof(self._c).item.fields)[name].type
         what = f"{self._name}.{name}"
         if isinstance(value, Structure) and c_type.kind == "struct":
-            if c_type.cname != value._name:
-                raise TypeError(f"{what}: a {c_type.cname} is needed, not a {value._name}")
+            if _named(c_type) != value._name:
+                raise TypeError(f"{what}: a {_named(c_type)} is needed, not a {value._name}")
             setattr(self._c, name, value._c[0])
             self._kept[name + " parts"] = value
         elif c_type.kind == "struct":
@@ -187,7 +193,7 @@ class Structure:
             array = _array(value, DTYPES[about["pointer"]], what)
             setattr(self._c, name, ffi.cast(c_type, ffi.from_buffer(array)))
             self._kept[name] = array
-        elif isinstance(value, Structure) and c_type.item.cname in ("void", value._name):
+        elif isinstance(value, Structure) and _named(c_type.item) in ("void", value._name):
             setattr(self._c, name, ffi.cast(c_type, value._c))
             self._kept[name] = value
         else:
@@ -292,7 +298,7 @@ class Function:
         self.symbol = about["symbol"]
         self.c_function = getattr(lib, self.symbol)
         self.constants = _constants[lower]
-        self.parameters = [Parameter(self, k, p) for k, p in enumerate(about["parameters"])]
+        self.parameters = [Parameter(self, p) for p in about["parameters"]]
         self.returns = _base(about["returns"])
         self.index = _shapes.get(name) == "index"
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
@@ -336,7 +342,7 @@ class Function:
                 field = ffi.new("const char **")
                 arguments.append(field)
             elif p.made:
-                c, answer = p.make(names)
+                c, answer = p.make(names, keep)
                 arguments.append(c)
                 answers.append((p.name, answer))
             elif p.hidden:
@@ -383,7 +389,7 @@ class Function:
         if isinstance(value, ffi.CData):
             kind = ffi.typeof(value)
             if kind.kind == "struct":
-                return _classes[kind.cname]._of(value)
+                return _classes[_named(kind)]._of(value)
             if kind.cname in ("char *", "const char *"):
                 return ffi.string(value).decode() if value != ffi.NULL else None
         return value
@@ -404,19 +410,20 @@ def status_error(lower, status, field=None):
 
 
 class Parameter:
-    def __init__(self, function, place, about):
-        self.function, self.name, self.about = function, about["name"], about
+    def __init__(self, function, about):
+        self.function, self.about = function, about
+        self.name = "definition" if about["name"] == "def" else about["name"]
         self.pointer = about["pointer"]
         self.callback = about["callback"]
         base = _base(about["type"])
         self.type = base
-        self.shape = _shape(f"{function.name}.{self.name}", function.constants)
+        self.c_name = about["name"]
+        self.shape = _shape(f"{function.name}.{self.c_name}", function.constants)
         self.opaque = base in _types_of and _types_of[base][1]["opaque"]
         self.structure = base in _types_of and not self.opaque
         self.field = about["deep"] and self.name == "field"
         self.void = self.pointer and base == "void"
         self.hidden = self.field or self.void or base.endswith(("_memory", "_allocator"))
-        first = place == 0
         inout = self.shape is not None and (self.shape.inout or self.shape.optional)
         constant = about["const"] or "const" in about["type"]
         self.constant = constant
@@ -424,7 +431,6 @@ class Parameter:
                      (not (self.opaque) or function.name.endswith("_init")))
         self.optional = self.shape is not None and self.shape.optional
         self.dtype = DTYPES.get(base)
-        del first
 
     def number(self, value):
         if isinstance(value, np.generic):
@@ -490,7 +496,7 @@ class Parameter:
         what = f"{self.function.name}: {self.name}"
         if self.structure:
             for item in kept if isinstance(kept, list) else [kept]:
-                item._check_arrays(names, f"{self.function.name}.{self.name}")
+                item._check_arrays(names, f"{self.function.name}.{self.c_name}")
             if isinstance(kept, list) and self.shape.of(names, what) != (len(kept),):
                 raise ValueError(f"{what}: {len(kept)} given, {self.shape.of(names, what)[0]} needed")
         elif self.shape is not None and self.shape.dims:
@@ -498,12 +504,12 @@ class Parameter:
             if kept.shape != dims and not (kept.size == int(np.prod(dims)) and kept.ndim == 1):
                 raise ValueError(f"{what}: shape {kept.shape} given, {dims} needed")
 
-    def make(self, names):
+    def make(self, names, keep):
         """Room for an answer: C's pointer, and how to make Python's value of it."""
         what = f"{self.function.name}: {self.name}"
         if self.opaque:
             handle = _classes[self.type]()
-            handle._keep += [v for v in names.values() if isinstance(v, (Structure, Handle))]
+            handle._keep += [value for _, value in keep]  # C may point to them
             return handle._c, handle
         if self.structure:
             count = self.shape.of(names, what)[0] if self.shape and self.shape.dims else None
@@ -517,6 +523,15 @@ class Parameter:
             return c, lambda: c[0]
         array = np.zeros(self.shape.of(names, what), dtype=self.dtype)
         return (ffi.cast(f"{self.type} *", ffi.from_buffer(array)) if array.size else ffi.new(f"{self.type} *")), array
+
+
+def ffi_of_law():
+    """Declarations of a user's library."""
+    import cffi
+    made = cffi.FFI()
+    made.cdef("size_t law_world_size(void); int law_run(void *world, double duration);"
+              "void law_set(const char *name, double value); double law_get(const char *name);")
+    return made
 
 
 def _python_function(function):
@@ -533,6 +548,21 @@ def _python_function(function):
     return call
 
 
+class Hook:
+    """A function of the headers that is given to a definition, such as a kernel: C calls it with the definition's data."""
+
+    def __init__(self, about, name):
+        self.c_symbol, self.c_name, self.__name__ = about["symbol"], name, name
+        self.__doc__ = f"{about['doc']}\n\nC: {about['signature']}"
+
+    def __call__(self, *args, **keywords):
+        raise TypeError(f"{self.__name__}: give it to a definition; C calls it with the definition's data")
+
+
+def _is_hook(about):
+    return any(p["pointer"] and p["type"].replace("const", "").replace("*", "").strip() == "void" and "user" in p["name"] for p in about["parameters"])
+
+
 def in_python(name):
     return not _shapes.get(name, "").startswith("C only")
 
@@ -545,10 +575,10 @@ def fill(module, lower):
     for name, value in _constants[lower].items():
         setattr(module, name, value)
     for name, kind in header["types"].items():
-        short = name[len(prefix):] or name
+        short = "def_" if name == prefix + "def" else name[len(prefix):] or name
         base = Handle if kind["opaque"] else Structure
         lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
-        cls = type(short, (base,), {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines), "__slots__": ()} if False else {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines)})
+        cls = type(short, (base,), {"_name": name, "__doc__": f"{name}\n\n" + "\n".join(lines)})
         if kind["opaque"] and f"{name}_free" in header["functions"]:
             cls._free = f"{name}_free"
         elif kind["opaque"] and f"{lower}_free" in header["functions"]:
@@ -557,5 +587,5 @@ def fill(module, lower):
         setattr(module, short, cls)
     for name, about in header["functions"].items():
         if in_python(name):
-            module.functions[name] = _python_function(Function(lower, name, about))
+            module.functions[name] = Hook(about, name) if _is_hook(about) else _python_function(Function(lower, name, about))
             setattr(module, name[len(prefix):] or name, module.functions[name])

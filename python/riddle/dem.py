@@ -163,6 +163,10 @@ class World(_core.Handle):
             if before is not None:
                 signal.signal(signal.SIGINT, before)
 
+    def run_law(self, duration, law, progress=None):
+        """The same with a law of your own: dem.Law, made from a C file."""
+        self._advance(duration, lambda span: law(self, span), progress)
+
     def prescribe(self, wall, centre, motion):
         """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called in every step: slow from Python."""
         def pose(_, now, out):
@@ -237,7 +241,6 @@ for _name in _RECORDS:
 _module = sys.modules[__name__]
 _core.fill(_module, "dem")
 _core._classes["dem_world"] = World
-def_ = _core._classes["dem_def"]
 
 
 def pair(definition, a, b):
@@ -248,6 +251,32 @@ def pair(definition, a, b):
     if found == ffi.NULL:
         raise IndexError(f"pair: no materials {a}, {b}")
     return _core._classes["dem_pair_def"]._of(found, definition)
+
+
+class Law:
+    """A contact law of your own, compiled from C (python/laws/magnets.c is an example):
+
+        cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so
+
+    The file includes dem.h, defines the law and its kernel, and two functions: size_t law_world_size(void), which returns
+    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding."""
+
+    def __init__(self, path):
+        self._ffi = _core.ffi_of_law()
+        self._lib = self._ffi.dlopen(path)
+        if self._lib.law_world_size() != lib.size_of_dem_world():
+            raise ImportError(f"{path}: made with another version of dem.h")
+
+    def set(self, name, value):
+        """Sets a number of the law, if its file has void law_set(const char *name, double value)."""
+        self._lib.law_set(name.encode(), float(value))
+
+    def get(self, name):
+        """A number of the law, if its file has double law_get(const char *name)."""
+        return self._lib.law_get(name.encode())
+
+    def __call__(self, world, duration):
+        return self._lib.law_run(self._ffi.cast("void *", int(ffi.cast("uintptr_t", world._alive))), duration)
 
 
 def _method(function):

@@ -1,0 +1,47 @@
+"""Fits a screening model to measured curves of a CSV: case, class, time, retained. Change: the file, FITTED, MODEL.
+
+The shipped file has 27 simulated cases; four of them are fitted, the others predicted."""
+import os
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from riddle import screen
+
+MODEL, FITTED, SHOWN = screen.SUBASINGHE, (1, 3, 7, 9), (5, 2)
+root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+with open(os.path.join(root, "data", "screening_27_cases.csv"), encoding="utf-8") as file:
+    table = np.genfromtxt((line for line in file if not line.startswith("#")), delimiter=",", names=True)
+
+
+def case_of(number):
+    """Mean curves over the seeds of a case."""
+    rows = table[table["case"] == number]
+    time = np.unique(rows["time_s"])
+    curves = np.array([[rows[name][rows["time_s"] == t].mean() for t in time] for name in ("retained_small", "retained_near_mesh")])
+    curves = np.minimum.accumulate(np.clip(curves, 0.0, 1.0), axis=1)
+    operation = screen.operation(amplitude=rows["amplitude_m"][0], frequency=rows["frequency_hz"][0], moisture=rows["moisture"][0])
+    return screen.case(operation=operation, times=len(time), time=time, retained=curves)
+
+
+definition = screen.def_(classes=2, diameters=[5e-3, 7e-3], shares=[0.5, 0.5])
+fit = screen.fit(definition, MODEL, [case_of(n) for n in FITTED], screen.default_fit_options(MODEL))
+for k in range(fit.parameters):
+    print(f"{screen.parameter_name(MODEL, k):12} {fit.parameter[k]:10.4g}   95 % range {fit.low[k]:.4g} .. {fit.high[k]:.4g}")
+print(f"mean deviation {fit.deviation:.4f}")
+
+figure, axes = plt.subplots(1, 2, figsize=(9, 4), sharey=True)
+for ax, number in zip(axes, SHOWN):
+    case = case_of(number)
+    times = np.linspace(0.0, 20.0, 200)
+    curves = screen.predict(definition, MODEL, fit.parameter, case.operation, times).retained
+    for k, (label, colour) in enumerate((("5 mm", "tab:blue"), ("7 mm", "tab:orange"))):
+        ax.plot(case.time, case.retained[k], ".", color=colour)
+        ax.plot(times, curves[k], color=colour, label=label)
+    ax.set(xlabel="time [s]", title=f"case {number}: predicted")
+axes[0].set_ylabel("fraction retained [-]")
+axes[0].legend()
+figure.tight_layout()
+figure.savefig("screen_fit.png", dpi=130)

@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""Tests of the Python binding: python/test_riddle.py [--seconds N]. Prints "N passed, N failed"."""
+import json
+import os
+import pickle
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+here = os.path.dirname(os.path.abspath(__file__))
+root = os.path.dirname(here)
+sys.path.insert(0, here)
+import numpy as np
+
+import riddle
+from riddle import _core, blocking, bridge, classifier, dem, granulation, screen
+
+SECONDS = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 5.0
+LAW = dem.LINEAR | dem.FRICTION
+
+
+def bed(n=60, dt=1e-5):
+    definition = dem.def_(dt=dt)
+    glass = dem.add_material(definition, 2500.0, 5e10, 0.2)
+    dem.pair(definition, glass, glass).stiffness = 1e4
+    world = dem.World(definition)
+    world.add_plane(glass, (0, 0, 0), (0, 0, 1))
+    feed = dem.default_feed()
+    feed.region = dem.box_region((0, 0, 0.01), (0.05, 0.05, 0.08))
+    feed.sizes = dem.one_size(4e-3)
+    world.fill(feed, n)
+    return world
+
+
+class Complete(unittest.TestCase):
+    def test_every_public_function_is_there(self):
+        declared = set()
+        for header in _core.api["headers"].values():
+            with open(os.path.join(root, header["file"]), encoding="utf-8") as file:
+                text = file.read()
+            upper = re.search(r"^#ifndef ([A-Z][A-Z_]*)_API$", text, re.M)[1]
+            declared |= set(re.findall(rf"^{upper}_API [^(;]*[ *]({upper.lower()}_[a-z0-9_]+)\(", text, re.M))
+        declared = {name for name in declared if "__" not in name}
+        known = {name for header in _core.api["headers"].values() for name in header["functions"]}
+        self.assertEqual(declared - known, set())
+        self.assertGreater(len(known), 400)
+        for lower, header in _core.api["headers"].items():
+            module = getattr(riddle, lower)
+            for name in header["functions"]:
+                if _core.in_python(name):
+                    self.assertIn(name, module.functions)
+                else:
+                    self.assertRegex(_core.api["shapes"][name], r"^C only \(.+\)$", name)
+
+    def test_the_description_is_that_of_the_headers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, os.path.join(here, "generate.py"), folder], check=True, stdout=subprocess.DEVNULL)
+            with open(os.path.join(folder, "api.json"), encoding="utf-8") as file:
+                self.assertEqual(json.load(file), _core.api)
+
+    def test_docstrings_have_units(self):
+        self.assertIn("[m]", bridge.harmonic_radius.__doc__)
+        self.assertIn("[N/m]", bridge.liquid.__doc__)
+        self.assertIn("[s]", dem.World.run.__doc__)
+
+
+class Values(unittest.TestCase):
+    def test_laws(self):
+        self.assertEqual(bridge.harmonic_radius(1.0, 2.0), 4.0 / 3.0)
+        self.assertAlmostEqual(dem.restitution_of(dem.damping_ratio(0.7, dem.NAIVE), dem.NAIVE), 0.7, 12)
+
+    def test_a_fit_finds_its_own_curve(self):
+        t = np.array([0.0, 5.0, 10.0, 20.0, 40.0, 80.0])
+        f = 0.7 + 0.3 * np.exp(-0.1 * t)
+        result = blocking.fit(blocking.fit_def(), t, f)
+        self.assertAlmostEqual(result.k, 0.1, 6)
+        self.assertAlmostEqual(result.f_inf, 0.7, 6)
+
+    def test_a_bridge(self):
+        pair = bridge.pair_prepare(bridge.pair_def(radius_j=float("inf")))
+        made = bridge.form(pair, 2.5e-3, float("inf"), 1e-10, 0.0, 0)
+        self.assertGreater(bridge.evaluate(made, bridge.liquid(surface_tension=0.07, viscosity=1e-3, roughness=1e-3), 0.0, 0.0).normal, 1e-3)
+
+    def test_screen_curves_fall(self):
+        definition = screen.def_(classes=2, diameters=[5e-3, 7e-3])
+        parameters = screen.published(screen.SUBASINGHE)
+        curves = screen.predict(definition, screen.SUBASINGHE, parameters, screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 5.0, 10.0]).retained
+        self.assertEqual(curves.shape, (2, 3))
+        self.assertTrue((np.diff(curves, axis=1) < 0.0).all())
+
+    def test_classifier_and_granulation(self):
+        model = classifier.init(classifier.paper_def(classifier.LIMESTONE, 9000.0).value)
+        x50 = classifier.quantile(model, 0.5)
+        self.assertAlmostEqual(classifier.tromp(model, x50).value, 0.5, 6)
+        sim = granulation.sim_init(granulation.def_(seed=3))
+        granulation.sim_add(sim, granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), 50)
+        granulation.sim_run(sim, 5)
+        self.assertGreater(granulation.sim_mean(sim, 4, 3), 0.0)
+
+
+class Worlds(unittest.TestCase):
+    def test_runs_have_the_bits_of_one_call(self):
+        in_pieces, whole = bed(), bed()
+        in_pieces.run(0.05, LAW)
+        whole._check(_core.lib.dem_run(whole._alive, 0.05, LAW))
+        self.assertEqual(in_pieces.step, whole.step)
+        self.assertEqual(in_pieces.hash(), whole.hash())
+
+    def test_states_into_an_array_of_ones_own(self):
+        world = bed()
+        out = np.empty((world.count, 3))
+        self.assertIs(world.positions(out), out)
+        np.testing.assert_array_equal(out[3], list(world.position(3)))
+        with self.assertRaises(ValueError):
+            world.positions(np.empty((2, 3)))
+        with self.assertRaises(ValueError):
+            world.velocities(np.empty((world.count, 3), dtype=np.float32))
+
+    def test_views_go_stale(self):
+        world = bed()
+        ids = world.ids()
+        self.assertEqual(ids[5], 5)
+        world.run(1e-4, LAW)
+        for use in (lambda: ids[0], lambda: np.array(ids), lambda: len(ids)):
+            with self.assertRaises(RuntimeError):
+                use()
+        fresh = world.ids()
+        with self.assertRaises((ValueError, TypeError)):
+            fresh[0] = 7
+
+    def test_pickles_go_on_with_the_same_bits(self):
+        world = bed()
+        world.run(0.02, LAW)
+        twin = pickle.loads(pickle.dumps(world))
+        for w in (world, twin):
+            w.run(0.02, LAW)
+        self.assertEqual(world.hash(), twin.hash())
+        with self.assertRaises(riddle.Error):
+            dem.World.load(b"no world at all")
+
+    def test_errors_name_the_field(self):
+        with self.assertRaises(riddle.Error) as raised:
+            dem.World(dem.def_(dt=-1.0))
+        self.assertEqual(raised.exception.name, "DEM_BAD_DEFINITION")
+        with self.assertRaises(riddle.Error) as raised:
+            bridge.pair_check_def(bridge.pair_def(radius_i=-1.0))
+        self.assertEqual(raised.exception.field, "radius_i")
+        with self.assertRaises(AttributeError):
+            dem.def_(gravty=(0, 0, 0))
+        with self.assertRaises(riddle.Error):
+            bed().add_cylinder(0, (0, 0, 0), (0, 0, 0), 1.0, 1)
+
+    def test_lengths_are_checked(self):
+        with self.assertRaises(ValueError):
+            blocking.fit(blocking.fit_def(), [0.0, 1.0, 2.0], [1.0, 0.9])
+        definition = screen.def_(classes=5, diameters=[5e-3, 7e-3])
+        with self.assertRaises(ValueError):
+            screen.predict(definition, screen.DONG, screen.published(screen.DONG), screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 1.0])
+        with self.assertRaises(ValueError):
+            bed().add_spheres([[0, 0, 1], [0, 0, 2]], [1e-3, 1e-3, 1e-3], 0)
+
+    def test_ctrl_c_stops_between_steps(self):
+        world = bed(200)
+        threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            world.run(1e4, LAW)
+        self.assertGreater(world.step, 0)
+        world.run(1e-3, LAW)
+        self.assertTrue(np.isfinite(world.positions()).all())
+
+    def test_a_wall_from_python(self):
+        world = bed(10)
+        world.prescribe(0, (0, 0, 0), lambda now: ((0.0, 0.0, 1e-3 * np.sin(100 * now)), (0.0, 0.0, 0.0)))
+        world.run(0.01, LAW)
+        self.assertTrue(np.isfinite(world.positions()).all())
+
+    def test_a_law_from_c(self):
+        with tempfile.TemporaryDirectory() as folder:
+            library = os.path.join(folder, "magnets.so")
+            subprocess.run([os.environ.get("CC", "cc"), "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
+                            "-lm", "-o", library], check=True)
+            world = bed(20)
+            world.run_law(0.05, dem.Law(library))
+            self.assertGreater(world.step, 4000)
+
+
+class Hostile(unittest.TestCase):
+    """Wrong arguments raise; nothing crashes the interpreter."""
+
+    def test_random_arguments(self):
+        rng = random.Random(7)
+        odd = [0, -1, 1, 7, 10**12, 1e308, -1e308, 5e-324, float("nan"), float("inf"), None, "text", b"bytes", [], [1.0], [[1.0]], [1.0, 2.0, 3.0], np.zeros(3), np.zeros((2, 3)),
+               (0, 0, 1), {}, object(), True, np.float32(2), np.arange(4), lambda *a: 0.0]
+        functions = [f for lower in _core.api["headers"] for f in getattr(riddle, lower).functions.values() if "montecarlo" not in f.__name__]
+        structures = [c for c in _core._classes.values() if issubclass(c, _core.Structure)]
+        kinds = {c._name: c for c in structures}
+        end, calls = time.monotonic() + SECONDS, 0
+        while time.monotonic() < end:
+            function = rng.choice(functions)
+            visible = _core.Function(function.c_name.split("_")[0], function.c_name, _core.api["headers"][function.c_name.split("_")[0]]["functions"][function.c_name]).visible
+            arguments = []
+            for p in visible:
+                if p.type in kinds and rng.random() < 0.8:
+                    made = kinds[p.type]()
+                    for name in rng.sample(made._fields(), min(2, len(made._fields()))) if rng.random() < 0.5 else []:
+                        try:
+                            setattr(made, name, rng.choice(odd))
+                        except (TypeError, ValueError, AttributeError, OverflowError, IndexError):
+                            pass
+                    arguments.append(made)
+                elif p.opaque and p.type == "dem_world" and rng.random() < 0.8:
+                    arguments.append(bed(5))
+                elif p.pointer and rng.random() < 0.7:
+                    arguments.append([rng.uniform(0.0, 1.0) for _ in range(rng.choice((0, 1, 2, 3, 8)))])
+                else:
+                    arguments.append(rng.choice(odd[:10]) if rng.random() < 0.7 else rng.choice(odd))
+            if "--trace" in sys.argv:
+                print(calls, function.c_name, arguments, file=sys.stderr, flush=True)
+            try:
+                function(*arguments)
+            except (TypeError, ValueError, OverflowError, riddle.Error, MemoryError, IndexError, AttributeError):
+                pass
+            calls += 1
+        self.assertGreater(calls, 100)
+
+    def test_a_freed_handle(self):
+        world = bed(3)
+        world.free()
+        for use in (world.positions, world.hash, lambda: world.run(1e-3, LAW)):
+            with self.assertRaises(ValueError):
+                use()
+
+
+class Programs(unittest.TestCase):
+    def test_examples(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-matplotlib is missing")
+        with tempfile.TemporaryDirectory() as folder:
+            for name in sorted(os.listdir(os.path.join(here, "examples"))):
+                done = subprocess.run([sys.executable, os.path.join(here, "examples", name), "--quick"], cwd=folder, capture_output=True, text=True,
+                                      env={**os.environ, "PYTHONPATH": here})
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertTrue(os.path.exists(os.path.join(folder, name.replace(".py", ".png"))), name)
+
+
+if __name__ == "__main__":
+    result = unittest.main(argv=[sys.argv[0]], exit=False, verbosity=1).result
+    bad = len(result.failures) + len(result.errors)
+    print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
+    sys.exit(bad > 0)
