@@ -1110,6 +1110,7 @@ static inline granulation_random granulation_random_seed(uint64_t seed) {
     return r;
 }
 static inline uint64_t granulation_random_bits(granulation_random *r) {
+    if (!(r->state[0] | r->state[1] | r->state[2] | r->state[3])) *r = granulation_random_seed(0); /* of zeros come zeros only */
     uint64_t *s = r->state, result = granulation__rotate(s[1] * 5, 7) * 9, t = s[1] << 17;
     s[2] ^= s[0];
     s[3] ^= s[1];

@@ -121,12 +121,16 @@ static int wet(wet_scene *wet, dem_world *world, const start *s, const int *grou
     for (int i = 0; i < s->n; i++) mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
     const int deck = dem_add_screen(world, 1, &screen); /* the books of wet_contact.h want one; it is out of the way */
     if (deck < 0 || dem_enable_wall(world, deck, 0) != DEM_OK) return -1;
-    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false) != BRIDGE_OK) return -1;
+    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false,
+                 WET_STEEL) != BRIDGE_OK)
+        return -1;
     world->user = wet;
     for (int a = 0; a < WET_CLASSES; a++) {
-        bridge_pair_def def = wet->kind[a][WET_WALL].def;
-        def.split = BRIDGE_SPLIT_RETURN;
-        if (bridge_pair_prepare(&wet->kind[a][WET_WALL], &def) != BRIDGE_OK) return -1;
+        for (int wall = WET_DECK; wall < WET_PARTNERS; wall++) {
+            bridge_pair_def def = wet->kind[a][wall].def;
+            def.split = BRIDGE_SPLIT_RETURN;
+            if (bridge_pair_prepare(&wet->kind[a][wall], &def) != BRIDGE_OK) return -1;
+        }
     }
     return 0;
 }

@@ -41,7 +41,7 @@ static dem_status wet_the_spheres(dem_world *world) {
         largest = diameters[i] > largest ? diameters[i] : largest;
     }
     for (int c = 0; c < WET_CLASSES; c++) classes[c] = classes[c] > 0.0 ? classes[c] : largest;
-    const bridge_status status = wet_init(&scene, (int)n, groups, diameters, classes, moisture, mass, deck, world, false);
+    const bridge_status status = wet_init(&scene, (int)n, groups, diameters, classes, moisture, mass, deck, world, false, WET_STEEL);
     free(diameters);
     world->user = &scene;
     of_world = world;

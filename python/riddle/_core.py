@@ -560,7 +560,7 @@ class Hook:
 
 
 def _is_hook(about):
-    return any(p["pointer"] and p["type"].replace("const", "").replace("*", "").strip() == "void" and "user" in p["name"] for p in about["parameters"])
+    return any(p["pointer"] and p["type"].replace("const", "").replace("*", "").strip() == "void" and (p["name"] == "data" or "user" in p["name"]) for p in about["parameters"])
 
 
 def in_python(name):
