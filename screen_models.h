@@ -30,6 +30,8 @@
      >>fit         bounded multi-start fit by the paper's deviation or by least squares; what the data leave open; profiles
      >>bands       mean, spread and confidence bands of a prediction
      >>separation  d50, imperfection, misplaced fractions
+     >>feed        classes from a sieve curve, Rosin-Rammler or lognormal
+     >>deck        a steady deck: flow, bed depth and partition along it, capacity, decks in series
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
    Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says otherwise; laws
@@ -39,7 +41,10 @@
    Threads: no state outside the arguments; calls on different objects may run at the same time.
    Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random numbers come
    from a seed.
-   What it does not do: blocked apertures (blocking.h), motion of single grains (dem.h), oversize passing the mesh, wear.
+   What it does not do: motion of single grains (dem.h); how apertures block (blocking.h: its free fraction goes into def.free_fraction).
+   Models 0, 1, 2 do not know the load: the same curve for any mass on the deck, unless load_exponent says how passage depends on it; nor
+   does model 3 where stratification is instant, as in its published set. Model 3 depends on how the feed is cut into classes: two halves
+   of a class pass half as fast. Outside the range of a fit the models extrapolate: set def.domain to be told (SCREEN_OUTSIDE).
    Settings: SCREEN_API extern everywhere and SCREEN_IMPLEMENTATION in one file give one compiled copy; default is static inline. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "screen_models.h needs NaN and signed zero: compile without -ffast-math"
@@ -84,7 +89,9 @@ extern "C" {
     X(SCREEN_BAD_OPTION, "an option is out of range")                                                                                      \
     X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                                                  \
     X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                                                  \
-    X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")
+    X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")                                                            \
+    X(SCREEN_OUTSIDE, "the answer is there, but outside the range that the parameters were fitted in: screen_outside names what")          \
+    X(SCREEN_LOAD_UNKNOWN, "the model does not know the load: no capacity follows from it (load_exponent)")
 
 typedef enum screen_status {
 #define SCREEN__ENUM(name, text) name,
@@ -113,11 +120,39 @@ typedef enum screen_average {
     SCREEN_AVERAGE_GIVEN      /* def.average_diameter */
 } screen_average;
 
-/* What the mass ratio m_p,l,i/m_p,l,i,0 of eq 25 is. docs/screen_models.md weighs the two readings. */
+/* What the mass ratio m_p,l,i/m_p,l,i,0 of eq 25 is. docs/screen_models.md weighs the two readings: the published parameters belong to
+   the second. */
 typedef enum screen_ratio {
-    SCREEN_RATIO_RETAINED, /* Y itself: Y = (1 - p Y)^N, implicit; default */
-    SCREEN_RATIO_GRAIN     /* mass of one grain over def.ratio_mass: Y = (1 - p ratio)^N */
+    SCREEN_RATIO_RETAINED, /* Y itself: Y = (1 - p Y)^N, implicit */
+    SCREEN_RATIO_GRAIN     /* mass of one grain over def.ratio_mass: Y = (1 - p ratio)^N; default */
 } screen_ratio;
+
+/* The range of what parameters were fitted to: lowest and highest. Of a fit: result.domain; of the published sets:
+   screen_published_domain(). */
+typedef struct screen_domain {
+    double amplitude[2], frequency[2], moisture[2], inclination[2]; /* [m] [Hz] [-] [rad] */
+    double diameter[2], aperture[2];                                /* [m] */
+    double load[2];                                                 /* mass of the feed over deck_area [kg/m2] */
+    double time[2];                                                 /* [s], [m] on a deck */
+    int classes[2];                                                 /* number of undersize classes */
+} screen_domain;
+
+#define SCREEN_OUTSIDES(X)                                                                                                                 \
+    X(SCREEN_OUTSIDE_AMPLITUDE, 1, "amplitude")                                                                                            \
+    X(SCREEN_OUTSIDE_FREQUENCY, 2, "frequency")                                                                                            \
+    X(SCREEN_OUTSIDE_MOISTURE, 4, "moisture")                                                                                              \
+    X(SCREEN_OUTSIDE_INCLINATION, 8, "inclination")                                                                                        \
+    X(SCREEN_OUTSIDE_DIAMETER, 16, "grain size")                                                                                           \
+    X(SCREEN_OUTSIDE_APERTURE, 32, "aperture")                                                                                             \
+    X(SCREEN_OUTSIDE_LOAD, 64, "load of the deck, which the model does not know")                                                          \
+    X(SCREEN_OUTSIDE_CLASSES, 128, "number of classes, on which model 3 depends")                                                          \
+    X(SCREEN_OUTSIDE_TIME, 256, "time")
+enum screen_outside_flag {
+#define SCREEN__ENUM(name, value, text) name = value,
+    SCREEN_OUTSIDES(SCREEN__ENUM)
+#undef SCREEN__ENUM
+        SCREEN_OUTSIDE_NOTHING = 0
+};
 
 /* fn(user, old, old_size, new_size): like realloc; new_size 0 frees and returns null; null for a new_size > 0 means "no". */
 typedef struct screen_memory {
@@ -134,15 +169,16 @@ typedef struct screen_def {
     int continuous;  /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s, k_p are in 1/m;
                              models 0, 1, 2 */
     int classes;     /* undersize classes, >= 1; the default 0 must be set */
-    const double *diameters; /* d_i [classes] [m], each in (0, aperture); not owned; the default null must be set */
+    const double *diameters; /* d_i [classes] [m], each in (0, aperture), or up to aperture + worn_by; not owned; the default null must
+                                be set */
     const double *shares;    /* S_inf,i = m_i,0/m_0 [classes], mass of a class over the mass of all undersize [-], > 0, sum 1 to 1e-6;
                                 not owned; null (default): equal shares */
     screen_average average;  /* SCREEN_AVERAGE_UNDERSIZE; models 2, 3 */
     double average_diameter; /* d_av [m], > 0; 0.006; read with SCREEN_AVERAGE_GIVEN only */
     /* Model 1 only */
-    screen_ratio ratio; /* SCREEN_RATIO_RETAINED */
+    screen_ratio ratio; /* SCREEN_RATIO_GRAIN, the reading of the published parameters */
     double density;     /* of a grain [kg/m3], > 0; 2534.1; read with SCREEN_RATIO_GRAIN only, as the next */
-    double ratio_mass;  /* mass that a grain's is measured in [kg], > 0; 0.001: grams, as in the paper's Table 2 */
+    double ratio_mass;  /* mass that a grain's is measured in [kg], > 0; 0.001: grams, as in the paper's Table 2. k belongs to it */
     /* Model 3 only */
     double undersize_mass;  /* m_0 [kg], > 0; 0.94 */
     double oversize_mass;   /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
@@ -153,8 +189,24 @@ typedef struct screen_def {
     double tolerance;       /* error of retained that a step of the adaptive integrator may make [-], [1e-14, 1e-2]; 1e-9; the stratified
                                 part is held as closely where it matters to the retained, and to 1000 times that elsewhere */
     double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
-    screen_memory memory;   /* the C library's */
-    uint32_t cookie;        /* set by screen_default_def */
+    /* What a plant has and the paper's test sieve has not: all off by default, in every model and call */
+    double dead_time;            /* nothing is counted below before this [s] ([m] on a deck), >= 0; 0 */
+    double never_passes;         /* share of every class that never passes [-], [0, 1); 0 */
+    int free_points;             /* free fraction of the holes over time: numbers in the next two, >= 0; 0: all holes are free */
+    const double *free_time;     /* [free_points] rising [s] ([m]); straight lines between, constant outside; not owned; null */
+    const double *free_fraction; /* [free_points] [-], [0, 1]; from blocking.h or counted. It slows passage, not stratification */
+    double aperture_ratio;       /* length over width of an opening, >= 1, infinite for rods; 1: square. Width is aperture; model 1 */
+    int project_aperture;        /* 1: an inclined deck has the aperture and the wire that a grain sees from above, a cos(inclination); 0
+                              (default). Model 1 on a deck has eq 23 for that and does not read it */
+    double worn_share;           /* share of the holes that are wider, [0, 1]; 0 */
+    double worn_by;        /* by this [m], >= 0; 0. Classes up to aperture + worn_by may then stand in diameters: what wear lets through */
+    double load_exponent;  /* rates of passage are multiplied by (load_reference/load)^this, load = all mass over deck_area; >= 0; 0: the
+                              load has no influence (but for stratification in model 3); 1: holes per mass of feed decide */
+    double load_reference; /* load that the parameters were fitted at [kg/m2], > 0; 49.7, that of the paper; read with an exponent only */
+    const screen_domain *domain; /* range of the fit: outside, screen_predict, screen_partition and screen_time_to fill their outputs and
+                                    return SCREEN_OUTSIDE; not owned; null (default): nobody looks */
+    screen_memory memory;        /* the C library's */
+    uint32_t cookie;             /* set by screen_default_def */
 } screen_def;
 
 /* How the deck runs. All four are checked by every driver. */
@@ -178,6 +230,15 @@ SCREEN_API const char *screen_parameter_name(screen_model model, int index);
 /* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer.
    SCREEN_BAD_MODEL for model 0, which has none there. */
 SCREEN_API screen_status screen_published(screen_model model, double *parameters);
+
+/* The 27 cases that they were fitted to. */
+SCREEN_API screen_domain screen_published_domain(void);
+/* What of a prediction lies outside a domain, by more than 1 % of its values: flags of enum screen_outside_flag, 0 for nothing or for null
+   pointers. last_time: the largest time [s] asked, or 0. Only models whose curves depend on the number of classes (3) are asked for it. */
+SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def *def, screen_model model,
+                                   const screen_operation *operation, double last_time);
+/* The name of one flag; "unknown flag" for anything else. */
+SCREEN_API const char *screen_outside_text(unsigned flag);
 
 /* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
 
@@ -209,7 +270,8 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
 
 /* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
 typedef struct screen__layer {
-    double log_w, log_factors, layers, b, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best, y_best;
+    double log_w, log_factors, layers, b, b_free, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best,
+        y_best;
 } screen__layer;
 
 /* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed between steps. */
@@ -218,6 +280,7 @@ typedef struct screen_bed {
     double top;    /* on the deck, not yet stratified (models 0, 1: stays 0) */
     double bottom; /* on the deck, at the mesh */
     double passed; /* gone through so far */
+    double age;    /* since screen_bed_init [s] ([m]); read with a dead_time or a free_fraction only */
     screen__layer own;
 } screen_bed;
 
@@ -241,7 +304,7 @@ typedef struct screen_case {
     screen_operation operation;
     int times;              /* >= 1 */
     const double *time;     /* [times] [s], rising, >= 0 */
-    const double *retained; /* [classes][times] [-], [0, 1], not rising with time (both within options.data_tolerance) */
+    const double *retained; /* [classes][times] [-], [0, 1] within the noise; a rise with time is noted in the result */
 } screen_case;
 
 /* Where the first bad datum stands; -1 where it does not apply. */
@@ -251,6 +314,13 @@ typedef struct screen_where {
     int time;
 } screen_where;
 
+#define SCREEN_MOST_STARTS 10000
+#define SCREEN_MOST_ITERATIONS 100000
+
+/* Half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees of freedom (whole numbers; others
+   are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN outside. Student 1908. */
+SCREEN_API double screen_student(double level, double dof);
+
 typedef enum screen_loss {
     SCREEN_LOSS_DEVIATION, /* mean |model - data|, the paper's; default */
     SCREEN_LOSS_SQUARES    /* mean (model - data)^2 */
@@ -258,8 +328,8 @@ typedef enum screen_loss {
 
 typedef struct screen_fit_options {
     screen_loss loss;
-    int starts;                         /* random starts, >= 1; 20 */
-    int iterations;                     /* of one start in all, >= 1; 400 */
+    int starts;                         /* random starts, 1 .. SCREEN_MOST_STARTS; 20 */
+    int iterations;                     /* of one start in all, 1 .. SCREEN_MOST_ITERATIONS; 400 */
     uint64_t seed;                      /* any; 1 */
     const double *start;                /* [parameters] replaces the first random start; not owned; null: none (default) */
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
@@ -267,7 +337,10 @@ typedef struct screen_fit_options {
     double data_error; /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
     double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the loss, so that few
                       cases do not drive exponents far for a small gain; 0 (default): the plain minimum; 3e-4 is a mild choice */
-    double data_tolerance; /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01 */
+    double data_tolerance;   /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01. Where the scatter of
+                              the curves themselves is larger, 8 times that scatter */
+    const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but the numerics and the
+                                memory, which are those of the def given; not owned; null (default): the def given for all */
     uint32_t cookie;
 } screen_fit_options;
 
@@ -276,21 +349,31 @@ typedef struct screen_fit_result {
     screen_model model;
     int parameters;
     double parameter[SCREEN_MAX_PARAMETERS];
-    double deviation; /* mean over cases of the deviation of a case [-] */
-    double rms;       /* root mean square of model - data [-] */
-    double error
-        [SCREEN_MAX_PARAMETERS]; /* standard error, given the held ones; correlated residuals count as fewer points; inf: no influence */
-    double low[SCREEN_MAX_PARAMETERS]; /* 95 % range: parameter -+ 2 errors (a rate constant by a factor), cut at the bounds */
+    double deviation;                    /* mean over cases of the deviation of a case [-] */
+    double rms;                          /* root mean square of model - data [-] */
+    double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, look at the range. Residuals that
+                                            resemble their neighbours count as fewer points */
+    double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
+    double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
+    double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut at the bounds */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
-    int determined
-        [SCREEN_MAX_PARAMETERS];         /* 0: 2 errors exceed ln 2 (rate constant) or max(1, |value|) (exponent): the data leave it open */
-    int at_bound[SCREEN_MAX_PARAMETERS]; /* 1: stands at a bound that is not low = high */
-    int undetermined;                    /* how many are not determined */
-    int starts;                          /* made */
-    int starts_at_best;                  /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
-    long evaluations;                    /* of the curves of all cases */
-    screen_where where;                  /* first bad datum when the data are refused */
+    int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|) (exponent) on either
+                                              side: the data leave it open */
+    int at_bound[SCREEN_MAX_PARAMETERS];   /* 1: stands at a bound that is not low = high */
+    int undetermined;                      /* how many are not determined */
+    int starts;                            /* made */
+    int starts_at_best;                    /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
+    long evaluations;                      /* of the curves of all cases */
+    screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
+    int rises;                             /* points that lie above an earlier one by more than the tolerance: not as screening goes */
+    double largest_rise;                   /* [-] */
+    double scatter;                        /* of single points about smooth curves, from the data alone [-]; 0 where it cannot be told */
+    double case_error;  /* what a case that was not fitted will be off, root mean square [-]: residuals of whole cases, which
+                                            hold the model's own error; for the bands of screen_fit_band */
+    screen_ratio ratio; /* the reading of eq 25 and the mass that the parameters belong to */
+    double ratio_mass;
+    screen_domain domain; /* of the data */
     double
         coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
     double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the coefficients' covariance */
@@ -299,7 +382,8 @@ typedef struct screen_fit_result {
 
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
 
-/* Are the curves fit to be fitted? Where (may be null) names the first bad datum. tolerance as options.data_tolerance. */
+/* Are the curves fit to be fitted, and do they fall? Where (may be null) names the first bad datum. tolerance as options.data_tolerance;
+   here it is all: noise above it is refused. screen_fit itself takes the scatter of the data for its tolerance and only notes rises. */
 SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
                                             screen_where *where);
 
@@ -308,6 +392,8 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
    Model 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
    in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases,
    exponents when A f and d are) are held at 0, or at options->start, or the nearest bound.
+   Every parameter is also tried at its bounds, the others fitted again: no border is better than the result. A curve that rises is no
+   reason to refuse: result->rises tells.
    options may be null (defaults). Errors: as the statuses; result->where is set for bad data, result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
@@ -322,11 +408,18 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
 SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
                                        double *sets);
 
+/* The band that a prediction of new data has: parameters drawn from the fit, and the error that the model makes on whole cases
+   (result.case_error), which a band of the curve alone leaves out. def: the deck of the prediction; level (0, 1), as 0.95.
+   mean, low, high  out [classes][times] [-]; each may be null. Draws 200 sets; seed: any. */
+SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result, const screen_fit_options *options,
+                                         const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
+                                         double *mean, double *low, double *high);
+
 /* Mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
      sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
      times    rising from >= 0 [s] or [m], as in screen_predict
-     scatter  spread of single measurements about the model to be added [-], >= 0: 0 for the band of the curve, result.rms for that of
-              new data
+     scatter  spread of single measurements about the model to be added [-], >= 0: result.case_error for new data; 0 for the band of the
+              curve alone, which holds too few of them
      seed     any; read with scatter > 0
      level    share of the distribution inside the band, (0, 1), as 0.95
      mean, spread, low, high  out [classes][times] [-]; each may be null */
@@ -538,6 +631,17 @@ static inline double screen_passage_probability(double aperture, double wire, do
     return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
 }
 
+/* The same for an opening of the given length [m] >= aperture, its width, which lies across the slope; infinite for rods, whose gap alone
+   decides. Eq 23 with another length. */
+static inline double screen_slot_probability(double aperture, double length, double wire, double d, double inclination) {
+    if (!(aperture > 0.0 && length >= aperture && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI))
+        return (double)NAN;
+    if (length == aperture) return screen_passage_probability(aperture, wire, d, inclination);
+    double c = inclination > 0.0 ? riddle_cos(inclination) : 1.0;
+    if (!(d < aperture && d < length * c)) return 0.0;
+    return (aperture - d) / (aperture + wire) * (length < HUGE_VAL ? (length * c - d) / ((length + wire) * c) : 1.0);
+}
+
 /* Attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0, duration > 0. */
 static inline double screen_attempts_batch(double rate, double time, double duration) {
     return rate >= 0.0 && time >= 0.0 && duration > 0.0 ? rate * (time / duration) : (double)NAN;
@@ -681,7 +785,7 @@ static inline size_t screen__size(const screen_def *def, int times) {
 
 /* Passes a status on; a failure leaves NaN in out [n] (may be null), so that nobody takes it for a result. */
 static inline screen_status screen__leave(screen_status status, size_t n, double *out) {
-    for (size_t k = 0; status && out && k < n; k++) out[k] = (double)NAN;
+    for (size_t k = 0; status && status != SCREEN_OUTSIDE && out && k < n; k++) out[k] = (double)NAN;
     return status;
 }
 
@@ -697,7 +801,7 @@ SCREEN_API screen_def screen_default_def(void) {
     def.shares = NULL;
     def.average = SCREEN_AVERAGE_UNDERSIZE;
     def.average_diameter = 0.006;
-    def.ratio = SCREEN_RATIO_RETAINED;
+    def.ratio = SCREEN_RATIO_GRAIN;
     def.density = 2534.1;
     def.ratio_mass = 0.001;
     def.undersize_mass = 0.94;
@@ -708,13 +812,62 @@ SCREEN_API screen_def screen_default_def(void) {
     def.bottom_limit = HUGE_VAL;
     def.tolerance = 1e-9;
     def.fixed_step = 0.0;
+    def.dead_time = 0.0;
+    def.never_passes = 0.0;
+    def.free_points = 0;
+    def.free_time = def.free_fraction = NULL;
+    def.aperture_ratio = 1.0;
+    def.project_aperture = 0;
+    def.worn_share = 0.0;
+    def.worn_by = 0.0;
+    def.load_exponent = 0.0;
+    def.load_reference = (def.undersize_mass + def.oversize_mass) / def.deck_area;
+    def.domain = NULL;
     def.memory.fn = NULL;
     def.memory.user = NULL;
     def.cookie = SCREEN__DEF_COOKIE;
     return def;
 }
 
+static inline double screen__clip(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
 static inline int screen__positive(double x) { return x > 0.0 && x < HUGE_VAL; }
+
+/* The widest hole: a class below it may pass. */
+static inline double screen__widest(const screen_def *def) { return def->aperture + (def->worn_share > 0.0 ? def->worn_by : 0.0); }
+
+static inline const char *screen__bad_option(const screen_def *def) {
+    if (!(def->dead_time >= 0.0 && def->dead_time < HUGE_VAL)) return "dead_time";
+    if (!(def->never_passes >= 0.0 && def->never_passes < 1.0)) return "never_passes";
+    if (def->free_points < 0) return "free_points";
+    if (def->free_points > 0 && !def->free_time) return "free_time";
+    if (def->free_points > 0 && !def->free_fraction) return "free_fraction";
+    for (int i = 0; i < def->free_points; i++) {
+        if (!(fabs(def->free_time[i]) < HUGE_VAL) || (i > 0 && !(def->free_time[i] > def->free_time[i - 1]))) return "free_time";
+        if (!(def->free_fraction[i] >= 0.0 && def->free_fraction[i] <= 1.0)) return "free_fraction";
+    }
+    if (!(def->aperture_ratio >= 1.0)) return "aperture_ratio";
+    if (def->project_aperture != 0 && def->project_aperture != 1) return "project_aperture";
+    if (!(def->worn_share >= 0.0 && def->worn_share <= 1.0)) return "worn_share";
+    if (!(def->worn_by >= 0.0 && def->worn_by < HUGE_VAL)) return "worn_by";
+    if (!(def->load_exponent >= 0.0 && def->load_exponent <= 100.0)) return "load_exponent";
+    if (!screen__positive(def->load_reference)) return "load_reference";
+    return NULL;
+}
+
+static inline const char *screen__bad_classes(const screen_def *def) {
+    if (def->classes < 1) return "classes";
+    if (!def->diameters) return "diameters";
+    for (int i = 0; i < def->classes; i++)
+        if (!(def->diameters[i] > 0.0 && def->diameters[i] < screen__widest(def))) return "diameters";
+    if (!def->shares) return NULL;
+    double sum = 0.0;
+    for (int i = 0; i < def->classes; i++) {
+        if (!screen__positive(def->shares[i])) return "shares";
+        sum += def->shares[i];
+    }
+    return fabs(sum - 1.0) <= 1e-6 ? NULL : "shares";
+}
 
 static inline const char *screen__bad_field(const screen_def *def) {
     if (!def || def->cookie != SCREEN__DEF_COOKIE) return "cookie";
@@ -723,18 +876,9 @@ static inline const char *screen__bad_field(const screen_def *def) {
     if (!screen__positive(def->duration)) return "duration";
     if (!screen__positive(def->gravity)) return "gravity";
     if (def->continuous != 0 && def->continuous != 1) return "continuous";
-    if (def->classes < 1) return "classes";
-    if (!def->diameters) return "diameters";
-    for (int i = 0; i < def->classes; i++)
-        if (!(def->diameters[i] > 0.0 && def->diameters[i] < def->aperture)) return "diameters";
-    if (def->shares) {
-        double sum = 0.0;
-        for (int i = 0; i < def->classes; i++) {
-            if (!screen__positive(def->shares[i])) return "shares";
-            sum += def->shares[i];
-        }
-        if (!(fabs(sum - 1.0) <= 1e-6)) return "shares";
-    }
+    const char *bad = screen__bad_option(def);
+    if (!bad) bad = screen__bad_classes(def);
+    if (bad) return bad;
     if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN)
         return "average";
     if (!screen__positive(def->average_diameter)) return "average_diameter";
@@ -791,6 +935,66 @@ SCREEN_API const char *screen_parameter_name(screen_model model, int index) {
     }
 }
 
+static inline int screen__beyond(const double *range, double value) {
+    return !(value >= range[0] - 0.01 * fabs(range[0]) && value <= range[1] + 0.01 * fabs(range[1]));
+}
+
+static inline double screen__load_of(const screen_def *def) { return (def->undersize_mass + def->oversize_mass) / def->deck_area; }
+
+SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def *def, screen_model model,
+                                   const screen_operation *operation, double last_time) {
+    unsigned flags = 0;
+    if (!domain || !def || !operation) return 0;
+    if (screen__beyond(domain->amplitude, operation->amplitude)) flags |= SCREEN_OUTSIDE_AMPLITUDE;
+    if (screen__beyond(domain->frequency, operation->frequency)) flags |= SCREEN_OUTSIDE_FREQUENCY;
+    if (screen__beyond(domain->moisture, operation->moisture)) flags |= SCREEN_OUTSIDE_MOISTURE;
+    if (screen__beyond(domain->inclination, operation->inclination)) flags |= SCREEN_OUTSIDE_INCLINATION;
+    for (int i = 0; i < def->classes && def->diameters; i++)
+        if (screen__beyond(domain->diameter, def->diameters[i])) flags |= SCREEN_OUTSIDE_DIAMETER;
+    if (screen__beyond(domain->aperture, def->aperture)) flags |= SCREEN_OUTSIDE_APERTURE;
+    if (def->load_exponent == 0.0 && screen__beyond(domain->load, screen__load_of(def))) flags |= SCREEN_OUTSIDE_LOAD;
+    if (model == SCREEN_SOLDINGER && !(def->classes >= domain->classes[0] && def->classes <= domain->classes[1]))
+        flags |= SCREEN_OUTSIDE_CLASSES;
+    if (last_time > domain->time[1] * 1.01) flags |= SCREEN_OUTSIDE_TIME;
+    return flags;
+}
+
+SCREEN_API const char *screen_outside_text(unsigned flag) {
+    switch (flag) {
+#define SCREEN__TEXT(name, value, text)                                                                                                    \
+    case value: return text;
+        SCREEN_OUTSIDES(SCREEN__TEXT)
+#undef SCREEN__TEXT
+    }
+    return "unknown flag";
+}
+
+SCREEN_API screen_domain screen_published_domain(void) {
+    screen_domain d;
+    screen_def paper = screen_default_def();
+    d.amplitude[0] = 0.0008;
+    d.amplitude[1] = 0.0012;
+    d.frequency[0] = 45.8;
+    d.frequency[1] = 55.4;
+    d.moisture[0] = 0.0;
+    d.moisture[1] = 0.05;
+    d.inclination[0] = d.inclination[1] = 0.0;
+    d.diameter[0] = 0.005;
+    d.diameter[1] = 0.007;
+    d.aperture[0] = d.aperture[1] = 0.008;
+    d.load[0] = d.load[1] = screen__load_of(&paper);
+    d.time[0] = 0.0;
+    d.time[1] = 20.0;
+    d.classes[0] = d.classes[1] = 2;
+    return d;
+}
+
+/* SCREEN_OUTSIDE for an answer that is there but extrapolated. */
+static inline screen_status screen__told(screen_status status, const screen_def *def, screen_model model, const screen_operation *operation,
+                                         double last_time) {
+    return !status && def->domain && screen_outside(def->domain, def, model, operation, last_time) ? SCREEN_OUTSIDE : status;
+}
+
 static inline void screen__set(double *out, double a, double b, double c, double d, double e, double f) {
     out[0] = a;
     out[1] = b;
@@ -833,7 +1037,7 @@ static inline double screen__average(const screen_def *def) {
 /* Every rate is log-linear: ln rate = c0 + c1 speed + c2 wet, with c0 = ln k, c1 = exponent, c2 = exponent x moisture exponent. On a deck
    model 1 adds c3 size + c4 slope. One such triple for models 0 and 1, two for 2 and 3. */
 typedef struct screen__terms {
-    double speed[2], wet, size, slope;
+    double speed[2], wet, size, slope, d;
 } screen__terms;
 
 static inline int screen__rates(screen_model model) { return model == SCREEN_SUBASINGHE || model == SCREEN_SOLDINGER ? 2 : 1; }
@@ -848,14 +1052,97 @@ static inline screen__terms screen__terms_of(const screen_def *def, screen_model
     t.speed[1] = to_aperture;
     t.wet = riddle_log1p(-operation->moisture);
     t.size = log_d;
+    t.d = d;
     t.slope = operation->inclination > 0.0 ? riddle_log(operation->inclination) : 0.0;
     return t;
 }
 
+/* ln of what multiplies the rate of passage: the load, and the holes that let a class pass, worn ones at the rate of their size. Model 1
+   has its holes in p. */
+static inline double screen__log_holes(const screen_def *def, screen_model model, double exponent, double d) {
+    double load = def->load_exponent > 0.0 ? def->load_exponent * riddle_log(def->load_reference / screen__load_of(def)) : 0.0;
+    if (model == SCREEN_DONG || (def->worn_share == 0.0 && d < def->aperture)) return load;
+    double share = d < def->aperture ? 1.0 - def->worn_share : 0.0;
+    if (d < screen__widest(def) && def->worn_share > 0.0)
+        share += def->worn_share * riddle_exp(screen__clip(exponent * riddle_log(screen__widest(def) / def->aperture), -600.0, 600.0));
+    return share > 0.0 ? load + riddle_log(share) : -1e5; /* passes nowhere */
+}
+
 /* ln of the rates of a class, [screen__rates]; coefficients [parameters]. */
 static inline void screen__log_rates(const screen_def *def, screen_model model, const double *c, const screen__terms *t, double *log_rate) {
-    for (int r = 0; r < screen__rates(model); r++) log_rate[r] = c[3 * r] + c[3 * r + 1] * t->speed[r] + c[3 * r + 2] * t->wet;
+    int last = screen__rates(model) - 1;
+    for (int r = 0; r <= last; r++) log_rate[r] = c[3 * r] + c[3 * r + 1] * t->speed[r] + c[3 * r + 2] * t->wet;
     if (model == SCREEN_DONG && def->continuous) log_rate[0] += c[3] * t->size + c[4] * t->slope;
+    log_rate[last] += screen__log_holes(def, model, c[3 * last + 1], t->d);
+}
+
+/* p of model 1, mean over the holes. */
+static inline double screen__dong_probability(const screen_def *def, double d, double inclination) {
+    double length = def->aperture * def->aperture_ratio, tau = def->continuous ? inclination : 0.0;
+    double p = screen_slot_probability(def->aperture, length, def->wire, d, tau);
+    if (def->worn_share == 0.0) return p;
+    double wire = def->wire > def->worn_by ? def->wire - def->worn_by : 0.0; /* what the hole gains the wire loses */
+    return (1.0 - def->worn_share) * p +
+           def->worn_share * screen_slot_probability(screen__widest(def), length + def->worn_by, wire, d, tau);
+}
+
+/* The deck as a grain sees it from above. */
+static inline screen_def screen__projected(const screen_def *def, screen_model model, const screen_operation *operation) {
+    screen_def seen = *def;
+    if (!def->project_aperture || (model == SCREEN_DONG && def->continuous)) return seen;
+    double c = operation->inclination > 0.0 ? riddle_cos(operation->inclination) : 1.0;
+    seen.aperture *= c;
+    seen.wire *= c;
+    seen.worn_by *= c;
+    return seen;
+}
+
+/* Free fraction at a place in time, and its integral from the dead time to there: what passes does so as if all holes were free for that
+   long. */
+static inline double screen__free_at(const screen_def *def, double t) {
+    int n = def->free_points, low = 0, high = n - 1;
+    if (n == 0) return 1.0;
+    if (!(t > def->free_time[0])) return def->free_fraction[0];
+    if (!(t < def->free_time[n - 1])) return def->free_fraction[n - 1];
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        *(def->free_time[middle] <= t ? &low : &high) = middle;
+    }
+    double x = (t - def->free_time[low]) / (def->free_time[high] - def->free_time[low]);
+    return def->free_fraction[low] + x * (def->free_fraction[high] - def->free_fraction[low]);
+}
+
+static inline double screen__exposure_between(const screen_def *def, double from, double to) {
+    double sum = 0.0, at = from;
+    if (!(to > from)) return 0.0;
+    if (def->free_points == 0) return to - from;
+    for (int i = 0; i <= def->free_points && at < to; i++) {
+        double end = i < def->free_points && def->free_time[i] < to ? def->free_time[i] : to;
+        if (!(end > at)) continue;
+        sum += 0.5 * (screen__free_at(def, at) + screen__free_at(def, end)) * (end - at);
+        at = end;
+    }
+    return sum;
+}
+
+static inline double screen__exposure(const screen_def *def, double t) {
+    return def->dead_time > 0.0 || def->free_points > 0 ? screen__exposure_between(def, def->dead_time, t) : t;
+}
+
+/* The mean free fraction from *from to the next place where it bends, or to `to`, in pieces over
+   which it changes by 0.02 at most; *from goes there. */
+static inline double screen__next_free(const screen_def *def, double *from, double to) {
+    double start = *from, end = to;
+    for (int i = 0; i < def->free_points; i++)
+        if (def->free_time[i] > start && def->free_time[i] < end) end = def->free_time[i];
+    double a = screen__free_at(def, start), b = screen__free_at(def, end), pieces = floor(1.0 + 50.0 * fabs(b - a));
+    if (pieces > 1.0) { /* a chord of a straight line, in steps that see it nearly constant */
+        double step = (end - start) / pieces;
+        end = start + step < end ? start + step : end;
+        b = screen__free_at(def, end);
+    }
+    *from = end;
+    return 0.5 * (a + b);
 }
 
 static inline screen_status screen__coefficients(const screen_def *def, screen_model model, const double *parameters, double *c) {
@@ -1098,7 +1385,7 @@ static inline screen_status screen__load(const screen_def *def, double average, 
         screen__log_rates(def, SCREEN_SOLDINGER, c, &terms, log_rate);
         if (!screen__rate_ok(log_rate[0]) || !screen__rate_ok(log_rate[1])) return SCREEN_NOT_FINITE;
         own->log_w = log_rate[0];
-        own->b = riddle_exp(log_rate[1]);
+        own->b = own->b_free = riddle_exp(log_rate[1]);
         own->volume = d * d * d; /* pi/6 cancels */
         own->scale = screen__share(def, i);
         own->u[0] = (bed[i].top + (feed ? feed[i] : 0.0)) / def->undersize_mass;
@@ -1147,8 +1434,8 @@ static inline double screen__dong_attempts(const screen_def *def, double d, doub
 /* Model 1 of a class one step on from y in (0, 1]; NaN where screen__curves would refuse. */
 static inline double screen__dong_step(const screen_def *def, const double *c, const screen_operation *operation, double d, double rate,
                                        double y, double dt) {
-    double p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
-    if (p == 0.0) return 1.0; /* the masses stay */
+    double p = screen__dong_probability(def, d, operation->inclination);
+    if (p == 0.0) return y; /* the masses stay */
     double n = screen__dong_attempts(def, d, p, y);
     if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
     else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
@@ -1158,69 +1445,139 @@ static inline double screen__dong_step(const screen_def *def, const double *c, c
     return n < HUGE_VAL ? screen__dong_class(def, d, p, n, NULL) : (double)NAN;
 }
 
-/* Curves from coefficients. slopes (may be null; models 0-2) [classes][times][2]: dY/d ln rate, the second of model 1: dY/d beta by length.
-   bed [classes]: model 3 only. */
-static inline screen_status screen__curves(const screen_def *def, screen_model model, const double *c, const screen_operation *operation,
-                                           int times, const double *time, double *retained, double *stratified, double *bottom,
-                                           double *slopes, screen_bed *bed) {
-    double average = screen__average(def);
-    if (model == SCREEN_SOLDINGER) {
-        double now = 0.0, hint = 0.0;
-        screen_status status = screen_bed_init(def, model, bed);
-        if (!status) status = screen__load(def, average, c, operation, NULL, bed);
-        for (int j = 0; j < times && !status; j++) {
-            status = screen__advance(def, bed, time[j] - now, &hint);
-            now = time[j];
-            for (int i = 0; i < def->classes; i++) {
-                double share = bed[i].own.scale, u = bed[i].own.u[0] / share, y = bed[i].own.y[0] / share;
-                if (y > 1.0) y = 1.0; /* only rounding */
-                if (u > y) u = y;
-                size_t at = (size_t)i * (size_t)times + (size_t)j;
-                retained[at] = y;
-                if (stratified) stratified[at] = 1.0 - u;
-                if (bottom) bottom[at] = y - u;
-            }
-        }
-        return status;
-    }
+/* Where a curve goes: [classes][times], the last three may be null. slopes [classes][times][2], models 0 to 2: dY/d ln rate, the second of
+   model 1: dY/d beta by length. */
+typedef struct screen__out {
+    int times;
+    const double *time;
+    double *retained, *stratified, *bottom, *slopes;
+} screen__out;
+
+/* Y of what can pass, and the top layer, of a class at one time; with the share that never passes. */
+static inline void screen__write(const screen_def *def, const screen__out *out, int klass, int j, double y, double top,
+                                 const double *slope) {
+    size_t at = (size_t)klass * (size_t)out->times + (size_t)j;
+    double passes = 1.0 - def->never_passes;
+    out->retained[at] = def->never_passes > 0.0 ? def->never_passes + passes * y : y;
+    if (out->stratified) out->stratified[at] = 1.0 - top;
+    if (out->bottom) out->bottom[at] = out->retained[at] > top ? out->retained[at] - top : 0.0;
+    if (!out->slopes || !slope) return;
+    out->slopes[2 * at] = passes * slope[0];
+    out->slopes[2 * at + 1] = passes * slope[1];
+}
+
+/* The batch at t = 0. */
+static inline void screen__fill_bed(const screen_def *def, screen_model model, screen_bed *bed) {
     for (int i = 0; i < def->classes; i++) {
-        double d = def->diameters[i], log_rate[2], rate[2] = {0.0, 0.0}, p = 0.0;
-        screen__terms terms = screen__terms_of(def, model, average, operation, d);
+        double mass = def->undersize_mass * screen__share(def, i);
+        bed[i].fed = mass;
+        bed[i].top = screen__rates(model) == 2 ? mass : 0.0;
+        bed[i].bottom = mass - bed[i].top;
+        bed[i].passed = bed[i].age = 0.0;
+    }
+}
+
+/* Model 3; a dead time shifts the curve. */
+static inline screen_status screen__curves_soldinger(const screen_def *def, double average, const double *c,
+                                                     const screen_operation *operation, const screen__out *out, screen_bed *bed) {
+    double now = def->dead_time, hint = 0.0;
+    screen__fill_bed(def, SCREEN_SOLDINGER, bed);
+    screen_status status = screen__load(def, average, c, operation, NULL, bed);
+    for (int j = 0; j < out->times && !status; j++) {
+        while (now < out->time[j] && !status) {
+            double from = now, end = out->time[j];
+            double free_holes = def->free_points > 0 ? screen__next_free(def, &now, end) : 1.0;
+            if (def->free_points == 0) now = end;
+            for (int i = 0; i < def->classes && def->free_points > 0; i++) bed[i].own.b = bed[i].own.b_free * free_holes;
+            status = screen__advance(def, bed, now - from, &hint);
+        }
+        for (int i = 0; i < def->classes && !status; i++) {
+            double share = bed[i].own.scale, u = bed[i].own.u[0] / share, y = bed[i].own.y[0] / share;
+            if (y > 1.0) y = 1.0; /* only rounding */
+            if (u > y) u = y;
+            screen__write(def, out, i, j, y, u, NULL);
+        }
+    }
+    return status;
+}
+
+/* Model 2 with holes that come and go: exact over pieces with constant free fraction. */
+static inline void screen__curve_of_pieces(const screen_def *def, const double *rate, int klass, const screen__out *out) {
+    double now = def->dead_time, top = 1.0, y = 1.0;
+    for (int j = 0; j < out->times; j++) {
+        while (now < out->time[j]) {
+            double from = now, k_p = rate[1] * screen__next_free(def, &now, out->time[j]), h = now - from, at_mesh = y - top;
+            y = top * screen_subasinghe(rate[0], k_p, h) + at_mesh * screen_first_order(k_p, h);
+            top *= screen_subasinghe_top(rate[0], h);
+        }
+        screen__write(def, out, klass, j, y, top, NULL);
+    }
+}
+
+/* Model 1 of a class. */
+static inline screen_status screen__curve_dong(const screen_def *def, const double *c, const screen_operation *operation, double rate,
+                                               int klass, const screen__out *out) {
+    double d = def->diameters[klass], p = screen__dong_probability(def, d, operation->inclination);
+    for (int j = 0; j < out->times; j++) {
+        double t = screen__exposure(def, out->time[j]), slope[2] = {0.0, 0.0}, n = 0.0;
+        double log_length = def->continuous && t > 0.0 ? riddle_log(t) : 0.0;
+        if (!def->continuous) n = screen_attempts_batch(rate, t, def->duration);
+        else if (t > 0.0) n = rate * riddle_exp(-c[3] * log_length);
+        if (!(n < HUGE_VAL)) return SCREEN_NOT_FINITE;
+        double y = screen__dong_class(def, d, p, n, out->slopes ? slope : NULL);
+        if (!(y >= 0.0)) return SCREEN_NOT_FINITE;
+        slope[1] = -log_length * slope[0];
+        screen__write(def, out, klass, j, y, 0.0, slope);
+    }
+    return SCREEN_OK;
+}
+
+/* Models 0 and 2 of a class. */
+static inline void screen__curve_exponential(const screen_def *def, screen_model model, const double *rate, int klass,
+                                             const screen__out *out) {
+    for (int j = 0; j < out->times; j++) {
+        double t = screen__exposure(def, out->time[j]), slope[2] = {0.0, 0.0}, top = 0.0, y;
+        if (model == SCREEN_FIRST_ORDER) {
+            y = screen_first_order(rate[0], t);
+            slope[0] = -rate[0] * t * y;
+        } else {
+            y = out->slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope) : screen_subasinghe(rate[0], rate[1], t);
+            top = out->stratified || out->bottom ? screen_subasinghe_top(rate[0], t) : 0.0;
+        }
+        screen__write(def, out, klass, j, y, top, slope);
+    }
+}
+
+/* Curves from coefficients. bed [classes]: model 3 only. */
+static inline screen_status screen__curves(const screen_def *flat, screen_model model, const double *c, const screen_operation *operation,
+                                           const screen__out *out, screen_bed *bed) {
+    const screen_def seen = screen__projected(flat, model, operation), *def = &seen;
+    double average = screen__average(def);
+    if (model == SCREEN_SOLDINGER) return screen__curves_soldinger(def, average, c, operation, out, bed);
+    for (int i = 0; i < def->classes; i++) {
+        double log_rate[2], rate[2] = {0.0, 0.0};
+        screen__terms terms = screen__terms_of(def, model, average, operation, def->diameters[i]);
         screen__log_rates(def, model, c, &terms, log_rate);
         for (int r = 0; r < screen__rates(model); r++) {
             if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
             rate[r] = riddle_exp(log_rate[r]);
         }
-        if (model == SCREEN_DONG)
-            p = screen_passage_probability(def->aperture, def->wire, d, def->continuous ? operation->inclination : 0.0);
-        for (int j = 0; j < times; j++) {
-            size_t at = (size_t)i * (size_t)times + (size_t)j;
-            double t = time[j], y, top = 0.0, slope[2] = {0.0, 0.0};
-            if (model == SCREEN_FIRST_ORDER) {
-                y = screen_first_order(rate[0], t);
-                slope[0] = -rate[0] * t * y;
-            } else if (model == SCREEN_DONG) {
-                double log_length = def->continuous && t > 0.0 ? riddle_log(t) : 0.0, n = 0.0;
-                if (!def->continuous) n = screen_attempts_batch(rate[0], t, def->duration);
-                else if (t > 0.0) n = rate[0] * riddle_exp(-c[3] * log_length);
-                if (!(n < HUGE_VAL)) return SCREEN_NOT_FINITE;
-                y = screen__dong_class(def, d, p, n, slopes ? slope : NULL);
-                if (!(y >= 0.0)) return SCREEN_NOT_FINITE;
-                slope[1] = -log_length * slope[0];
-            } else {
-                y = slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope) : screen_subasinghe(rate[0], rate[1], t);
-                top = stratified || bottom ? screen_subasinghe_top(rate[0], t) : 0.0;
-            }
-            retained[at] = y;
-            if (stratified) stratified[at] = 1.0 - top;
-            if (bottom) bottom[at] = y > top ? y - top : 0.0;
-            if (slopes) {
-                slopes[2 * at] = slope[0];
-                slopes[2 * at + 1] = slope[1];
-            }
-        }
+        screen_status status = SCREEN_OK;
+        if (model == SCREEN_DONG) status = screen__curve_dong(def, c, operation, rate[0], i, out);
+        else if (model == SCREEN_SUBASINGHE && def->free_points > 0) screen__curve_of_pieces(def, rate, i, out);
+        else screen__curve_exponential(def, model, rate, i, out);
+        if (status) return status;
     }
     return SCREEN_OK;
+}
+
+static inline screen__out screen__out_of(int times, const double *time, double *retained) {
+    screen__out out;
+    out.times = times;
+    out.time = time;
+    out.retained = retained;
+    out.stratified = out.bottom = out.slopes = NULL;
+    return out;
 }
 
 SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
@@ -1236,7 +1593,12 @@ SCREEN_API screen_status screen_predict(const screen_def *def, screen_model mode
         bed = (screen_bed *)screen__take(&def->memory, n, sizeof *bed);
         if (!bed) status = SCREEN_NO_MEMORY;
     }
-    if (!status) status = screen__curves(def, model, c, operation, times, time, retained, stratified, bottom, NULL, bed);
+    if (!status) {
+        screen__out out = screen__out_of(times, time, retained);
+        out.stratified = stratified;
+        out.bottom = bottom;
+        status = screen__told(screen__curves(def, model, c, operation, &out, bed), def, model, operation, time[times - 1]);
+    }
     if (bed) screen__release(&def->memory, bed, n, sizeof *bed);
     screen__leave(status, points, stratified);
     screen__leave(status, points, bottom);
@@ -1262,6 +1624,7 @@ SCREEN_API screen_status screen_partition(const screen_def *def, screen_model mo
     for (int i = 0; i < n && !status; i++)
         if (!screen__positive(diameters[i])) status = SCREEN_BAD_ARGUMENT;
     if (status) return screen__leave(status, n > 0 ? (size_t)n : 0, partition);
+    int outside = 0;
     screen_def one = *def; /* one class at a time; d_av stays that of the whole feed */
     one.average_diameter = screen__average(def);
     one.average = SCREEN_AVERAGE_GIVEN;
@@ -1269,11 +1632,14 @@ SCREEN_API screen_status screen_partition(const screen_def *def, screen_model mo
     one.shares = NULL;
     for (int i = 0; i < n && !status; i++) {
         partition[i] = 1.0;
-        if (!(diameters[i] < def->aperture)) continue;
+        if (!(diameters[i] < screen__widest(def))) continue;
         one.diameters = &diameters[i];
-        status = screen__curves(&one, model, c, operation, 1, &time, &partition[i], NULL, NULL, NULL, NULL);
+        screen__out out = screen__out_of(1, &time, &partition[i]);
+        status = screen__curves(&one, model, c, operation, &out, NULL);
+        if (def->domain && screen__beyond(def->domain->diameter, diameters[i])) outside = 1;
     }
-    return screen__leave(status, (size_t)n, partition);
+    if (!status && outside) status = SCREEN_OUTSIDE;
+    return screen__leave(screen__told(status, def, model, operation, time), (size_t)n, partition);
 }
 
 SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
@@ -1291,7 +1657,8 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
     if (!bed || !y) status = SCREEN_NO_MEMORY;
     for (int i = 0; i < 60 && !status && high - low > 1e-12 * limit; i++) {
         double passed = 0.0;
-        status = screen__curves(def, model, c, operation, 1, &at, y, NULL, NULL, NULL, bed);
+        screen__out out = screen__out_of(1, &at, y);
+        status = screen__curves(def, model, c, operation, &out, bed);
         for (int k = 0; k < def->classes; k++) passed += screen__share(def, k) * (1.0 - y[k]);
         if (i == 0 && !status && !(passed >= recovery)) status = SCREEN_NOT_REACHED;
         if (passed >= recovery) high = at;
@@ -1301,86 +1668,136 @@ SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model mode
     if (!status) *time = recovery > 0.0 ? high : 0.0;
     screen__release(&def->memory, bed, n, sizeof *bed);
     screen__release(&def->memory, y, n, sizeof *y);
-    return status;
+    return screen__told(status, def, model, operation, *time == *time ? *time : 0.0);
 }
 
 SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed) {
     screen_status status = screen_check_def(def, NULL);
     if (!bed) return status ? status : SCREEN_BAD_POINTER;
-    for (size_t i = 0; status && i < screen__size(def, 1); i++) bed[i].fed = bed[i].top = bed[i].bottom = bed[i].passed = (double)NAN;
-    if (status) return status;
-    for (int i = 0; i < def->classes; i++) {
-        double mass = def->undersize_mass * screen__share(def, i);
-        bed[i].fed = mass;
-        bed[i].top = screen__rates(model) == 2 ? mass : 0.0;
-        bed[i].bottom = mass - bed[i].top;
-        bed[i].passed = 0.0;
-    }
-    return SCREEN_OK;
+    for (size_t i = 0; status && i < screen__size(def, 1); i++)
+        bed[i].fed = bed[i].top = bed[i].bottom = bed[i].passed = bed[i].age = (double)NAN;
+    if (!status) screen__fill_bed(def, model, bed);
+    return status;
 }
 
-static inline screen_status screen__step(const screen_def *def, screen_model model, const double *parameters,
-                                         const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
-                                         double *passed) {
-    double c[SCREEN_MAX_PARAMETERS];
-    screen_status status = screen__check_call(def, model, parameters, operation, c);
-    if (status) return status;
+/* What happens in one step: how long the bed works in it, by how many of the holes. */
+typedef struct screen__moment {
+    double h, free_holes;
+} screen__moment;
+
+static inline screen__moment screen__moment_of(const screen_def *def, const screen_bed *bed, double dt) {
+    screen__moment m;
+    m.h = dt;
+    m.free_holes = 1.0;
+    if (!(def->dead_time > 0.0 || def->free_points > 0)) return m;
+    double end = bed->age + dt, start = bed->age > def->dead_time ? bed->age : def->dead_time;
+    m.h = end > start ? end - start : 0.0;
+    m.free_holes = m.h > 0.0 ? screen__exposure_between(def, start, end) / m.h : 1.0;
+    return m;
+}
+
+/* The mass on the deck that the model works on: scaled so that the share that never passes is left out. */
+static inline double screen__active(const screen_def *def, double on_deck, double fed) {
+    if (def->never_passes == 0.0) return on_deck;
+    double active = (on_deck - def->never_passes * fed) / (1.0 - def->never_passes);
+    return active > 0.0 ? active : 0.0;
+}
+
+static inline screen_status screen__check_step(const screen_def *def, screen_model model, const double *c, double dt, const double *feed,
+                                               const screen_bed *bed) {
     if (!bed) return SCREEN_BAD_POINTER;
     if (!(dt >= 0.0 && dt < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
     if (model == SCREEN_DONG && def->continuous && !(c[3] < 0.0)) return SCREEN_BAD_PARAMETERS; /* N must rise with the length */
+    int aged = def->dead_time > 0.0 || def->free_points > 0;
     for (int i = 0; i < def->classes; i++) {
         const screen_bed *b = &bed[i];
         if (feed && !(feed[i] >= 0.0 && feed[i] < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
         if (!(b->top >= 0.0 && b->bottom >= 0.0 && b->passed >= 0.0 && b->fed < HUGE_VAL && b->top + b->bottom <= b->fed * (1.0 + 1e-12)))
             return SCREEN_BAD_ARGUMENT;
+        if (aged && !(b->age >= 0.0 && b->age < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
     }
-    /* whatever can fail comes first: a refused step leaves the masses as they were */
-    double average = screen__average(def);
-    for (int i = 0; i < def->classes; i++) {
-        double log_rate[2];
-        screen__terms terms = screen__terms_of(def, model, average, operation, def->diameters[i]);
-        screen__log_rates(def, model, c, &terms, log_rate);
-        for (int r = 0; r < screen__rates(model); r++)
-            if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
-        if (model != SCREEN_DONG) continue;
-        screen_bed *b = &bed[i];
-        double fresh = feed ? feed[i] : 0.0, before = b->top + b->bottom + fresh;
-        if (!(before > 0.0)) continue;
-        b->own.y[0] = screen__dong_step(def, c, operation, def->diameters[i], riddle_exp(log_rate[0]), before / (b->fed + fresh), dt);
-        if (!(b->own.y[0] >= 0.0)) return SCREEN_NOT_FINITE;
+    return SCREEN_OK;
+}
+
+/* What a class has on the deck and in its top layer after the step, into own.y[0] and own.u[0], as masses. */
+static inline screen_status screen__step_class(const screen_def *def, screen_model model, const double *c,
+                                               const screen_operation *operation, double fresh, int i, screen_bed *b) {
+    double log_rate[2], rate[2] = {0.0, 0.0}, fed = b->fed + fresh;
+    double before = screen__active(def, b->top + b->bottom + fresh, fed), top = b->top + (screen__rates(model) == 2 ? fresh : 0.0);
+    screen__moment m = screen__moment_of(def, b, b->own.c[0]);
+    screen__terms terms = screen__terms_of(def, model, screen__average(def), operation, def->diameters[i]);
+    screen__log_rates(def, model, c, &terms, log_rate);
+    for (int r = 0; r < screen__rates(model); r++) {
+        if (!screen__rate_ok(log_rate[r])) return SCREEN_NOT_FINITE;
+        rate[r] = riddle_exp(log_rate[r]);
     }
-    if (model == SCREEN_SOLDINGER) {
-        double hint = 0.0;
-        status = screen__load(def, average, c, operation, feed, bed);
-        if (!status) status = screen__advance(def, bed, dt, &hint);
-        if (status) return status;
+    b->own.y[0] = before;
+    b->own.u[0] = top = top < before ? top : before;
+    if (!(before > 0.0)) return SCREEN_OK;
+    if (model == SCREEN_FIRST_ORDER) {
+        b->own.y[0] = before * screen_first_order(rate[0], m.h * m.free_holes);
+    } else if (model == SCREEN_DONG) {
+        double y =
+            screen__dong_step(def, c, operation, def->diameters[i], rate[0], before / fed < 1.0 ? before / fed : 1.0, m.h * m.free_holes);
+        if (!(y >= 0.0)) return SCREEN_NOT_FINITE;
+        b->own.y[0] = fed * y;
+    } else {
+        double k_p = rate[1] * m.free_holes;
+        b->own.u[0] = top * screen_subasinghe_top(rate[0], m.h);
+        b->own.y[0] = top * screen_subasinghe(rate[0], k_p, m.h) + (before - top) * riddle_exp(-k_p * m.h);
     }
-    for (int i = 0; i < def->classes; i++) {
-        screen_bed *b = &bed[i];
+    return SCREEN_OK;
+}
+
+/* The same of model 3, for all classes at once. */
+static inline screen_status screen__step_soldinger(const screen_def *def, const double *c, const screen_operation *operation, double dt,
+                                                   const double *feed, screen_bed *bed) {
+    double hint = 0.0;
+    screen_status status = screen__load(def, screen__average(def), c, operation, feed, bed);
+    for (int i = 0; i < def->classes && !status; i++) {
         double fresh = feed ? feed[i] : 0.0;
+        screen__layer *own = &bed[i].own;
+        if (def->never_passes == 0.0) continue;
+        own->y[0] = screen__active(def, bed[i].top + bed[i].bottom + fresh, bed[i].fed + fresh) / def->undersize_mass;
+        if (own->u[0] > own->y[0]) own->u[0] = own->y[0];
+    }
+    screen__moment m = screen__moment_of(def, bed, dt);
+    for (int i = 0; i < def->classes && !status && def->free_points > 0; i++) bed[i].own.b = bed[i].own.b_free * m.free_holes;
+    if (!status) status = screen__advance(def, bed, m.h, &hint);
+    for (int i = 0; i < def->classes && !status; i++) {
+        bed[i].own.u[0] *= def->undersize_mass;
+        bed[i].own.y[0] *= def->undersize_mass;
+    }
+    return status;
+}
+
+static inline screen_status screen__step(const screen_def *flat, screen_model model, const double *parameters,
+                                         const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
+                                         double *passed) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen_status status = screen__check_call(flat, model, parameters, operation, c);
+    if (!status) status = screen__check_step(flat, model, c, dt, feed, bed);
+    if (status) return status;
+    const screen_def seen = screen__projected(flat, model, operation), *def = &seen;
+    /* whatever can fail comes first: a refused step leaves the masses as they were */
+    if (model == SCREEN_SOLDINGER) status = screen__step_soldinger(def, c, operation, dt, feed, bed);
+    for (int i = 0; i < def->classes && !status && model != SCREEN_SOLDINGER; i++) {
+        bed[i].own.c[0] = dt;
+        status = screen__step_class(def, model, c, operation, feed ? feed[i] : 0.0, i, &bed[i]);
+    }
+    if (status) return status;
+    for (int i = 0; i < def->classes; i++) {
+        screen_bed *b = &bed[i];
+        double fresh = feed ? feed[i] : 0.0, before = b->top + b->bottom + fresh, held;
+        if (passed) passed[i] = 0.0;
+        if (def->dead_time > 0.0 || def->free_points > 0) b->age += dt;
         b->fed += fresh;
         if (screen__rates(model) == 2) b->top += fresh;
         else b->bottom += fresh;
-        double before = b->top + b->bottom, top = 0.0, after = before, log_rate[2] = {0.0, 0.0};
-        if (passed) passed[i] = 0.0;
         if (!(before > 0.0)) continue;
-        if (model == SCREEN_SOLDINGER) {
-            top = b->own.u[0] * def->undersize_mass;
-            after = b->own.y[0] * def->undersize_mass;
-        } else {
-            screen__terms terms = screen__terms_of(def, model, average, operation, def->diameters[i]);
-            screen__log_rates(def, model, c, &terms, log_rate);
-            double rate = riddle_exp(log_rate[0]);
-            if (model == SCREEN_FIRST_ORDER) {
-                after = before * screen_first_order(rate, dt);
-            } else if (model == SCREEN_DONG) {
-                after = b->fed * b->own.y[0];
-            } else {
-                double stay = screen_subasinghe_top(rate, dt), kp = riddle_exp(log_rate[1]);
-                top = b->top * stay;
-                after = b->top * screen_subasinghe(rate, kp, dt) + b->bottom * riddle_exp(-kp * dt);
-            }
-        }
+        held = def->never_passes * b->fed < before ? def->never_passes * b->fed : before;
+        double top = b->own.u[0], after = def->never_passes > 0.0 ? held + (1.0 - def->never_passes) * b->own.y[0] : b->own.y[0];
+        if (screen__rates(model) == 1) top = 0.0;
         if (!(after <= before)) after = before; /* rounding only */
         if (!(top <= after)) top = after;
         b->top = top;
@@ -1408,14 +1825,28 @@ typedef struct screen__problem {
     screen_model model;
     int parameters, cases, points; /* points: classes x times of the longest case */
     const screen_case *data;
+    const screen_def *decks; /* [cases] or null */
     screen_loss loss;
     double shrink;
-    double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS]; /* in q */
-    double centre[4];                                               /* mean of speed[r] and wet, for each rate */
-    double *retained, *slopes;                                      /* [points], [points][parameters or 2] */
-    screen_bed *bed;                                                /* [classes], model 3 */
+    double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
+    double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without influence too */
+    double centre[4];                                                       /* mean of speed[r] and wet, for each rate */
+    double *retained, *slopes;                                              /* [points], [parameters][points] or [points][2] */
+    screen_bed *bed;                                                        /* [most], model 3 */
+    int most;                                                               /* classes of a case, at most */
     long evaluations;
+    int last_steps; /* 1: down to rounding */
 } screen__problem;
+
+/* The deck of a case. */
+static inline screen_def screen__deck_of(const screen__problem *p, int index) {
+    if (!p->decks) return p->def;
+    screen_def deck = p->decks[index];
+    deck.tolerance = p->def.tolerance;
+    deck.fixed_step = p->def.fixed_step;
+    deck.memory = p->def.memory;
+    return deck;
+}
 
 static inline uint64_t screen__random(uint64_t *state) { /* splitmix64, Steele, Lea and Flood 2014 */
     uint64_t z = *state += 0x9E3779B97F4A7C15u;
@@ -1441,8 +1872,6 @@ static inline void screen__to_coefficients(screen_model model, int n, const doub
         c[3 * r] = q[3 * r] + c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
     }
 }
-
-static inline double screen__clip(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
 /* To the nearest q inside the bounds that keeps the mean log rates where it can. */
 static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high, const double *c,
@@ -1483,94 +1912,96 @@ typedef struct screen__sums {
     screen__matrix curvature; /* Gauss-Newton, by c */
 } screen__sums;
 
-/* Loss at c: rounding > 0 makes |r| smooth, sqrt(r^2 + rounding^2) - rounding. weigh 0: curvature of the squares, for the errors.
-   HUGE_VAL where the curves are not finite. */
-static inline void screen__evaluate(screen__problem *p, const double *c, double rounding, int derivatives, int weigh, screen__sums *out) {
-    int n = p->parameters, numeric = p->model == SCREEN_SOLDINGER;
-    double plain[SCREEN_MAX_PARAMETERS];
-    out->loss = out->deviation = out->squares = 0.0;
-    for (int j = 0; j < n; j++) {
-        out->gradient[j] = 0.0;
-        for (int k = 0; k < n; k++) out->curvature[j][k] = 0.0;
+/* Do derivatives come from differences of curves? Model 3's always; those of model 2 with holes that come and go, and of worn meshes. */
+static inline int screen__is_numeric(const screen_def *deck, screen_model model) {
+    return model == SCREEN_SOLDINGER || (model == SCREEN_SUBASINGHE && deck->free_points > 0) || deck->worn_share > 0.0;
+}
+
+/* Curves of a case at c, into p->retained, and with derivatives dY/dc into p->slopes: [parameters][points of the case]. */
+static inline screen_status screen__numeric_slopes(screen__problem *p, const screen_def *deck, const screen_case *data, const double *c) {
+    int n = p->parameters, times = data->times, points = deck->classes * times;
+    double plain[SCREEN_MAX_PARAMETERS], average = screen__average(deck);
+    /* with no limit of the bottom layer a class of model 3 feels only its own b: one run with all of them moved is enough */
+    int runs = p->model == SCREEN_SOLDINGER && !(deck->bottom_limit < HUGE_VAL) && deck->worn_share == 0.0 ? 4 : n;
+    for (int j = 0; j < runs; j++) {
+        double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = p->model != SCREEN_SOLDINGER || deck->tolerance < 1e-7 ? 1e-4 : 1e-3;
+        if (j % 3) step *= 10.0; /* speed terms are about 0.1, wet 0.03 */
+        double *column = p->slopes + (size_t)j * (size_t)p->points;
+        for (int k = 0; k < n; k++) moved[k] = c[k];
+        moved[j] += step;
+        screen__uncentre(p->model, n, p->centre, moved, plain);
+        screen__out out = screen__out_of(times, data->time, column);
+        screen_status status = screen__curves(deck, p->model, plain, &data->operation, &out, p->bed);
+        if (status) return status;
+        for (int k = 0; k < points; k++) column[k] = (column[k] - p->retained[k]) / step;
     }
-    p->evaluations++;
-    double average = screen__average(&p->def);
-    for (int s = 0; s < p->cases; s++) {
-        const screen_case *data = &p->data[s];
-        int times = data->times, points = p->def.classes * times;
-        double weight = 1.0 / ((double)p->cases * points);
-        screen__uncentre(p->model, n, p->centre, c, plain);
-        screen_status status = screen__curves(&p->def, p->model, plain, &data->operation, times, data->time, p->retained, NULL, NULL,
-                                              derivatives && !numeric ? p->slopes : NULL, p->bed);
-        /* with no limit of the bottom layer a class feels only its own b: one run with all of them moved is enough */
-        int runs = p->def.bottom_limit < HUGE_VAL ? n : 4;
-        for (int j = 0; j < runs && derivatives && numeric && !status; j++) {
-            double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = p->def.tolerance < 1e-7 ? 1e-4 : 1e-3;
-            if (j % 3) step *= 10.0; /* speed terms are about 0.1, wet 0.03 */
-            double *column = p->slopes + (size_t)j * (size_t)p->points;
-            for (int k = 0; k < n; k++) moved[k] = c[k];
-            moved[j] += step;
-            screen__uncentre(p->model, n, p->centre, moved, plain);
-            status = screen__curves(&p->def, p->model, plain, &data->operation, times, data->time, column, NULL, NULL, NULL, p->bed);
-            for (int k = 0; k < points; k++) column[k] = (column[k] - p->retained[k]) / step;
-        }
-        for (int i = 0; i < p->def.classes && derivatives && numeric && runs == 4 && !status; i++) {
-            double f[2][SCREEN_MAX_PARAMETERS];
-            screen__terms terms = screen__terms_of(&p->def, p->model, average, &data->operation, p->def.diameters[i]);
-            screen__features(p, &terms, f);
-            for (int j = 4; j < 6; j++)
-                for (int k = i * times; k < (i + 1) * times; k++)
-                    p->slopes[(size_t)j * (size_t)p->points + (size_t)k] = f[1][j] * p->slopes[3 * (size_t)p->points + (size_t)k];
-        }
-        if (status) {
-            out->loss = out->deviation = out->squares = HUGE_VAL;
-            return;
-        }
-        for (int i = 0; i < p->def.classes; i++) {
-            double sum[2] = {0.0, 0.0}, product[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
-            for (int k = i * times; k < (i + 1) * times; k++) {
-                double r = p->retained[k] - data->retained[k], pull = 1.0, gain = weight * r;
-                out->deviation += weight * fabs(r);
-                out->squares += weight * r * r;
-                if (p->loss == SCREEN_LOSS_DEVIATION) {
-                    double round = sqrt(r * r + rounding * rounding);
-                    out->loss += weight * (r * r / (round + rounding));
-                    if (weigh) {
-                        pull = 1.0 / round;
-                        gain *= pull;
-                    }
-                } else {
-                    out->loss += 0.5 * weight * r * r;
-                }
-                if (!derivatives) continue;
-                if (numeric) {
-                    for (int a = 0; a < n; a++) {
-                        double j_a = p->slopes[(size_t)a * (size_t)p->points + (size_t)k];
-                        out->gradient[a] += gain * j_a;
-                        for (int b = 0; b <= a; b++)
-                            out->curvature[a][b] += weight * pull * j_a * p->slopes[(size_t)b * (size_t)p->points + (size_t)k];
-                    }
-                } else { /* by the two rates of the curve; by c once the curve is done */
-                    double j0 = p->slopes[2 * k], j1 = p->slopes[2 * k + 1];
-                    sum[0] += gain * j0;
-                    sum[1] += gain * j1;
-                    product[0][0] += weight * pull * j0 * j0;
-                    product[0][1] += weight * pull * j0 * j1;
-                    product[1][1] += weight * pull * j1 * j1;
-                }
-            }
-            if (!derivatives || numeric) continue;
-            double f[2][SCREEN_MAX_PARAMETERS];
-            screen__terms terms = screen__terms_of(&p->def, p->model, average, &data->operation, p->def.diameters[i]);
-            screen__features(p, &terms, f);
+    for (int i = 0; i < deck->classes && runs == 4 && n == 6; i++) {
+        double f[2][SCREEN_MAX_PARAMETERS];
+        screen__terms terms = screen__terms_of(deck, p->model, average, &data->operation, deck->diameters[i]);
+        screen__features(p, &terms, f);
+        for (int j = 4; j < 6; j++)
+            for (int k = i * times; k < (i + 1) * times; k++)
+                p->slopes[(size_t)j * (size_t)p->points + (size_t)k] = f[1][j] * p->slopes[3 * (size_t)p->points + (size_t)k];
+    }
+    return SCREEN_OK;
+}
+
+/* What a point adds to the loss; *pull: weight of its residual in the curvature, of gain in the gradient. */
+static inline double screen__point_loss(const screen__problem *p, double r, double rounding, int weigh, double *pull) {
+    *pull = 1.0;
+    if (p->loss == SCREEN_LOSS_SQUARES) return 0.5 * r * r;
+    double round = sqrt(r * r + rounding * rounding);
+    if (weigh) *pull = 1.0 / round;
+    return r * r / (round + rounding);
+}
+
+/* Sums of one class of a case, derivatives from p->slopes: by c, or by the two rates, which become c once the curve is done. */
+typedef struct screen__call {
+    double rounding, weight;
+    int derivatives, weigh, numeric;
+} screen__call;
+
+static inline void screen__add_class(const screen__problem *p, const screen_def *deck, const screen_case *data, int i, screen__call call,
+                                     screen__sums *out) {
+    double sum[2] = {0.0, 0.0}, product[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, pull;
+    int n = p->parameters;
+    for (int k = i * data->times; k < (i + 1) * data->times; k++) {
+        double r = p->retained[k] - data->retained[k];
+        out->deviation += call.weight * fabs(r);
+        out->squares += call.weight * r * r;
+        out->loss += call.weight * screen__point_loss(p, r, call.rounding, call.weigh, &pull);
+        if (!call.derivatives) continue;
+        double gain = call.weight * pull * r, bend = call.weight * pull;
+        if (call.numeric) {
             for (int a = 0; a < n; a++) {
-                out->gradient[a] += sum[0] * f[0][a] + sum[1] * f[1][a];
-                for (int b = 0; b <= a; b++)
-                    out->curvature[a][b] += product[0][0] * f[0][a] * f[0][b] + product[1][1] * f[1][a] * f[1][b] +
-                                            product[0][1] * (f[0][a] * f[1][b] + f[1][a] * f[0][b]);
+                double j_a = p->slopes[(size_t)a * (size_t)p->points + (size_t)k];
+                out->gradient[a] += gain * j_a;
+                for (int b = 0; b <= a; b++) out->curvature[a][b] += bend * j_a * p->slopes[(size_t)b * (size_t)p->points + (size_t)k];
             }
+        } else {
+            double j0 = p->slopes[2 * k], j1 = p->slopes[2 * k + 1];
+            sum[0] += gain * j0;
+            sum[1] += gain * j1;
+            product[0][0] += bend * j0 * j0;
+            product[0][1] += bend * j0 * j1;
+            product[1][1] += bend * j1 * j1;
         }
     }
+    if (!call.derivatives || call.numeric) return;
+    double f[2][SCREEN_MAX_PARAMETERS];
+    screen__terms terms = screen__terms_of(deck, p->model, screen__average(deck), &data->operation, deck->diameters[i]);
+    screen__features(p, &terms, f);
+    for (int a = 0; a < n; a++) {
+        out->gradient[a] += sum[0] * f[0][a] + sum[1] * f[1][a];
+        for (int b = 0; b <= a; b++)
+            out->curvature[a][b] += product[0][0] * f[0][a] * f[0][b] + product[1][1] * f[1][a] * f[1][b] +
+                                    product[0][1] * (f[0][a] * f[1][b] + f[1][a] * f[0][b]);
+    }
+}
+
+/* The price of large exponents, and the upper half of the curvature. */
+static inline void screen__add_shrink(const screen__problem *p, const double *c, screen__sums *out) {
+    int n = p->parameters;
     for (int a = 0; a < n; a++) {
         double pull = screen__is_rate(p->model, a) ? 0.0 : screen__is_wet(p->model, a) ? p->shrink / 400.0 : p->shrink / 25.0;
         out->loss += 0.5 * pull * c[a] * c[a];
@@ -1578,6 +2009,40 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
         out->curvature[a][a] += pull;
         for (int b = a + 1; b < n; b++) out->curvature[a][b] = out->curvature[b][a];
     }
+}
+
+/* Loss at c: rounding > 0 makes |r| smooth, sqrt(r^2 + rounding^2) - rounding. weigh 0: curvature of the squares, for the errors.
+   HUGE_VAL where the curves are not finite. */
+static inline void screen__evaluate(screen__problem *p, const double *c, double rounding, int derivatives, int weigh, screen__sums *out) {
+    int n = p->parameters;
+    double plain[SCREEN_MAX_PARAMETERS];
+    out->loss = out->deviation = out->squares = 0.0;
+    for (int j = 0; j < n; j++) {
+        out->gradient[j] = 0.0;
+        for (int k = 0; k < n; k++) out->curvature[j][k] = 0.0;
+    }
+    p->evaluations++;
+    screen__uncentre(p->model, n, p->centre, c, plain);
+    for (int s = 0; s < p->cases; s++) {
+        const screen_case *data = &p->data[s];
+        const screen_def deck = screen__deck_of(p, s);
+        screen__call call;
+        call.rounding = rounding;
+        call.weight = 1.0 / ((double)p->cases * deck.classes * data->times);
+        call.derivatives = derivatives;
+        call.weigh = weigh;
+        call.numeric = screen__is_numeric(&deck, p->model);
+        screen__out curve = screen__out_of(data->times, data->time, p->retained);
+        if (derivatives && !call.numeric) curve.slopes = p->slopes;
+        screen_status status = screen__curves(&deck, p->model, plain, &data->operation, &curve, p->bed);
+        if (!status && derivatives && call.numeric) status = screen__numeric_slopes(p, &deck, data, c);
+        if (status) {
+            out->loss = out->deviation = out->squares = HUGE_VAL;
+            return;
+        }
+        for (int i = 0; i < deck.classes; i++) screen__add_class(p, &deck, data, i, call, out);
+    }
+    screen__add_shrink(p, c, out);
 }
 
 /* Lower Cholesky factor of a symmetric matrix, in place; 0 if it is not positive. */
@@ -1642,7 +2107,8 @@ static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, doubl
 static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
     int n = p->parameters, with = p->model != SCREEN_SOLDINGER, quiet = 0;
     double c[SCREEN_MAX_PARAMETERS], damping = 1e-3;
-    double enough = p->loss == SCREEN_LOSS_SQUARES || rounding < 1e-5 ? 1e-7 : 1e-4; /* the rounded losses are but a way to the sharp one */
+    /* the rounded losses are but a way to the sharp one */
+    double enough = p->last_steps ? 1e-12 : p->loss == SCREEN_LOSS_SQUARES || rounding < 1e-5 ? 1e-7 : 1e-4;
     screen__sums now, next;
     screen__to_coefficients(p->model, n, p->centre, q, c);
     screen__evaluate(p, c, rounding, 1, 1, &now);
@@ -1694,8 +2160,10 @@ static inline double screen__descend(screen__problem *p, double *q, double round
             }
             if (screen__cholesky(n, l)) {
                 screen__solve(n, l, step);
-                for (int i = 0; i < n; i++) /* a long jump may end where a rate is so high that nothing depends on it: no way back */
-                    if (!screen__is_wet(p->model, i)) step[i] = screen__clip(step[i], -2.0, 2.0);
+                for (int i = 0; i < n; i++) { /* a long jump may end where a rate is so high that nothing depends on it: no way back */
+                    double longest = screen__is_wet(p->model, i) ? 40.0 : 2.0;
+                    step[i] = screen__clip(step[i], -longest, longest);
+                }
                 if (any) {
                     for (int i = 0; i < n; i++) trial[i] = screen__clip(q[i] + step[i], p->low[i], p->high[i]);
                 } else {
@@ -1739,8 +2207,67 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     options.data_error = 1e-3;
     options.shrink = 0.0;
     options.data_tolerance = 0.01;
+    options.decks = NULL;
     options.cookie = SCREEN__FIT_COOKIE;
     return options;
+}
+
+/* Scatter of single points: the median of how far they lie off the straight line between their neighbours in time, over all curves with
+   three points or more; 0 without such. Found by bisection: nothing is stored. */
+static inline double screen__scatter(const screen_def *def, const screen_def *decks, int cases, const screen_case *data) {
+    double low = 0.0, high = 2.0;
+    for (int it = 0; it < 40; it++) {
+        double middle = 0.5 * (low + high), below = 0.0, all = 0.0;
+        for (int s = 0; s < cases; s++) {
+            int classes = decks ? decks[s].classes : def->classes, times = data[s].times;
+            for (int i = 0; i < classes; i++)
+                for (int j = 1; j + 1 < times; j++) {
+                    const double *y = data[s].retained + (size_t)i * (size_t)times + (size_t)j, *t = data[s].time + j;
+                    double w = (t[0] - t[-1]) / (t[1] - t[-1]), off = y[0] - (1.0 - w) * y[-1] - w * y[1];
+                    all += 1.0;
+                    below += fabs(off) <= middle * sqrt(1.0 + w * w + (1.0 - w) * (1.0 - w));
+                }
+        }
+        if (!(all > 0.0)) return 0.0;
+        if (below < 0.5 * all) low = middle;
+        else high = middle;
+    }
+    return high < 1e-9 ? 0.0 : high / 0.6744897501960817; /* median of a normal distribution's absolute values */
+}
+
+/* The numbers of one case. rises (may be null): rises are noted there and not refused. */
+static inline screen_status screen__check_case(const screen_def *deck, const screen_case *data, double tolerance, screen_where *where,
+                                               screen_fit_result *rises) {
+    screen_status status = screen_check_operation(&data->operation);
+    if (status) return status;
+    if (data->times < 1) return SCREEN_TOO_FEW_POINTS;
+    if (!data->time || !data->retained) return SCREEN_BAD_POINTER;
+    for (int j = 0; j < data->times; j++) {
+        where->time = j;
+        if (!(data->time[j] >= 0.0 && data->time[j] < HUGE_VAL)) return SCREEN_BAD_TIMES;
+        if (j > 0 && !(data->time[j] > data->time[j - 1])) return SCREEN_BAD_TIMES;
+    }
+    for (int i = 0; i < deck->classes; i++) {
+        double lowest = HUGE_VAL;
+        where->klass = i;
+        for (int j = 0; j < data->times; j++) {
+            double y = data->retained[(size_t)i * (size_t)data->times + (size_t)j];
+            where->time = j;
+            if (!(fabs(y) < HUGE_VAL)) return SCREEN_DATA_NOT_FINITE;
+            if (y > 1.0 + tolerance && y > 1.5 && y <= 100.0 + tolerance) return SCREEN_DATA_IN_PERCENT;
+            if (y < -tolerance || y > 1.0 + tolerance) return SCREEN_DATA_OUT_OF_RANGE;
+            if (y > lowest + tolerance && !rises) return SCREEN_DATA_NOT_MONOTONE;
+            if (y > lowest + tolerance) {
+                rises->rises++;
+                if (y - lowest > rises->largest_rise) {
+                    rises->largest_rise = y - lowest;
+                    rises->where = *where;
+                }
+            }
+            if (y < lowest) lowest = y;
+        }
+    }
+    return SCREEN_OK;
 }
 
 SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
@@ -1754,91 +2281,113 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
     if (!(tolerance >= 0.0 && tolerance < HUGE_VAL)) return SCREEN_BAD_OPTION;
     for (int s = 0; s < cases; s++) {
         where->index = s;
-        status = screen_check_operation(&data[s].operation);
+        status = screen__check_case(def, &data[s], tolerance, where, NULL);
         if (status) return status;
-        if (data[s].times < 1) return SCREEN_TOO_FEW_POINTS;
-        if (!data[s].time || !data[s].retained) return SCREEN_BAD_POINTER;
-        for (int j = 0; j < data[s].times; j++) {
-            where->time = j;
-            if (!(data[s].time[j] >= 0.0 && data[s].time[j] < HUGE_VAL)) return SCREEN_BAD_TIMES;
-            if (j > 0 && !(data[s].time[j] > data[s].time[j - 1])) return SCREEN_BAD_TIMES;
-        }
-        for (int i = 0; i < def->classes; i++) {
-            double lowest = HUGE_VAL;
-            where->klass = i;
-            for (int j = 0; j < data[s].times; j++) {
-                double y = data[s].retained[(size_t)i * (size_t)data[s].times + (size_t)j];
-                where->time = j;
-                if (!(fabs(y) < HUGE_VAL)) return SCREEN_DATA_NOT_FINITE;
-                if (y > 1.0 + tolerance && y > 1.5 && y <= 100.0 + tolerance) return SCREEN_DATA_IN_PERCENT;
-                if (y < -tolerance || y > 1.0 + tolerance) return SCREEN_DATA_OUT_OF_RANGE;
-                if (y > lowest + tolerance) return SCREEN_DATA_NOT_MONOTONE;
-                if (y < lowest) lowest = y;
-            }
-        }
         where->klass = where->time = -1;
     }
     where->index = -1;
     return SCREEN_OK;
 }
 
+/* The same for a fit, each case with its deck: rises are noted in *out. */
+static inline screen_status screen__check_data(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
+                                               screen_fit_result *out) {
+    screen_where where;
+    where.index = where.klass = where.time = -1;
+    if (cases < 1 || !data) return cases < 1 ? SCREEN_TOO_FEW_POINTS : SCREEN_BAD_POINTER;
+    if (!(options->data_tolerance >= 0.0 && options->data_tolerance < HUGE_VAL)) return SCREEN_BAD_OPTION;
+    double tolerance = HUGE_VAL; /* first the pointers and the times, then the scatter, then the values */
+    for (int pass = 0; pass < 2; pass++) {
+        for (int s = 0; s < cases; s++) {
+            const screen_def *deck = options->decks ? &options->decks[s] : def;
+            where.index = s;
+            screen_status status = options->decks ? screen_check_def(deck, NULL) : SCREEN_OK;
+            if (!status && deck->continuous != def->continuous) status = SCREEN_BAD_DEF;
+            if (!status) status = screen__check_case(deck, &data[s], tolerance, &where, pass ? out : NULL);
+            if (status) {
+                out->where = where;
+                return status;
+            }
+            where.klass = where.time = -1;
+        }
+        if (pass) break;
+        out->scatter = screen__scatter(def, options->decks, cases, data);
+        tolerance = 8.0 * out->scatter > options->data_tolerance ? 8.0 * out->scatter : options->data_tolerance;
+    }
+    return SCREEN_OK;
+}
+
 static inline double screen__to_q(screen_model model, int j, double value) { return screen__is_rate(model, j) ? riddle_log(value) : value; }
+
+static inline void screen__widen(double *range, double x, int first) {
+    range[0] = first || x < range[0] ? x : range[0];
+    range[1] = first || x > range[1] ? x : range[1];
+}
+
+/* Means and ranges of the terms of all curves: centre [4], range [rate][speed or wet][low, high]. */
+static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
+    int terms = 0;
+    p->points = p->most = 0;
+    for (int k = 0; k < 4; k++) p->centre[k] = 0.0;
+    for (int s = 0; s < p->cases; s++) {
+        const screen_def flat = screen__deck_of(p, s), deck = screen__projected(&flat, p->model, &p->data[s].operation);
+        int points = deck.classes * p->data[s].times;
+        p->points = points > p->points ? points : p->points;
+        p->most = deck.classes > p->most ? deck.classes : p->most;
+        for (int i = 0; i < deck.classes; i++, terms++) {
+            screen__terms t = screen__terms_of(&deck, p->model, screen__average(&deck), &p->data[s].operation, deck.diameters[i]);
+            for (int r = 0; r < 2; r++) {
+                screen__widen(range[r][0], t.speed[r], terms == 0);
+                screen__widen(range[r][1], t.wet, terms == 0);
+                p->centre[2 * r] += t.speed[r];
+                p->centre[2 * r + 1] += t.wet;
+            }
+        }
+    }
+    for (int k = 0; k < 4; k++) p->centre[k] /= terms;
+}
 
 /* Bounds, centre and arrays of a problem whose cases have been checked. */
 static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
                                          const screen_fit_options *options) {
-    int n = screen_parameter_count(model, def->continuous), terms = 0, first = 1;
-    double low[2][2], high[2][2], average = screen__average(def);
+    int n = screen_parameter_count(model, def->continuous);
+    double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}};
     p->def = *def;
     if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6; /* while searching; the last steps are made with the caller's */
     p->model = model;
     p->parameters = n;
     p->cases = cases;
-    p->points = 0;
     p->data = data;
+    p->decks = options->decks;
     p->loss = options->loss;
     p->shrink = options->shrink;
     p->evaluations = 0;
+    p->last_steps = 0;
     p->retained = p->slopes = NULL;
     p->bed = NULL;
-    for (int k = 0; k < 4; k++) p->centre[k] = 0.0;
-    for (int s = 0; s < cases; s++) {
-        int points = def->classes * data[s].times;
-        p->points = points > p->points ? points : p->points;
-        for (int i = 0; i < def->classes; i++, terms++, first = 0) {
-            screen__terms t = screen__terms_of(def, model, average, &data[s].operation, def->diameters[i]);
-            for (int r = 0; r < 2; r++)
-                for (int k = 0; k < 2; k++) {
-                    double x = k ? t.wet : t.speed[r];
-                    p->centre[2 * r + k] += x;
-                    low[r][k] = first || x < low[r][k] ? x : low[r][k];
-                    high[r][k] = first || x > high[r][k] ? x : high[r][k];
-                }
-        }
-    }
-    for (int k = 0; k < 4; k++) p->centre[k] /= terms;
+    screen__survey(p, range);
     for (int j = 0; j < n; j++) {
         double a = options->low[j], b = options->high[j];
         if (!(a <= b) || (screen__is_rate(model, j) && !(a > 0.0 && b < HUGE_VAL))) return SCREEN_BAD_BOUNDS;
         p->low[j] = screen__to_q(model, j, a);
         p->high[j] = screen__to_q(model, j, b);
+        p->box_low[j] = p->low[j];
+        p->box_high[j] = p->high[j];
         int r = j / 3, exponent = j % 3;
         if (exponent == 0 || (n == 5 && r == 1)) continue;
-        if (high[r][exponent - 1] - low[r][exponent - 1] < 1e-12) /* the same in all curves: no influence but that of k */
+        if (range[r][exponent - 1][1] - range[r][exponent - 1][0] < 1e-12) /* the same in all curves: no influence but that of k */
             p->low[j] = p->high[j] = screen__clip(options->start ? options->start[j] : 0.0, p->low[j], p->high[j]);
     }
-    size_t points = (size_t)p->points, columns = model == SCREEN_SOLDINGER ? (size_t)n : 2;
-    p->retained = (double *)screen__take(&def->memory, points, sizeof(double));
-    p->slopes = (double *)screen__take(&def->memory, points * columns, sizeof(double));
-    p->bed = (screen_bed *)screen__take(&def->memory, (size_t)def->classes, sizeof(screen_bed));
+    p->retained = (double *)screen__take(&def->memory, (size_t)p->points, sizeof(double));
+    p->slopes = (double *)screen__take(&def->memory, (size_t)p->points * SCREEN_MAX_PARAMETERS, sizeof(double));
+    p->bed = (screen_bed *)screen__take(&def->memory, (size_t)p->most, sizeof(screen_bed));
     return p->retained && p->slopes && p->bed ? SCREEN_OK : SCREEN_NO_MEMORY;
 }
 
 static inline void screen__dispose(screen__problem *p) {
-    size_t columns = p->model == SCREEN_SOLDINGER ? (size_t)p->parameters : 2;
     screen__release(&p->def.memory, p->retained, (size_t)p->points, sizeof(double));
-    screen__release(&p->def.memory, p->slopes, (size_t)p->points * columns, sizeof(double));
-    screen__release(&p->def.memory, p->bed, (size_t)p->def.classes, sizeof(screen_bed));
+    screen__release(&p->def.memory, p->slopes, (size_t)p->points * SCREEN_MAX_PARAMETERS, sizeof(double));
+    screen__release(&p->def.memory, p->bed, (size_t)p->most, sizeof(screen_bed));
 }
 
 /* Random start: mean rates such that something happens within the time of the data, exponents of either sign. */
@@ -1860,16 +2409,21 @@ static inline void screen__random_start(const screen__problem *p, double last_ti
     screen__to_box(p->model, n, p->centre, p->low, p->high, c, q);
 }
 
-/* Model 2 has minima where one step is so fast that its exponents hardly matter. From there, once more with that step only e^2 times faster
-   than the other and without exponents; the better of the two stays in q. */
+/* Models 2 and 3 have minima where the wrong step limits, or one is so fast that its exponents hardly matter. Once more from there: model 2
+   with the faster step only e^2 times faster than the other and without exponents, model 3 with its two steps exchanged. The better of the
+   two stays in q. */
 static inline double screen__second_try(screen__problem *p, double *q, double loss, double rounding, int *left) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
     int fast = c[0] > c[3] ? 0 : 3;
-    c[fast] = c[3 - fast] + 2.0;
-    c[fast + 1] = c[fast + 2] = 0.0;
+    for (int j = 0; j < 6 && p->model == SCREEN_SOLDINGER; j++) other[j] = c[(j + 3) % 6];
+    for (int j = 0; j < 6 && p->model == SCREEN_SOLDINGER; j++) c[j] = other[j];
+    if (p->model == SCREEN_SUBASINGHE) {
+        c[fast] = c[3 - fast] + 2.0;
+        c[fast + 1] = c[fast + 2] = 0.0;
+    }
     screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, other);
-    double again = screen__descend(p, other, rounding, 150, left);
+    double again = screen__descend(p, other, rounding, p->model == SCREEN_SOLDINGER ? 40 : 150, left);
     if (!(again < loss)) return loss;
     for (int j = 0; j < p->parameters; j++) q[j] = other[j];
     return again;
@@ -1904,46 +2458,98 @@ static inline void screen__tidy(screen__problem *p, double *q) {
     if (p->model == SCREEN_SUBASINGHE && c[0] > c[3]) screen__prefer(p, other, q);
 }
 
-/* Errors, correlation, ranges and what is not determined, at the best q. */
-static inline void screen__judge(screen__problem *p, const screen_fit_options *options, const double *q, screen_fit_result *out) {
-    int n = p->parameters;
-    double c[SCREEN_MAX_PARAMETERS], scale[SCREEN_MAX_PARAMETERS], unused[SCREEN_MAX_PARAMETERS] = {0.0};
-    screen__sums sums;
-    screen__matrix t, a, cov;
-    screen__to_coefficients(p->model, n, p->centre, q, c);
-    screen__evaluate(p, c, 0.0, 1, 0, &sums);
-    out->deviation = sums.deviation;
-    out->rms = sqrt(sums.squares);
-    /* residuals of neighbouring times resemble each other: lag-1 correlation tells how many points count */
-    double lag = 0.0, all = 0.0, points = 0.0;
-    double plain[SCREEN_MAX_PARAMETERS];
-    screen__uncentre(p->model, n, p->centre, c, plain);
+/* >>student: how wide a range is */
+
+static inline double screen__normal_share(double z) { /* P(|Z| < z): erf's series, all terms positive */
+    double term = z, sum = z;
+    for (int n = 1; n < 200 && term > 1e-18 * sum; n++) {
+        term *= z * z / (2 * n + 1);
+        sum += term;
+    }
+    return sqrt(2.0 / RIDDLE_PI) * riddle_exp(-0.5 * z * z) * sum;
+}
+
+/* P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
+static inline double screen__student_share(double theta, int dof) {
+    double s = riddle_sin(theta), c = riddle_cos(theta), term = 1.0, sum = 0.0;
+    for (int j = dof & 1 ? 1 : 0; j <= dof - 2; j += 2) {
+        sum += term;
+        term *= c * c * (j + 1.0) / (j + 2.0);
+    }
+    return dof & 1 ? 2.0 / RIDDLE_PI * (theta + s * c * sum) : s * sum;
+}
+
+SCREEN_API double screen_student(double level, double dof) {
+    if (!(level > 0.0 && level < 1.0 && dof >= 1.0)) return (double)NAN;
+    double low = 0.0, high = dof > 200.0 ? 7.0 : 0.5 * RIDDLE_PI;
+    for (int i = 0; i < 60; i++) { /* in z for many degrees of freedom, in the angle for few */
+        double middle = 0.5 * (low + high);
+        double share = dof > 200.0 ? screen__normal_share(middle) : screen__student_share(middle, (int)dof);
+        if (share < level) low = middle;
+        else high = middle;
+    }
+    if (!(dof > 200.0)) return sqrt(floor(dof)) * riddle_sin(low) / riddle_cos(low);
+    double z = low, z3 = z * z * z, z5 = z3 * z * z; /* Cornish-Fisher, Abramowitz & Stegun 26.7.5 */
+    return dof >= 1e6 ? z : z + (z3 + z) / (4.0 * dof) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * dof * dof);
+}
+
+/* >>judge: errors, correlation, ranges and what is not determined */
+
+/* What the residuals of a fit say: how alike neighbours in time are, and how far whole cases are off. */
+typedef struct screen__residuals {
+    double points, squares, lag, pairs; /* number, sum of squares, sum of products of neighbours, number of those */
+    double case_squares;                /* mean over cases of their mean square */
+} screen__residuals;
+
+static inline screen__residuals screen__look_at_residuals(screen__problem *p, const double *plain) {
+    screen__residuals sum = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int s = 0; s < p->cases; s++) {
         const screen_case *data = &p->data[s];
-        points += (double)p->def.classes * data->times;
-        if (screen__curves(&p->def, p->model, plain, &data->operation, data->times, data->time, p->retained, NULL, NULL, NULL, p->bed))
-            continue;
-        for (int i = 0; i < p->def.classes; i++)
+        const screen_def deck = screen__deck_of(p, s);
+        screen__out curve = screen__out_of(data->times, data->time, p->retained);
+        double before = sum.squares, points = (double)deck.classes * data->times;
+        sum.points += points;
+        if (screen__curves(&deck, p->model, plain, &data->operation, &curve, p->bed)) continue;
+        for (int i = 0; i < deck.classes; i++)
             for (int j = 0; j < data->times; j++) {
                 int k = i * data->times + j;
                 double r = p->retained[k] - data->retained[k];
-                all += r * r;
-                if (j > 0) lag += r * (p->retained[k - 1] - data->retained[k - 1]);
+                sum.squares += r * r;
+                if (j == 0) continue;
+                sum.lag += r * (p->retained[k - 1] - data->retained[k - 1]);
+                sum.pairs += 1.0;
             }
+        sum.case_squares += (sum.squares - before) / (points * p->cases);
     }
-    double rho = all > 0.0 && out->rms > options->data_error ? screen__clip(lag / all, 0.0, 0.975) : 0.0;
-    double sigma = out->rms > options->data_error ? out->rms : options->data_error;
-    double variance = sigma * sigma * (1.0 + rho) / (1.0 - rho) / points;
-    if (p->loss == SCREEN_LOSS_DEVIATION)
-        variance *= 0.5 * RIDDLE_PI; /* a median scatters more than a mean, for normal residuals by this */
-    /* by q: errors. The curvature is scaled to ones on its diagonal, and 1e-13 added there keeps a singular one invertible */
-    screen__jacobian(p, q, t);
+    return sum;
+}
+
+/* Variance of the mean of a point's residual (squared error of a fit to one number), and the degrees of freedom it has. */
+static inline double screen__variance(const screen__problem *p, const screen_fit_options *options, const screen__residuals *sum,
+                                      screen_fit_result *out) {
+    int open = 0;
+    for (int j = 0; j < p->parameters; j++) open += p->low[j] < p->high[j];
+    double rho = sum->squares > 0.0 && sum->pairs > 0.0 ? sum->lag / sum->squares * (sum->points / sum->pairs) : 0.0;
+    if (!(rho > 2.0 / sqrt(sum->points)) || !(out->rms > options->data_error)) rho = 0.0; /* what chance may do is not seen as likeness */
+    rho = screen__clip(rho, 0.0, 0.975);
+    double alike = (1.0 + rho) / (1.0 - rho), effective = sum->points / alike;
+    out->dof = effective - open > 1.0 ? effective - open : 1.0;
+    out->student = screen_student(0.95, out->dof);
+    double square = sum->squares / (effective - open > 1.0 ? effective - open : 1.0) * (effective / sum->points);
+    double least = options->data_error * options->data_error;
+    /* of the absolute deviation: a median scatters more than a mean, for normal residuals by this */
+    double loss = p->loss == SCREEN_LOSS_DEVIATION ? 0.5 * RIDDLE_PI : 1.0;
+    return loss * (square > least ? square : least) / effective;
+}
+
+/* Covariance of the free parameters that stand at no bound: the curvature is scaled to ones on its diagonal, and 1e-13 added there keeps a
+   singular one invertible. 0 if it has no inverse. */
+static inline int screen__covariance(int n, screen__matrix curvature, const int *still, double variance, screen__matrix cov) {
+    screen__matrix a;
+    double scale[SCREEN_MAX_PARAMETERS];
+    for (int i = 0; i < n; i++) scale[i] = curvature[i][i] > 1e-200 && !still[i] ? 1.0 / sqrt(curvature[i][i]) : 0.0;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j];
-    screen__by_q(n, t, a, unused);
-    for (int i = 0; i < n; i++) scale[i] = a[i][i] > 1e-200 && p->low[i] < p->high[i] ? 1.0 / sqrt(a[i][i]) : 0.0; /* held ones left out */
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 + 1e-13 : a[i][j] * scale[i] * scale[j];
+        for (int j = 0; j < n; j++) a[i][j] = i == j ? 1.0 + 1e-13 : curvature[i][j] * scale[i] * scale[j];
     int solved = screen__cholesky(n, a);
     for (int j = 0; j < n; j++) {
         double column[SCREEN_MAX_PARAMETERS] = {0.0};
@@ -1951,39 +2557,41 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
         if (solved) screen__solve(n, a, column);
         for (int i = 0; i < n; i++) cov[i][j] = variance * scale[i] * scale[j] * column[i];
     }
-    out->undetermined = 0;
-    for (int j = 0; j < n; j++) {
-        int rate = screen__is_rate(p->model, j);
-        out->parameter[j] = rate ? riddle_exp(q[j]) : q[j];
-        out->error[j] = solved && scale[j] > 0.0 ? sqrt(cov[j][j]) : HUGE_VAL;
-        double reach = 2.0 * out->error[j], least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
-        out->determined[j] = reach <= least;
-        double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j], high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
-        if (options->low[j] == options->high[j]) out->determined[j] = 1; /* the caller's choice */
-        else if (p->low[j] == p->high[j]) { /* held for want of influence: any value will do */ out->determined[j] = 0;
-            out->error[j] = HUGE_VAL;
-            low = screen__to_q(p->model, j, options->low[j]);
-            high = screen__to_q(p->model, j, options->high[j]);
-        }
-        out->low[j] = rate ? riddle_exp(low) : low;
-        out->high[j] = rate ? riddle_exp(high) : high;
-        out->at_bound[j] = p->low[j] < p->high[j] && (q[j] <= p->low[j] || q[j] >= p->high[j]);
-        out->undetermined += !out->determined[j];
+    return solved;
+}
+
+/* Value, error, range and verdict of one parameter. */
+static inline void screen__judge_one(const screen__problem *p, const screen_fit_options *options, const double *q, int j, double error,
+                                     screen_fit_result *out) {
+    int rate = screen__is_rate(p->model, j), fixed = options->low[j] == options->high[j], idle = !fixed && p->low[j] == p->high[j];
+    out->parameter[j] = rate ? riddle_exp(q[j]) : q[j];
+    out->at_bound[j] = !fixed && !idle && (q[j] <= p->low[j] || q[j] >= p->high[j]);
+    out->error[j] = fixed ? 0.0 : idle ? HUGE_VAL : out->at_bound[j] ? (double)NAN : error;
+    double reach = out->student * error, least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
+    double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j], high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
+    out->determined[j] = fixed || (!idle && reach <= least);
+    if (idle) { /* held for want of influence: any value will do */
+        low = screen__to_q(p->model, j, options->low[j]);
+        high = screen__to_q(p->model, j, options->high[j]);
     }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            double norm = sqrt(cov[i][i] * cov[j][j]);
-            out->correlation[i][j] = i == j ? 1.0 : norm > 0.0 ? screen__clip(cov[i][j] / norm, -1.0, 1.0) : 0.0;
-        }
-    /* by c: factor of the covariance for screen_sample; where the data say nothing the spread is 2, of moisture coefficients 20 */
+    out->low[j] = rate ? riddle_exp(low) : low;
+    out->high[j] = rate ? riddle_exp(high) : high;
+    out->undetermined += !out->determined[j];
+}
+
+/* By c: factor of the covariance for screen_sample; where the data say nothing the spread is 2, of moisture coefficients 20. */
+static inline void screen__judge_factor(const screen__problem *p, const screen__sums *sums, double variance, screen_fit_result *out) {
+    int n = p->parameters;
+    double scale[SCREEN_MAX_PARAMETERS];
+    screen__matrix a;
     for (int i = 0; i < n; i++) {
         double prior = screen__is_wet(p->model, i) ? 20.0 : 2.0;
-        scale[i] = 1.0 / sqrt(sums.curvature[i][i] / variance + 1.0 / (prior * prior));
-        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j] / variance + (i == j ? 1.0 / (prior * prior) : 0.0);
+        scale[i] = 1.0 / sqrt(sums->curvature[i][i] / variance + 1.0 / (prior * prior));
+        for (int j = 0; j < n; j++) a[i][j] = sums->curvature[i][j] / variance + (i == j ? 1.0 / (prior * prior) : 0.0);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) a[i][j] *= scale[i] * scale[j];
-    solved = screen__cholesky(n, a);
+    int solved = screen__cholesky(n, a);
     for (int j = 0; j < n; j++) {
         double column[SCREEN_MAX_PARAMETERS] = {0.0};
         column[j] = 1.0;
@@ -1992,43 +2600,107 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) out->factor[i][j] = out->factor[j][i] = 0.5 * (out->factor[i][j] + out->factor[j][i]);
-    if (!solved || !screen__cholesky(n, out->factor))
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++) out->factor[i][j] = 0.0;
+    solved = solved && screen__cholesky(n, out->factor);
     for (int i = 0; i < n; i++)
-        for (int j = i + 1; j < n; j++) out->factor[i][j] = 0.0;
+        for (int j = solved ? i + 1 : 0; j < n; j++) out->factor[i][j] = 0.0;
+}
+
+static inline void screen__judge(screen__problem *p, const screen_fit_options *options, const double *q, screen_fit_result *out) {
+    int n = p->parameters, still[SCREEN_MAX_PARAMETERS] = {0}, bounded[SCREEN_MAX_PARAMETERS] = {0};
+    double c[SCREEN_MAX_PARAMETERS], plain[SCREEN_MAX_PARAMETERS], unused[SCREEN_MAX_PARAMETERS] = {0.0};
+    screen__sums sums;
+    screen__matrix t, a, cov, of_all;
+    screen__to_coefficients(p->model, n, p->centre, q, c);
+    screen__evaluate(p, c, 0.0, 1, 0, &sums);
+    out->deviation = sums.deviation;
+    out->rms = sqrt(sums.squares);
+    screen__uncentre(p->model, n, p->centre, c, plain);
+    screen__residuals residuals = screen__look_at_residuals(p, plain);
+    double variance = screen__variance(p, options, &residuals, out);
+    /* with few cases the model was bent to them: a case that was not fitted is farther off */
+    out->case_error = sqrt(residuals.case_squares * (1.0 + (double)n / (2.0 * p->cases)));
+    screen__jacobian(p, q, t);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j];
+    screen__by_q(n, t, a, unused);
+    for (int j = 0; j < n; j++) {
+        still[j] = !(p->low[j] < p->high[j]);
+        bounded[j] = still[j] || q[j] <= p->low[j] || q[j] >= p->high[j];
+    }
+    int solved = screen__covariance(n, a, bounded, variance, cov), solved_all = screen__covariance(n, a, still, variance, of_all);
+    out->undetermined = 0;
+    for (int j = 0; j < n; j++) { /* one at its bound has the range of the fit without that bound, cut there */
+        double square = bounded[j] ? of_all[j][j] : cov[j][j];
+        double error = (bounded[j] ? solved_all : solved) && square > 0.0 ? sqrt(square) : HUGE_VAL;
+        screen__judge_one(p, options, q, j, error, out);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double norm = sqrt(cov[i][i] * cov[j][j]);
+            out->correlation[i][j] = i == j ? 1.0 : norm > 0.0 ? screen__clip(cov[i][j] / norm, -1.0, 1.0) : 0.0;
+        }
+    screen__judge_factor(p, &sums, variance, out);
     for (int j = 0; j < n; j++) out->coefficient[j] = c[j];
 }
 
+/* The range of what was fitted. */
+static inline screen_domain screen__domain_of(const screen__problem *p) {
+    screen_domain d;
+    for (int s = 0; s < p->cases; s++) {
+        const screen_def deck = screen__deck_of(p, s);
+        const screen_case *data = &p->data[s];
+        screen__widen(d.amplitude, data->operation.amplitude, s == 0);
+        screen__widen(d.frequency, data->operation.frequency, s == 0);
+        screen__widen(d.moisture, data->operation.moisture, s == 0);
+        screen__widen(d.inclination, data->operation.inclination, s == 0);
+        screen__widen(d.aperture, deck.aperture, s == 0);
+        screen__widen(d.load, screen__load_of(&deck), s == 0);
+        screen__widen(d.time, data->time[0], s == 0);
+        screen__widen(d.time, data->time[data->times - 1], 0);
+        for (int i = 0; i < deck.classes; i++) screen__widen(d.diameter, deck.diameters[i], s == 0 && i == 0);
+        d.classes[0] = s == 0 || deck.classes < d.classes[0] ? deck.classes : d.classes[0];
+        d.classes[1] = s == 0 || deck.classes > d.classes[1] ? deck.classes : d.classes[1];
+    }
+    return d;
+}
+
+static inline screen_status screen__check_options(screen_model model, int n, const screen_fit_options *options) {
+    if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->starts > SCREEN_MOST_STARTS || options->iterations < 1 ||
+        options->iterations > SCREEN_MOST_ITERATIONS || !screen__positive(options->data_error) ||
+        !(options->shrink >= 0.0 && options->shrink < HUGE_VAL) ||
+        (options->loss != SCREEN_LOSS_DEVIATION && options->loss != SCREEN_LOSS_SQUARES))
+        return SCREEN_BAD_OPTION;
+    for (int j = 0; j < n && options->start; j++)
+        if (!(fabs(options->start[j]) < HUGE_VAL) || (screen__is_rate(model, j) && !(options->start[j] > 0.0))) return SCREEN_BAD_OPTION;
+    return SCREEN_OK;
+}
+
+/* Notes rises and the scatter, and where the first bad datum is, in *out. */
 static inline screen_status screen__check_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
-                                              const screen_fit_options *options, screen_where *where) {
+                                              const screen_fit_options *options, screen_fit_result *out) {
+    out->where.index = out->where.klass = out->where.time = -1;
+    out->rises = 0;
+    out->largest_rise = out->scatter = 0.0;
     screen_status status = screen_check_def(def, NULL);
     if (status) return status;
     int n = screen_parameter_count(model, def->continuous), free_ones = 0;
     if (n == 0 || (model == SCREEN_SOLDINGER && def->continuous)) return SCREEN_BAD_MODEL;
-    if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->iterations < 1 || !screen__positive(options->data_error) ||
-        !(options->shrink >= 0.0 && options->shrink < HUGE_VAL) ||
-        (options->loss != SCREEN_LOSS_DEVIATION && options->loss != SCREEN_LOSS_SQUARES))
-        return SCREEN_BAD_OPTION;
-    for (int j = 0; j < n; j++) {
-        free_ones += !(options->low[j] == options->high[j]);
-        if (options->start && (!(fabs(options->start[j]) < HUGE_VAL) || (screen__is_rate(model, j) && !(options->start[j] > 0.0))))
-            return SCREEN_BAD_OPTION;
-    }
-    status = screen_check_cases(def, cases, data, options->data_tolerance, where);
+    status = screen__check_options(model, n, options);
+    if (!status) status = screen__check_data(def, cases, data, options, out);
     if (status) return status;
+    for (int j = 0; j < n; j++) free_ones += !(options->low[j] == options->high[j]);
     double points = 0.0;
     for (int s = 0; s < cases; s++) {
-        points += (double)def->classes * data[s].times;
+        points += (double)(options->decks ? options->decks[s].classes : def->classes) * data[s].times;
         if (model == SCREEN_DONG && def->continuous && !(data[s].operation.inclination > 0.0)) {
-            where->index = s;
+            out->where.index = s;
             return SCREEN_BAD_OPERATION;
         }
     }
     return points < free_ones ? SCREEN_TOO_FEW_POINTS : SCREEN_OK;
 }
 
-/* All of a result but where, numbers as given */
+/* All of a result but what the check of the data notes, numbers as given */
 static inline void screen__blank(screen_fit_result *result, screen_model model, int parameters, double value) {
     for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
         result->parameter[j] = result->error[j] = result->low[j] = result->high[j] = result->coefficient[j] = value;
@@ -2036,80 +2708,183 @@ static inline void screen__blank(screen_fit_result *result, screen_model model, 
         for (int k = 0; k < SCREEN_MAX_PARAMETERS; k++) result->correlation[j][k] = result->factor[j][k] = value;
     }
     for (int k = 0; k < 4; k++) result->centre[k] = value;
-    result->deviation = result->rms = value;
+    result->deviation = result->rms = result->dof = result->student = result->case_error = value;
+    screen_domain *d = &result->domain;
+    double *ranges[8] = {d->amplitude, d->frequency, d->moisture, d->inclination, d->diameter, d->aperture, d->load, d->time};
+    for (int k = 0; k < 16; k++) ranges[k / 2][k % 2] = value;
+    d->classes[0] = d->classes[1] = 0;
+    result->ratio = SCREEN_RATIO_GRAIN;
+    result->ratio_mass = value;
     result->model = model;
     result->parameters = parameters;
     result->undetermined = result->starts = result->starts_at_best = 0;
     result->evaluations = 0;
 }
 
+enum { SCREEN__STAGES = 8 };
+
+/* Rounding of |r| at a stage of the descent to the sharp deviation. */
+static inline double screen__rounding(int stage) {
+    const double rounding[SCREEN__STAGES] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6};
+    return rounding[stage];
+}
+
+/* Deviation, or mean square, at q. */
+static inline double screen__sharp_loss(screen__problem *p, const double *q) {
+    double c[SCREEN_MAX_PARAMETERS];
+    screen__sums sums;
+    screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
+    screen__evaluate(p, c, 0.0, 0, 1, &sums);
+    return p->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation;
+}
+
+/* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the sharp loss; a known one
+   is not followed further. Returns the sharp loss; *known: its number, or -1. */
+static inline double screen__run_start(screen__problem *p, double *q, int iterations, double *seen, int start, int *known) {
+    int left = iterations, stages = p->loss == SCREEN_LOSS_SQUARES ? 1 : SCREEN__STAGES;
+    double loss = HUGE_VAL;
+    *known = -1;
+    for (int stage = 0; stage < stages; stage += p->model == SCREEN_SOLDINGER ? 2 : 1) { /* each costs 50 times as much there */
+        loss = screen__descend(p, q, screen__rounding(stage), stage == 0 ? 150 : 40, &left);
+        if (stage == 0 && screen__rates(p->model) == 2) loss = screen__second_try(p, q, loss, screen__rounding(0), &left);
+        if (!(loss < HUGE_VAL)) break;
+        if (stage > 0 || stages == 1) continue;
+        for (int k = 0; k < start; k++)
+            if (fabs(seen[2 * k] - loss) <= 1e-9 * loss + 1e-15) *known = k;
+        seen[2 * start] = loss;
+        if (*known >= 0) return seen[2 * *known + 1];
+    }
+    if (!(loss < HUGE_VAL)) {
+        seen[2 * start] = HUGE_VAL;
+        return HUGE_VAL;
+    }
+    return screen__sharp_loss(p, q);
+}
+
+/* One parameter has moved from q to trial: another of the same rate takes it back, so that the mean log rate is as before. */
+static inline void screen__keep_mean_rate(const screen__problem *p, const double *q, int j, double *trial) {
+    int r = j / 3, k = 3 * r;
+    if (p->parameters == 5 && r == 1) return;
+    const double *centre = &p->centre[2 * r];
+    double mean = q[k] + q[k + 1] * (centre[0] + q[k + 2] * centre[1]), lever = centre[0] + trial[k + 2] * centre[1];
+    if (j != k) trial[k] = screen__clip(mean - trial[k + 1] * lever, p->low[k], p->high[k]);
+    else if (fabs(lever) > 1e-6) trial[k + 1] = screen__clip((mean - trial[k]) / lever, p->low[k + 1], p->high[k + 1]);
+}
+
+/* Is a border better? Each parameter at each of its bounds, the others fitted again from the best. Model 3, whose curves cost much, looks
+   at near bounds only. */
+static inline double screen__try_borders(screen__problem *p, double best, double *q) {
+    for (int j = 0; j < p->parameters; j++)
+        for (int side = 0; side < 2; side++) {
+            double low = p->low[j], high = p->high[j], trial[SCREEN_MAX_PARAMETERS], bound = side ? p->box_high[j] : p->box_low[j];
+            if (!(p->box_low[j] < p->box_high[j]) || (p->model == SCREEN_SOLDINGER && fabs(q[j] - bound) > 3.0)) continue;
+            for (int k = 0; k < p->parameters; k++) trial[k] = q[k];
+            trial[j] = p->low[j] = p->high[j] = bound;
+            screen__keep_mean_rate(p, q, j, trial);
+            int left = 120, squares = p->loss == SCREEN_LOSS_SQUARES;
+            for (int stage = squares ? SCREEN__STAGES - 1 : 2; stage < SCREEN__STAGES; stage += 2)
+                screen__descend(p, trial, screen__rounding(stage), squares ? 120 : 30, &left);
+            p->low[j] = low;
+            p->high[j] = high;
+            double loss = screen__sharp_loss(p, trial);
+            if (!(loss < best)) continue;
+            best = loss;
+            if (low == high) p->low[j] = p->high[j] = bound; /* a value without influence, but it leaves the others more room */
+            for (int k = 0; k < p->parameters; k++) q[k] = trial[k];
+        }
+    return best;
+}
+
+static inline double screen__last_time(const screen__problem *p) {
+    double last = 0.0;
+    for (int s = 0; s < p->cases; s++) {
+        double end = p->data[s].time[p->data[s].times - 1];
+        last = end > last ? end : last;
+    }
+    return last > 0.0 ? last : p->def.duration;
+}
+
+/* Few data have minima that random starts miss: once more from each pair of plain rates, slow, middling and fast, without exponents. */
+static inline double screen__try_plain_rates(screen__problem *p, double best, double *q) {
+    const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
+    const int squares = p->loss == SCREEN_LOSS_SQUARES;
+    int pairs = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : screen__rates(p->model) == 2 ? 9 : 3;
+    for (int k = 0; k < pairs; k++) {
+        double c[SCREEN_MAX_PARAMETERS] = {0.0}, trial[SCREEN_MAX_PARAMETERS];
+        int left = 100;
+        c[0] = first + 2.5 * (k % 3);
+        c[3] = first + 2.5 * (double)(k / 3);
+        screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, c, trial);
+        for (int stage = squares ? SCREEN__STAGES - 1 : 0; stage < SCREEN__STAGES; stage += 2)
+            screen__descend(p, trial, screen__rounding(stage), 40, &left);
+        double loss = screen__sharp_loss(p, trial);
+        if (!(loss < best)) continue;
+        best = loss;
+        for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
+    }
+    return best;
+}
+
+/* All starts; the best in q. seen [2][starts] */
+static inline double screen__search(screen__problem *p, const screen_fit_options *options, double *seen, double *best_q) {
+    double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], last_time = screen__last_time(p);
+    uint64_t state = options->seed;
+    for (int start = 0; start < options->starts; start++) {
+        int known;
+        screen__random_start(p, last_time, &state, q);
+        if (start == 0 && options->start)
+            for (int j = 0; j < p->parameters; j++)
+                q[j] = screen__clip(screen__to_q(p->model, j, options->start[j]), p->low[j], p->high[j]);
+        double loss = screen__run_start(p, q, options->iterations, seen, start, &known);
+        seen[2 * start + 1] = loss;
+        if (known >= 0 || !(loss < best)) continue;
+        best = loss;
+        for (int j = 0; j < p->parameters; j++) best_q[j] = q[j];
+    }
+    return best;
+}
+
+/* Borders, the last steps with the caller's tolerance, and what the fit says. */
+static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options, const double *seen,
+                                  double best, double *q, screen_fit_result *result) {
+    int left = p->model == SCREEN_SOLDINGER ? 12 : 600, stage = options->loss == SCREEN_LOSS_SQUARES ? 0 : SCREEN__STAGES - 1;
+    for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
+    result->starts = options->starts;
+    best = screen__try_plain_rates(p, best, q);
+    for (int round = 0; round < 3; round++) { /* from one border another may be near */
+        double before = best;
+        best = screen__try_borders(p, best, q);
+        if (!(best < before * (1.0 - 1e-9))) break;
+    }
+    p->def.tolerance = def->tolerance;
+    p->last_steps = 1;
+    screen__descend(p, q, screen__rounding(stage), left, &left);
+    for (int k = 0; k < 4; k++) result->centre[k] = p->centre[k];
+    screen__tidy(p, q);
+    screen__judge(p, options, q, result);
+    result->domain = screen__domain_of(p);
+    result->ratio = screen__deck_of(p, 0).ratio;
+    result->ratio_mass = screen__deck_of(p, 0).ratio_mass;
+    result->evaluations = p->evaluations;
+}
+
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result) {
-    const double rounding[] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6};
     screen_fit_options defaults = screen_default_fit_options(model);
     screen__problem p;
     if (!result) return SCREEN_BAD_POINTER;
     if (!options) options = &defaults;
-    result->where.index = result->where.klass = result->where.time = -1;
-    screen_status status = screen__check_fit(def, model, cases, data, options, &result->where);
-    if (status) {
-        screen__blank(result, model, 0, (double)NAN);
-        return status;
-    }
+    screen_status status = screen__check_fit(def, model, cases, data, options, result);
+    screen__blank(result, model, 0, (double)NAN);
+    if (status) return status;
     status = screen__pose(&p, def, model, cases, data, options);
     double *seen = status ? NULL : (double *)screen__take(&def->memory, 2 * (size_t)options->starts, sizeof(double));
     if (!status && !seen) status = SCREEN_NO_MEMORY;
-    double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], best_q[SCREEN_MAX_PARAMETERS], last_time = 0.0;
-    uint64_t state = options->seed;
-    int n = p.parameters, stages = options->loss == SCREEN_LOSS_SQUARES ? 1 : (int)(sizeof rounding / sizeof rounding[0]);
-    for (int s = 0; s < cases && !status; s++) {
-        double end = data[s].time[data[s].times - 1];
-        last_time = end > last_time ? end : last_time;
-    }
-    if (!(last_time > 0.0)) last_time = def->duration;
-    for (int start = 0; start < options->starts && !status; start++) {
-        int left = options->iterations, known = -1;
-        double loss = HUGE_VAL;
-        screen__random_start(&p, last_time, &state, q);
-        if (start == 0 && options->start)
-            for (int j = 0; j < n; j++) q[j] = screen__clip(screen__to_q(model, j, options->start[j]), p.low[j], p.high[j]);
-        for (int stage = 0; stage < stages && known < 0;
-             stage += model == SCREEN_SOLDINGER ? 2 : 1) { /* each costs 50 times as much there */
-            loss = screen__descend(&p, q, rounding[stage], stage == 0 ? 150 : 40, &left);
-            if (stage == 0 && model == SCREEN_SUBASINGHE) loss = screen__second_try(&p, q, loss, rounding[0], &left);
-            if (!(loss < HUGE_VAL)) break;
-            if (stage > 0 || stages == 1) continue;
-            /* the smooth minimum that an earlier start has found: what follows would be the same */
-            for (int k = 0; k < start; k++)
-                if (fabs(seen[2 * k] - loss) <= 1e-9 * loss + 1e-15) known = k;
-            seen[2 * start] = loss;
-        }
-        if (known < 0 && loss < HUGE_VAL) {
-            screen__sums sums;
-            double c[SCREEN_MAX_PARAMETERS];
-            screen__to_coefficients(model, n, p.centre, q, c);
-            screen__evaluate(&p, c, 0.0, 0, 1, &sums);
-            loss = options->loss == SCREEN_LOSS_SQUARES ? sums.squares : sums.deviation;
-        }
-        if (!(loss < HUGE_VAL)) seen[2 * start] = HUGE_VAL;
-        seen[2 * start + 1] = known < 0 ? loss : seen[2 * known + 1];
-        if (known < 0 && loss < best) {
-            best = loss;
-            for (int j = 0; j < n; j++) best_q[j] = q[j];
-        }
-    }
+    double q[SCREEN_MAX_PARAMETERS], best = status ? HUGE_VAL : screen__search(&p, options, seen, q);
     if (!status && !(best < HUGE_VAL)) status = SCREEN_NOT_FINITE;
-    screen__blank(result, model, status ? 0 : n, status ? (double)NAN : 0.0);
     if (!status) {
-        int left = model == SCREEN_SOLDINGER ? 12 : 40;
-        p.def.tolerance = def->tolerance;
-        screen__descend(&p, best_q, rounding[options->loss == SCREEN_LOSS_SQUARES ? 0 : stages - 1], left, &left);
-        result->starts = options->starts;
-        for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
-        for (int k = 0; k < 4; k++) result->centre[k] = p.centre[k];
-        screen__tidy(&p, best_q);
-        screen__judge(&p, options, best_q, result);
-        result->evaluations = p.evaluations;
+        screen__blank(result, model, p.parameters, 0.0);
+        screen__finish(&p, def, options, seen, best, q, result);
     }
     screen__release(&def->memory, seen, 2 * (size_t)options->starts, sizeof(double));
     screen__dispose(&p);
@@ -2119,12 +2894,12 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
 SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                         const screen_fit_result *result, int index, double rise, double *low, double *high) {
     screen__problem p;
-    screen_where where;
+    screen_fit_result noted;
     if (!result || !low || !high) return SCREEN_BAD_POINTER;
     *low = *high = (double)NAN;
     screen_fit_options defaults = screen_default_fit_options(result->model);
     if (!options) options = &defaults;
-    screen_status status = screen__check_fit(def, result->model, cases, data, options, &where);
+    screen_status status = screen__check_fit(def, result->model, cases, data, options, &noted);
     if (status) return status;
     if (index < 0 || index >= result->parameters || !screen__positive(rise)) return SCREEN_BAD_ARGUMENT;
     status = screen__pose(&p, def, result->model, cases, data, options);
@@ -2238,7 +3013,7 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
     for (int s = 0; s < n && !status; s++) {
         screen_status one = screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
         if (one == SCREEN_NO_MEMORY || one == SCREEN_BAD_MODEL) status = one;
-        if (one) continue;
+        if (one && one != SCREEN_OUTSIDE) continue;
         for (size_t k = 0; k < points; k++) {
             double y = curve[k] + (scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0);
             value[k * rows + (size_t)good] = screen__clip(y, 0.0, 1.0);
@@ -2263,6 +3038,20 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
     screen__leave(status, points, spread);
     screen__leave(status, points, low);
     return screen__leave(status, points, high);
+}
+
+SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result, const screen_fit_options *options,
+                                         const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
+                                         double *mean, double *low, double *high) {
+    enum { SETS = 200 };
+    double sets[SETS * SCREEN_MAX_PARAMETERS];
+    screen_status status = result ? screen_sample(result, options, seed, SETS, sets) : SCREEN_BAD_POINTER;
+    if (!status)
+        return screen_band(def, result->model, SETS, sets, operation, times, time, result->case_error, seed + 1, level, mean, NULL, low,
+                           high);
+    screen__leave(status, screen__size(def, times), mean);
+    screen__leave(status, screen__size(def, times), low);
+    return screen__leave(status, screen__size(def, times), high);
 }
 
 /* >>separation */

@@ -19,6 +19,7 @@ static screen_def batch(void) {
     screen_def def = screen_default_def();
     def.classes = 2;
     def.diameters = diameters;
+    def.ratio = SCREEN_RATIO_RETAINED;
     return def;
 }
 
