@@ -353,7 +353,10 @@ static void test_csv_round_trip(void **state) {
     assert_int_equal(data.rows, 4);
     assert_int_equal(data.columns, 3);
     assert_int_equal(csv_column(&data, "x [m]"), 2);
-    assert_int_equal(csv_column(&data, "x"), -1);
+    assert_int_equal(csv_column(&data, "X_m"), 2); /* case and unit are taken off */
+    assert_int_equal(csv_column(&data, "x"), 2);
+    assert_int_equal(csv_column(&data, "xx"), -1);
+    assert_true(csv_value(&data, 3, "x_mm") == 2500.0 && csv_value(&data, 3, "time_ms") == 7000.0);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
             double back = data.values[3 * i + k], out = rows[i][k];
@@ -367,6 +370,45 @@ static void test_csv_round_trip(void **state) {
 
 static int parse_csv(const char *text, csv_data *data, char *message) {
     return csv_parse(text, (long)strlen(text), "f", data, message, 200);
+}
+
+/* Two spheres, as other programs write them: these numbers, or one line that says what is wrong. */
+static void test_particles_as_others_write_them(void **state) {
+    static const char *const right[] = {
+        "x,y,z,diameter,group\n0.1,0.25,0.5,0.005,0\n0.2,0.25,0.5,0.005,1\n",
+        "\xEF\xBB\xBFx,y,z,diameter,group\n0.1,0.25,0.5,0.005,0\n0.2,0.25,0.5,0.005,1\n",
+        "x_velocity_m_s,y_velocity_m_s,z_velocity_m_s,x_m,y_m,z_m,diameter_nominal,diameter_m,group\n"
+        "7,8,9,0.1,0.25,0.5,1,0.005,0\n7,8,9,0.2,0.25,0.5,1,0.005,1\n",
+        "X [mm];Y [mm];Z [mm];Diameter [um];class\r\n100;250,0;500;5000;0\r\n200;250;500,0;5,0e3;1\r\n",
+        "x\ty\tz\tradius_mm\tgroup\r0.1\t0,25\t0.5\t2.5\t0\r0.2\t0.25\t0.5\t2,5\t1",
+    };
+    static const char *const wrong[][2] = {
+        {"x,y,z,diameter,group\n0.1,0.25,0.5,0.005,small\n", "f.csv:2: column group: 'small' is not a whole number"},
+        {"x,y,z,diameter\n0.1,0.25,,0.005\n", "f.csv:2: column z: '' is not a number"},
+        {"x,y,z,diameter\n0.1,0.25,0.5,0.005\n0.1,0.25,here,0.005\n", "f.csv:3: column z: 'here' is not a number"},
+        {"x_velocity,y,z,diameter\n1,2,3,4\n", "f.csv: no column x; the columns are x_velocity, y, z, diameter"},
+        {"x,y,z,size\n1,2,3,4\n", "f.csv: no column diameter or radius; the columns are x, y, z, size"},
+        {"x [furlong],y,z,diameter\n1,2,3,4\n", "f.csv: the unit of column x cannot be converted; the columns are x [furlong], y, z, diameter"},
+        {"x_m,x_mm,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x_m, x_mm, y, z, diameter"},
+        {"\xFF\xFEx,y,z", "f.csv: not a text file in UTF-8"},
+    };
+    char message[900];
+    particles p;
+    (void)state;
+    for (size_t k = 0; k < sizeof right / sizeof *right; k++) {
+        assert_int_equal(particles_parse(right[k], strlen(right[k]), "f.csv", &p, message, sizeof message), 0);
+        assert_int_equal(p.n, 2);
+        for (int i = 0; i < 2; i++) {
+            const double expected[3] = {i ? 0.2 : 0.1, 0.25, 0.5};
+            for (int a = 0; a < 3; a++) assert_true(fabs(p.centre[3 * i + a] - expected[a]) < 1e-12);
+            assert_true(fabs(p.diameter[i] - 0.005) < 1e-15 && p.group[i] == i && p.velocity[3 * i] == 0.0);
+        }
+        particles_free(&p);
+    }
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        assert_int_equal(particles_parse(wrong[k][0], strlen(wrong[k][0]), "f.csv", &p, message, sizeof message), -1);
+        assert_string_equal(message, wrong[k][1]);
+    }
 }
 
 static void test_csv_forms(void **state) {
@@ -588,6 +630,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_json, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_json_absent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_csv_round_trip, make_folder, remove_folder),
+        cmocka_unit_test(test_particles_as_others_write_them),
         cmocka_unit_test_setup_teardown(test_csv_forms, make_folder, remove_folder),
         cmocka_unit_test(test_table),
         cmocka_unit_test_setup_teardown(test_vtp, make_folder, remove_folder),

@@ -11,38 +11,59 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define RIDDLE_DEG 0.017453292519943295
+
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-static bool to_number(const char *cell, double *value) {
-    char *end;
+/* Reads a cell. decimal: what stands before the decimals, besides a point. */
+static bool to_number(const char *cell, char decimal, double *value) {
+    char text[64], *end;
+    const char *comma = decimal == ',' ? strchr(cell, ',') : NULL;
     if (!*cell) {
         *value = (double)NAN;
         return true;
     }
     if (strpbrk(cell, "xXpP")) return false; /* no hexadecimal */
+    if (comma) {
+        if (strchr(cell, '.') || strchr(comma + 1, ',') || strlen(cell) >= sizeof text) return false;
+        strcpy(text, cell);
+        text[comma - cell] = '.';
+        cell = text;
+    }
     *value = strtod(cell, &end);
     return *end == '\0';
 }
 
-/* Cuts a line (ended by 0) at its commas into cells without blanks and quotes around; returns how many. */
-static int cut(char *line, char **cells) {
+/* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
+static int cut(char *line, char separator, char **cells) {
+    const char stop[2] = {separator, '\0'};
     int n = 0;
     for (char *at = line;; n++) {
         char *end;
-        while (is_blank(*at)) at++;
+        while (is_blank(*at) && *at != separator) at++;
         if (*at == '"' && (end = strchr(at + 1, '"')) != NULL) {
             cells[n] = at + 1;
             *end++ = '\0';
-            end += strcspn(end, ",");
+            end += strcspn(end, stop);
         } else {
             cells[n] = at;
-            end = at + strcspn(at, ",");
+            end = at + strcspn(at, stop);
             for (char *last = end; last > at && is_blank(last[-1]); last--) last[-1] = '\0';
         }
         if (!*end) return n + 1;
         *end = '\0';
         at = end + 1;
     }
+}
+
+/* What separates the cells: the first semicolon or tab of the line of names outside quotes, else commas. */
+static char separator_of(const char *line) {
+    bool quoted = false;
+    for (const char *c = line; *c; c++) {
+        quoted ^= *c == '"';
+        if (!quoted && (*c == ';' || *c == '\t')) return *c;
+    }
+    return ',';
 }
 
 static int refuse(csv_data *data, char *message, int size, const char *format, ...) COMMON_PRINTF(4, 5);
@@ -57,70 +78,83 @@ static int refuse(csv_data *data, char *message, int size, const char *format, .
     return -1;
 }
 
-int csv_parse(const char *text, long size, const char *path, csv_data *data, char *message, int message_size) {
-    static const csv_data empty;
-    *data = empty;
-    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size))) return refuse(data, message, message_size, "%s: not a text file", path);
-    long lines = 1, commas = 0, widest = 0, here = 0;
+/* Makes room for every cell that the text can have. */
+static bool make_room(const char *text, long size, csv_data *data) {
+    long lines = 1, cuts = 0, widest = 0, here = 0;
     for (long i = 0; i < size; i++) {
-        if (text[i] == ',') here++;
+        const bool is_cut = text[i] == ',' || text[i] == ';' || text[i] == '\t';
+        here += is_cut;
+        cuts += is_cut;
         if (here > widest) widest = here;
-        if (text[i] == '\n') {
-            lines++;
-            here = 0;
-        }
-        commas += text[i] == ',';
+        if (text[i] == '\n' || text[i] == '\r') lines++, here = 0;
     }
-    if (lines > INT_MAX / 2 || commas > INT_MAX / 2) return refuse(data, message, message_size, "%s: too long", path);
-    /* every line may be a row of as many cells as it has commas; the rows must agree with the header */
+    if (lines > INT_MAX / 2 || cuts > INT_MAX / 2) return false;
+    /* every line may be a row of as many cells as it has cuts; the rows must agree with the header */
     data->memory = malloc((size_t)size + 1);
     data->names = malloc((size_t)(widest + 1) * sizeof *data->names);
-    data->cells = malloc((size_t)(commas + lines + widest + 1) * sizeof *data->cells);
-    data->values = malloc((size_t)(commas + lines) * sizeof *data->values);
-    if (!data->memory || !data->names || !data->cells || !data->values)
-        return refuse(data, message, message_size, "%s: out of memory", path);
+    data->cells = malloc((size_t)(cuts + lines + widest + 1) * sizeof *data->cells);
+    data->values = malloc((size_t)(cuts + lines) * sizeof *data->values);
+    data->lines = malloc((size_t)lines * sizeof *data->lines);
+    data->is_text = calloc((size_t)(widest + 1) * 2, sizeof *data->is_text); /* [columns] it is text, [columns] it is known */
+    return data->memory && data->names && data->cells && data->values && data->lines && data->is_text;
+}
+
+/* Ends the line at `line` and returns the next one, or NULL. */
+static char *end_line(char *line) {
+    char *end = line + strcspn(line, "\r\n");
+    if (!*end) return NULL;
+    const bool both = end[0] == '\r' && end[1] == '\n';
+    *end = '\0';
+    return end + (both ? 2 : 1);
+}
+
+static int take_row(csv_data *data, char *line, char separator, int number, const char *path, char *message, int message_size) {
+    const int columns = data->columns;
+    char **row = data->cells + (size_t)data->rows * (size_t)columns;
+    const int n = cut(line, separator, row);
+    if (n != columns)
+        return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
+    for (int k = 0; k < n; k++) {
+        double *value = &data->values[(size_t)data->rows * (size_t)n + (size_t)k];
+        const bool fine = to_number(row[k], separator == ',' ? '.' : ',', value);
+        if (*row[k] && !data->is_text[columns + k]) {
+            data->is_text[columns + k] = 1;
+            data->is_text[k] = !fine;
+        }
+        if (data->is_text[k]) *value = (double)NAN;
+        else if (!fine)
+            return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number, data->names[k], row[k]);
+    }
+    data->lines[data->rows++] = number;
+    return 0;
+}
+
+int csv_parse(const char *text, long size, const char *path, csv_data *data, char *message, int message_size) {
+    static const csv_data empty;
+    char separator = ',';
+    int number = 0;
+    *data = empty;
+    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size))) return refuse(data, message, message_size, "%s: not a text file", path);
+    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
+        return refuse(data, message, message_size, "%s: not a text file in UTF-8", path);
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3, size -= 3; /* a byte-order mark */
+    if (!make_room(text, size, data)) return refuse(data, message, message_size, "%s: too long, or out of memory", path);
     if (size > 0) memcpy(data->memory, text, (size_t)size);
     data->memory[size] = '\0';
-
-    int number = 0;
-    bool *is_text = NULL;
     for (char *line = data->memory, *next; line; line = next) {
-        next = strchr(line, '\n');
-        if (next) *next++ = '\0';
+        next = end_line(line);
         number++;
-        while (is_blank(*line)) line++;
+        while (is_blank(*line) && *line != separator) line++;
         if (!*line || *line == '#') continue;
-        if (!data->columns) {
-            char *comment = strstr(line, " #");
-            if (comment) *comment = '\0';
-            data->columns = cut(line, data->names);
-            is_text = calloc((size_t)data->columns * 2, sizeof *is_text); /* [columns] it is text, [columns] it is known */
-            if (!is_text) return refuse(data, message, message_size, "%s: out of memory", path);
+        if (data->columns) {
+            if (take_row(data, line, separator, number, path, message, message_size) != 0) return -1;
             continue;
         }
-        char **row = data->cells + (size_t)data->rows * (size_t)data->columns;
-        int n = cut(line, row);
-        if (n != data->columns) {
-            free(is_text);
-            return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, data->columns);
-        }
-        for (int k = 0; k < n; k++) {
-            double *value = &data->values[(size_t)data->rows * (size_t)n + (size_t)k];
-            bool fine = to_number(row[k], value);
-            if (*row[k] && !is_text[n + k]) {
-                is_text[n + k] = true;
-                is_text[k] = !fine;
-            }
-            if (is_text[k]) *value = (double)NAN;
-            else if (!fine) {
-                free(is_text);
-                return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number, data->names[k],
-                              row[k]);
-            }
-        }
-        data->rows++;
+        char *comment = strstr(line, " #");
+        if (comment) *comment = '\0';
+        separator = separator_of(line);
+        data->columns = cut(line, separator, data->names);
     }
-    free(is_text);
     if (!data->columns) return refuse(data, message, message_size, "%s: no header line", path);
     return 0;
 }
@@ -136,16 +170,105 @@ int csv_read(const char *path, csv_data *data, char *message, int message_size) 
     return status;
 }
 
-int csv_column(const csv_data *data, const char *name) {
-    for (int k = 0; k < data->columns; k++)
-        if (strcmp(data->names[k], name) == 0) return k;
-    return -1;
+/* ---- columns by name and unit ---- */
+
+typedef struct unit {
+    const char *name;
+    char dimension;
+    double si;
+} unit;
+static const unit units[] = {
+    {"m", 'L', 1.0},          {"mm", 'L', 1e-3},         {"cm", 'L', 1e-2},        {"um", 'L', 1e-6},       {"\xc2\xb5m", 'L', 1e-6},
+    {"\xce\xbcm", 'L', 1e-6}, {"micron", 'L', 1e-6},     {"nm", 'L', 1e-9},        {"s", 'T', 1.0},         {"sec", 'T', 1.0},
+    {"ms", 'T', 1e-3},        {"us", 'T', 1e-6},         {"min", 'T', 60.0},       {"h", 'T', 3600.0},      {"kg", 'M', 1.0},
+    {"g", 'M', 1e-3},         {"mg", 'M', 1e-6},         {"t", 'M', 1e3},          {"m3", 'V', 1.0},        {"l", 'V', 1e-3},
+    {"ml", 'V', 1e-6},        {"cm3", 'V', 1e-6},        {"mm3", 'V', 1e-9},       {"m2", 'A', 1.0},        {"cm2", 'A', 1e-4},
+    {"mm2", 'A', 1e-6},       {"pa", 'P', 1.0},          {"kpa", 'P', 1e3},        {"mpa", 'P', 1e6},       {"bar", 'P', 1e5},
+    {"mbar", 'P', 100.0},     {"rad", 'W', 1.0},         {"deg", 'W', RIDDLE_DEG}, {"\xc2\xb0", 'W', RIDDLE_DEG},
+    {"m/s", 'v', 1.0},        {"m_s", 'v', 1.0},         {"m_per_s", 'v', 1.0},    {"mm/s", 'v', 1e-3},     {"mm_s", 'v', 1e-3},
+    {"mm_per_s", 'v', 1e-3},  {"rad/s", 'w', 1.0},       {"rad_s", 'w', 1.0},      {"rad_per_s", 'w', 1.0}, {"hz", 'f', 1.0},
+    {"1/s", 'f', 1.0},        {"1/min", 'f', 1.0 / 60},  {"kg/s", 'q', 1.0},       {"kg_s", 'q', 1.0},      {"kg_per_s", 'q', 1.0},
+    {"t/h", 'q', 1e3 / 3600}, {"t_per_h", 'q', 1e3 / 3600}, {"kg/h", 'q', 1.0 / 3600}, {"j", 'E', 1.0},      {"n", 'F', 1.0},
+    {"%", 's', 0.01},         {"percent", 's', 0.01},    {"-", 's', 1.0},
+};
+
+/* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit in brackets that is
+   none of the table. */
+static bool split_name(const char *name, char *base, size_t size, const unit **found) {
+    size_t n = 0;
+    *found = NULL;
+    for (; *name && n + 1 < size; name++) base[n++] = (char)(*name >= 'A' && *name <= 'Z' ? *name - 'A' + 'a' : *name);
+    base[n] = '\0';
+    const char close = n > 0 ? base[n - 1] : '\0';
+    char *open = close == ']' ? strrchr(base, '[') : close == ')' ? strrchr(base, '(') : NULL;
+    if (open) {
+        base[n - 1] = '\0';
+        for (size_t k = 0; k < sizeof units / sizeof *units; k++)
+            if (strcmp(open + 1, units[k].name) == 0) *found = &units[k];
+        while (open > base && (is_blank(open[-1]) || open[-1] == '_')) open--;
+        *open = '\0';
+        return *found != NULL;
+    }
+    for (char *bar = strchr(base, '_'); bar; bar = strchr(bar + 1, '_')) {
+        for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
+            if (strcmp(bar + 1, units[k].name) != 0) continue;
+            *found = &units[k];
+            *bar = '\0';
+            return true;
+        }
+    }
+    return true;
 }
 
+static void say_columns(const csv_data *data, char *message, int size, const char *format, const char *name) {
+    if (!message || size <= 0) return;
+    int n = snprintf(message, (size_t)size, format, name);
+    for (int k = 0; k < data->columns && n >= 0 && n < size; k++)
+        n += snprintf(message + n, (size_t)(size - n), "%s%.60s", k ? ", " : "; the columns are ", data->names[k]);
+}
+
+int csv_is(const char *name, const char *wanted, double *factor) {
+    char base[128], asked[128];
+    const unit *in, *out;
+    const bool known = split_name(name, base, sizeof base, &in);
+    split_name(wanted, asked, sizeof asked, &out);
+    *factor = 1.0;
+    if (strcmp(base, asked) != 0 || (out && known && !in)) return 0;
+    if (!known || (in && out && in->dimension != out->dimension)) return -1;
+    *factor = (in ? in->si : 1.0) / (out ? out->si : 1.0);
+    return 1;
+}
+
+int csv_find(const csv_data *data, const char *name, double *factor, char *message, int message_size) {
+    int found = -1;
+    bool convertible = true, exact = false;
+    double scale = 1.0, here;
+    for (int k = 0; k < data->columns && !exact; k++) {
+        const int is = csv_is(data->names[k], name, &here);
+        if (is < 0) convertible = false;
+        if (is <= 0) continue;
+        exact = strcmp(data->names[k], name) == 0;
+        if (found >= 0 && !exact) {
+            say_columns(data, message, message_size, "two columns are named %s", name);
+            return -1;
+        }
+        found = k;
+        scale = here;
+    }
+    if (factor) *factor = scale;
+    if (found < 0)
+        say_columns(data, message, message_size, convertible ? "no column %s" : "the unit of column %s cannot be converted", name);
+    return found;
+}
+
+int csv_column(const csv_data *data, const char *name) { return csv_find(data, name, NULL, NULL, 0); }
+
 double csv_value(const csv_data *data, int row, const char *name) {
-    int k = csv_column(data, name);
+    double factor;
+    const int k = csv_find(data, name, &factor, NULL, 0);
     if (k < 0 || row < 0 || row >= data->rows) return (double)NAN;
-    return data->values[(size_t)row * (size_t)data->columns + (size_t)k];
+    const double value = data->values[(size_t)row * (size_t)data->columns + (size_t)k];
+    return factor == 1.0 ? value : value * factor;
 }
 
 void csv_free(csv_data *data) {
@@ -154,5 +277,7 @@ void csv_free(csv_data *data) {
     free(data->names);
     free(data->cells);
     free(data->values);
+    free(data->lines);
+    free(data->is_text);
     *data = empty;
 }

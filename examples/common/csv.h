@@ -1,4 +1,11 @@
-/* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns. */
+/* csv.h: tables of numbers from files. Lines that begin with '#' are comments, the first other line names the columns.
+
+   Cells are separated by commas, semicolons or tabs, whichever the line of names has; with semicolons and tabs numbers may have decimal
+   commas. Lines end as on any system; a byte-order mark is passed over.
+
+   A column is found by its exact name, after case and a unit are taken off: "x" is in x, X_m, "x [mm]", but not in x_velocity. Its numbers
+   are converted to the unit that is asked for: "size_mm" reads size_um, "x" reads metres. A column without a unit is found only if none is
+   asked for. */
 #ifndef RIDDLE_CSV_H
 #define RIDDLE_CSV_H
 
@@ -7,17 +14,24 @@
 /* A column is of text if its first cell that is not empty is no number; its values are NaN. An empty cell is NaN. */
 typedef struct csv_data {
     int rows, columns;
-    char **names;   /* [columns] */
-    double *values; /* [rows][columns] */
-    char **cells;   /* [rows][columns], as they stood, without blanks around */
-    char *memory;   /* everything else points into here */
+    char **names;           /* [columns] */
+    double *values;         /* [rows][columns], as they stood */
+    char **cells;           /* [rows][columns], without blanks around */
+    int *lines;             /* [rows] of the file, from 1 */
+    unsigned char *is_text; /* [columns] */
+    char *memory;           /* everything else points into here */
 } csv_data;
 
 /* 0, or -1 with one line "file:12: column x: 'abc' is not a number" in message; *data is then empty. Free with csv_free. */
 int csv_read(const char *path, csv_data *data, char *message, int message_size);
 int csv_parse(const char *text, long size, const char *path, csv_data *data, char *message, int message_size); /* the same from memory */
-int csv_column(const csv_data *data, const char *name);                                                        /* its index, or -1 */
-double csv_value(const csv_data *data, int row, const char *name); /* NaN if there is no such cell */
+/* Is `name` of a file what is asked for as `wanted`? 1, and the factor; 0; -1 if its unit cannot be converted. */
+int csv_is(const char *name, const char *wanted, double *factor);
+/* Its index; factor (may be NULL): by which its numbers are multiplied. -1 if it is not there, if two columns have the name, or if its unit
+   cannot be converted; message (may be NULL) then says so and lists the columns that are there. */
+int csv_find(const csv_data *data, const char *name, double *factor, char *message, int message_size);
+int csv_column(const csv_data *data, const char *name);            /* its index, or -1 */
+double csv_value(const csv_data *data, int row, const char *name); /* in the unit asked for; NaN if there is no such cell */
 void csv_free(csv_data *data);
 
 #endif

@@ -54,37 +54,46 @@ static int check(particles *p, const char *path, char *message, int message_size
 
 /* ---- CSV ---- */
 
-/* The column of that name, alone or with a unit after an underscore; -1. */
-static int column_of(const csv_data *data, const char *name) {
-    const size_t length = strlen(name);
-    for (int k = 0; k < data->columns; k++) {
-        if (strncmp(data->names[k], name, length) == 0 && (data->names[k][length] == '\0' || data->names[k][length] == '_')) return k;
+enum { COLUMNS = 12, DIAMETER = 9, RADIUS, GROUP };
+static const char *const column_names[COLUMNS] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z", "diameter", "radius", "group"};
+
+/* Finds the columns and the factors to SI units. */
+static int find_columns(const csv_data *data, const char *path, int *column, double *factor, particles *p, char *message, int message_size) {
+    char said[900];
+    for (int k = 0; k < COLUMNS; k++) {
+        column[k] = csv_find(data, column_names[k], &factor[k], said, sizeof said);
+        if (k == GROUP && column[k] < 0) column[k] = csv_find(data, "class", &factor[k], said, sizeof said);
+        if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0))
+            return refuse(p, message, message_size, "%s: %s", path, said);
     }
-    return -1;
+    if (column[DIAMETER] >= 0 || column[RADIUS] >= 0) return 0;
+    csv_find(data, "diameter or radius", NULL, said, sizeof said);
+    return refuse(p, message, message_size, "%s: %s", path, said);
 }
 
 static int parse_csv(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
-    static const char *const vectors[9] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z"};
     csv_data data;
-    int column[9];
+    int column[COLUMNS], status;
+    double factor[COLUMNS];
     if (size > LONG_MAX) return refuse(p, message, message_size, "%s: too long", path);
     if (csv_parse(bytes, (long)size, path, &data, message, message_size) != 0) return -1;
-    const int diameter = column_of(&data, "diameter"), radius = column_of(&data, "radius");
-    const int group = column_of(&data, "group") >= 0 ? column_of(&data, "group") : column_of(&data, "class");
-    int status = 0;
-    for (int k = 0; k < 9; k++) column[k] = column_of(&data, vectors[k]);
-    for (int k = 0; k < 3 && status == 0; k++) {
-        if (column[k] < 0) status = refuse(p, message, message_size, "%s: no column %s", path, vectors[k]);
-    }
-    if (status == 0 && diameter < 0 && radius < 0) status = refuse(p, message, message_size, "%s: no column diameter or radius", path);
+    status = find_columns(&data, path, column, factor, p, message, message_size);
     if (status == 0 && !make(p, data.rows)) status = refuse(p, message, message_size, "%s: out of memory", path);
     for (int i = 0; i < data.rows && status == 0; i++) {
-        const double *row = data.values + (size_t)i * (size_t)data.columns;
-        for (int k = 0; k < 9; k++) {
-            if (column[k] >= 0) p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = row[column[k]];
+        double value[COLUMNS] = {0.0};
+        for (int k = 0; k < COLUMNS && status == 0; k++) {
+            if (column[k] < 0 || (k == RADIUS && column[DIAMETER] >= 0)) continue;
+            value[k] = factor[k] * data.values[(size_t)i * (size_t)data.columns + (size_t)column[k]];
+            if (!(fabs(value[k]) <= 1e300) || (k == GROUP && (value[k] != floor(value[k]) || fabs(value[k]) > 2e9)))
+                status = refuse(p, message, message_size, "%s:%d: column %.60s: '%.60s' is not a %s", path, data.lines[i],
+                                data.names[column[k]], data.cells[(size_t)i * (size_t)data.columns + (size_t)column[k]],
+                                k == GROUP ? "whole number" : "number");
         }
-        p->diameter[i] = diameter >= 0 ? row[diameter] : 2.0 * row[radius];
-        if (group >= 0 && fabs(row[group]) < 2e9) p->group[i] = (int)row[group];
+        for (int k = 0; k < 9 && status == 0; k++)
+            p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = value[k];
+        if (status != 0) break;
+        p->diameter[i] = column[DIAMETER] >= 0 ? value[DIAMETER] : 2.0 * value[RADIUS];
+        p->group[i] = (int)value[GROUP];
     }
     csv_free(&data);
     return status == 0 ? check(p, path, message, message_size) : -1;
@@ -162,16 +171,23 @@ static int parse_vtp(const char *bytes, size_t size, const char *path, particles
         if (!tag_end) break;
         attribute(tag, tag_end, "Name", text, sizeof text);
         bool good = true;
+        double factor;
         if (tag > points) {
             if (placed) break; /* what follows the points are cells */
             good = placed = fetch(raw, end, tag, tag_end, 3, p->n, p->centre, NULL);
-        } else if (strncmp(text, "diameter", 8) == 0 || strcmp(text, "radius") == 0 || strcmp(text, "radius_m") == 0) {
-            good = fetch(raw, end, tag, tag_end, 1, p->n, p->diameter, NULL);
-            for (int i = 0; i < p->n && text[0] == 'r'; i++) p->diameter[i] *= 2.0;
+        } else if (csv_is(text, "diameter", &factor) || csv_is(text, "radius", &factor)) {
+            const double of_radius = csv_is(text, "radius", &factor) ? 2.0 : 1.0;
+            good = (csv_is(text, "diameter", &factor) > 0 || csv_is(text, "radius", &factor) > 0) &&
+                   fetch(raw, end, tag, tag_end, 1, p->n, p->diameter, NULL);
+            for (int i = 0; i < p->n; i++) p->diameter[i] *= of_radius * factor;
             sized = true;
-        } else if (strncmp(text, "velocity", 8) == 0) good = fetch(raw, end, tag, tag_end, 3, p->n, p->velocity, NULL);
-        else if (strncmp(text, "spin", 4) == 0) good = fetch(raw, end, tag, tag_end, 3, p->n, p->spin, NULL);
-        else if (strcmp(text, "group") == 0 || strcmp(text, "class") == 0 || strcmp(text, "species") == 0)
+        } else if (csv_is(text, "velocity", &factor)) {
+            good = csv_is(text, "velocity", &factor) > 0 && fetch(raw, end, tag, tag_end, 3, p->n, p->velocity, NULL);
+            for (int i = 0; i < 3 * p->n; i++) p->velocity[i] *= factor;
+        } else if (csv_is(text, "spin", &factor)) {
+            good = csv_is(text, "spin", &factor) > 0 && fetch(raw, end, tag, tag_end, 3, p->n, p->spin, NULL);
+            for (int i = 0; i < 3 * p->n; i++) p->spin[i] *= factor;
+        } else if (strcmp(text, "group") == 0 || strcmp(text, "class") == 0 || strcmp(text, "species") == 0)
             good = fetch(raw, end, tag, tag_end, 1, p->n, NULL, p->group);
         if (!good)
             return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", path, *text ? text : "of points");
