@@ -104,8 +104,6 @@ typedef struct filtration_fluid {
     double dt;                   /* time step [s] */
     int64_t steps;               /* taken */
     double mass_correction;      /* added by filtration_fluid_keep_mass so far, as a share of the liquid [-] */
-    double solid_force[3];       /* of the fluid on def.solid in the last step [N] */
-    double face_force[6][3];     /* of the fluid on WALL faces in the last step [N] */
     int64_t updates;             /* nodes updated so far, skipped ones not counted */
     filtration_problem problem;  /* of the last step */
     struct filtration__lattice *lattice; /* private */
@@ -158,6 +156,9 @@ FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     /* of the liquid [kg] */
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); /* share of fluid nodes [-] */
+/* Force of the fluid in the last step on def.solid, and on a WALL face (FILTRATION_LOW_X ...) [N]. */
+FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]);
+FILTRATION_API void filtration_fluid_face_force(const filtration_fluid *fluid, int face, double force[3]);
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid); /* [m/s] */
 
 /* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */

@@ -40,6 +40,13 @@
 #define FILTRATION__INLINE static inline
 #endif
 
+/* Asks for memory into the second cache. */
+#if defined(__GNUC__)
+#define FILTRATION__PREFETCH(address) __builtin_prefetch(address, 0, 2)
+#else
+#define FILTRATION__PREFETCH(address) ((void)(address))
+#endif
+
 /* No node of a row reads what another of the row writes. */
 #if defined(__clang__)
 #define FILTRATION__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")

@@ -1,0 +1,139 @@
+/* lattice.h: the two sets of directions, how populations lie in memory, and how a step finds them.
+   Relies on base.h and api.h.
+   May be changed here alone: nothing; every later part addresses populations through the functions here. */
+
+/* ==== >>lattice ==== */
+
+#define FILTRATION__Q 19    /* most directions */
+#define FILTRATION__LINE 64 /* bytes of a cache line: rows begin on one */
+#define FILTRATION__TASKS 64 /* parts of a step that threads share: fixed, so that sums have one order */
+#define FILTRATION__FLUID (-1)
+#define FILTRATION__SOLID (-2)
+enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
+
+/* Directions: rest, then pairs of opposite ones, so that the opposite of i is known without a table. */
+static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0}, {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
+                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
+                                                   {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
+static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},    {-1, 0, 0}, {0, 1, 0},   {0, -1, 0},
+                                                   {0, 0, 1},   {0, 0, -1},   {1, 1, 1},  {-1, -1, -1}, {1, 1, -1},
+                                                   {-1, -1, 1}, {1, -1, 1},   {-1, 1, -1}, {-1, 1, 1},  {1, -1, -1}};
+
+static inline int filtration__opposite(int i) { return i ? ((i - 1) ^ 1) + 1 : 0; }
+
+/* A link of the solid at rest: where its populations lie does not change. */
+typedef struct filtration__link {
+    int32_t row;     /* of the fluid node */
+    int32_t x;       /* of the fluid node */
+    int8_t i;        /* direction, fluid to solid */
+    int8_t upwind;   /* 1: the node behind is fluid: interpolation is possible */
+    float fraction;  /* q [-] */
+} filtration__link;
+
+/* A sphere in lattice units, as the owner map knows it. */
+typedef struct filtration__ball {
+    double centre[3], velocity[3], spin[3], radius; /* radius 0: none */
+    double force[2][3], torque[2][3];               /* of this step and the one before */
+    double impulse[3];                              /* of covered and uncovered nodes, given to the next step's force */
+    int32_t fresh;                                  /* 1: no step taken yet */
+} filtration__ball;
+
+/* Relaxation and forcing of one step, of the kernel's precision. */
+typedef struct filtration__rates {
+    double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
+    double force[3];          /* on a node, lattice units [-] */
+    double limit;             /* of the squared speed [-] */
+} filtration__rates;
+
+typedef struct filtration__lattice {
+    int q, single;                 /* directions; 1: float */
+    int nx, ny, nz;
+    int ghost_y, ghost_z;          /* 1: rows beyond the faces exist */
+    int lead;                      /* numbers before node 0 of a row; the last of them is the halo */
+    ptrdiff_t stride, bundle;      /* numbers from direction to direction, from row to row */
+    ptrdiff_t rows;                /* ghosts included */
+    void *f;                       /* deviations h = f - w [-] */
+    void *block;                   /* what was allocated for it */
+    size_t block_bytes;
+    const signed char (*c)[3];
+    filtration_face face[6];
+    double face_velocity[6][3], face_density[6]; /* lattice units [-] */
+    double w[FILTRATION__Q];
+    filtration__rates rates;
+    int periodic_x;
+    int odd;                       /* which half of the pair of steps comes next */
+    int32_t *owner;                /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
+    unsigned char *row_state;      /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
+    unsigned char *slab_active;    /* [nz]: 0 at exact rest */
+    filtration__link *links;
+    ptrdiff_t link_count, link_room;
+    filtration__ball *balls;
+    ptrdiff_t ball_count, ball_room;
+    ptrdiff_t fluid_nodes;
+    double start_mass;             /* sum of deviations at the start, and of what spheres displaced since [-] */
+    double to_velocity, to_pressure, to_force; /* SI per lattice unit */
+    double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
+    int bad[FILTRATION__TASKS];                /* 1: a row of the task has FILTRATION__ROW_BAD */
+    int64_t updated[FILTRATION__TASKS];        /* nodes */
+} filtration__lattice;
+
+/* Coordinate on an axis of n nodes, wrapped if periodic. */
+static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
+
+/* The row at (y, z), each -1 .. n: wrapped on periodic axes, a ghost beyond faces of another kind. */
+static inline ptrdiff_t filtration__row(const filtration__lattice *l, int y, int z) {
+    y = l->ghost_y ? y + 1 : filtration__wrap(y, l->ny);
+    z = l->ghost_z ? z + 1 : filtration__wrap(z, l->nz);
+    return (ptrdiff_t)z * (l->ny + 2 * l->ghost_y) + y;
+}
+
+/* Place of direction i at node x of a row. */
+static inline ptrdiff_t filtration__place(const filtration__lattice *l, ptrdiff_t row, int i, int x) {
+    return row * l->bundle + i * l->stride + l->lead + x;
+}
+
+static inline double filtration__get(const filtration__lattice *l, ptrdiff_t place) {
+    return l->single ? (double)((const float *)l->f)[place] : ((const double *)l->f)[place];
+}
+
+static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, double h) {
+    if (l->single) ((float *)l->f)[place] = (float)h;
+    else ((double *)l->f)[place] = h;
+}
+
+/* One lattice, in place (Bailey et al. 2009). An even step reads and writes at the node itself, an odd one at its neighbours; both write
+   each outgoing population where the opposite one was read. So places are of two kinds: at home, and abroad. */
+static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
+    return filtration__place(l, filtration__row(l, y, z), i, x);
+}
+
+/* Where a step that goes abroad reads direction i of a node: the opposite slot of the node that it comes from. */
+static inline ptrdiff_t filtration__abroad(const filtration__lattice *l, int x, int y, int z, int i) {
+    const signed char *c = l->c[i];
+    return filtration__place(l, filtration__row(l, y - c[1], z - c[2]), filtration__opposite(i), x - c[0]);
+}
+
+/* Between steps, where the last step left the outgoing population i of a node. */
+static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x, int y, int z, int i) {
+    int j = filtration__opposite(i);
+    return l->odd ? filtration__home(l, x, y, z, j) : filtration__abroad(l, x, y, z, j);
+}
+
+/* Between steps, where the next step reads the incoming population i of a node. */
+static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
+    if (l->odd) return filtration__abroad(l, x, y, z, i);
+    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo: folded back when the step begins */
+    else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
+    return filtration__home(l, x, y, z, i);
+}
+
+static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, int y, int z) {
+    return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
+}
+
+/* Even part of the equilibrium over its weight, and the odd part: r + 4.5 (c.u)^2 - 1.5 u^2, 3 c.u (He and Luo 1997). */
+static inline double filtration__equilibrium(const filtration__lattice *l, int i, double r, const double u[3]) {
+    const signed char *c = l->c[i];
+    double cu = c[0] * u[0] + c[1] * u[1] + c[2] * u[2];
+    return l->w[i] * (r + 3.0 * cu + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]));
+}
