@@ -7,8 +7,7 @@
 /* A sphere, a wire or a wall that is cut by a lattice link, fluid node to solid node, at the fraction q of its length. */
 typedef enum filtration_boundary {
     FILTRATION_CENTRAL_LINEAR, /* central linear interpolation (Ginzburg et al. 2008): second order; default */
-    FILTRATION_HALF_WAY,       /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, a staircase */
-    FILTRATION_SINGLE_NODE     /* interpolation within the fluid node alone (Zhao and Yong 2017): needs no second fluid node */
+    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, a staircase */
 } filtration_boundary;
 
 /* What fills a node that a sphere leaves. */
@@ -103,7 +102,7 @@ typedef struct filtration_fluid {
     double time;                 /* [s] */
     double dt;                   /* time step [s] */
     int64_t steps;               /* taken */
-    double mass_correction;      /* added by filtration_fluid_keep_mass so far, as a share of the liquid [-] */
+    double mass_correction;      /* density added by filtration_fluid_keep_mass so far, over def.density [-] */
     int64_t updates;             /* nodes updated so far, skipped ones not counted */
     filtration_problem problem;  /* of the last step */
     struct filtration__lattice *lattice; /* private */
@@ -136,8 +135,8 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
                                                            void (*fn)(void *user, const double point[3], double velocity[3], double *pressure),
                                                            void *user);
-/* Adds to every fluid node the same density so that the liquid's mass is that of the start, less what spheres displace. Closed boxes only;
-   mass_correction keeps the sum. */
+/* Adds to every fluid node the same density so that its mean is def.density: what the nodes that spheres cover and leave have taken or
+   brought. For closed boxes; mass_correction keeps the sum of what was added. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
 
 /* ---- measuring ---- */
@@ -156,9 +155,7 @@ FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     /* of the liquid [kg] */
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); /* share of fluid nodes [-] */
-/* Force of the fluid in the last step on def.solid, and on a WALL face (FILTRATION_LOW_X ...) [N]. */
-FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]);
-FILTRATION_API void filtration_fluid_face_force(const filtration_fluid *fluid, int face, double force[3]);
+FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid); /* [m/s] */
 
 /* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */

@@ -6,7 +6,7 @@
    for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns
    whether a node is faster than the limit or not a number. A call does `n` nodes from `first` on; memory that the next row needs is asked
    for into the second cache: the hardware follows too few of so many streams. */
-#define FILTRATION__LOAD(i, j) const FILTRATION__REAL s##i = p##i[x] + p##j[x], d##i = p##i[x] - p##j[x];
+#define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
         const FILTRATION__REAL cu = cu_;                                                                                                   \
@@ -65,15 +65,15 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes19)(FILTRATION__REAL *con
     FILTRATION__WEIGHT(edge, 1.0 / 36.0)
     FILTRATION__INDEPENDENT
     for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1, 2)
-        FILTRATION__LOAD(3, 4)
-        FILTRATION__LOAD(5, 6)
-        FILTRATION__LOAD(7, 8)
-        FILTRATION__LOAD(9, 10)
-        FILTRATION__LOAD(11, 12)
-        FILTRATION__LOAD(13, 14)
-        FILTRATION__LOAD(15, 16)
-        FILTRATION__LOAD(17, 18)
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
+        FILTRATION__LOAD(15)
+        FILTRATION__LOAD(17)
         const FILTRATION__REAL axes = s1 + s3 + s5, outer = ((s7 + s9) + (s11 + s13)) + (s15 + s17);
         FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 + d13)), uy = d3 + ((d7 - d9) + (d15 + d17)), uz = d5 + ((d11 - d13) + (d15 - d17));
         FILTRATION__MOMENTS(2, 1.0 / 3.0)
@@ -98,13 +98,13 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *con
     FILTRATION__WEIGHT(corner, 1.0 / 72.0)
     FILTRATION__INDEPENDENT
     for (int x = first; x < first + n; x++) {
-        FILTRATION__LOAD(1, 2)
-        FILTRATION__LOAD(3, 4)
-        FILTRATION__LOAD(5, 6)
-        FILTRATION__LOAD(7, 8)
-        FILTRATION__LOAD(9, 10)
-        FILTRATION__LOAD(11, 12)
-        FILTRATION__LOAD(13, 14)
+        FILTRATION__LOAD(1)
+        FILTRATION__LOAD(3)
+        FILTRATION__LOAD(5)
+        FILTRATION__LOAD(7)
+        FILTRATION__LOAD(9)
+        FILTRATION__LOAD(11)
+        FILTRATION__LOAD(13)
         const FILTRATION__REAL axes = s1 + s3 + s5, outer = (s7 + s9) + (s11 + s13);
         FILTRATION__REAL ux = d1 + ((d7 + d9) + (d11 - d13)), uy = d3 + ((d7 + d9) - (d11 - d13)), uz = d5 + ((d7 - d9) + (d11 + d13));
         FILTRATION__MOMENTS(3, 2.0 / 9.0)

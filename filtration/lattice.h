@@ -9,6 +9,7 @@
 #define FILTRATION__TASKS 64 /* parts of a step that threads share: fixed, so that sums have one order */
 #define FILTRATION__FLUID (-1)
 #define FILTRATION__SOLID (-2)
+#define FILTRATION__FRESH (-3) /* left by a sphere, not filled yet */
 enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
 
 /* Directions: rest, then pairs of opposite ones, so that the opposite of i is known without a table. */
@@ -21,21 +22,17 @@ static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},    {-
 
 static inline int filtration__opposite(int i) { return i ? ((i - 1) ^ 1) + 1 : 0; }
 
-/* A link of the solid at rest: where its populations lie does not change. */
+/* A link of the solid at rest, from fluid node (x, y, z) along i. */
 typedef struct filtration__link {
-    int32_t row;     /* of the fluid node */
-    int32_t x;       /* of the fluid node */
-    int8_t i;        /* direction, fluid to solid */
-    int8_t upwind;   /* 1: the node behind is fluid: interpolation is possible */
-    float fraction;  /* q [-] */
+    int32_t x, y, z, i;
+    float fraction; /* q [-] */
 } filtration__link;
 
 /* A sphere in lattice units, as the owner map knows it. */
 typedef struct filtration__ball {
     double centre[3], velocity[3], spin[3], radius; /* radius 0: none */
     double force[2][3], torque[2][3];               /* of this step and the one before */
-    double impulse[3];                              /* of covered and uncovered nodes, given to the next step's force */
-    int32_t fresh;                                  /* 1: no step taken yet */
+    int64_t steps;                                  /* since it was put in */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
@@ -60,17 +57,16 @@ typedef struct filtration__lattice {
     double face_velocity[6][3], face_density[6]; /* lattice units [-] */
     double w[FILTRATION__Q];
     filtration__rates rates;
-    int periodic_x;
+    int periodic_x, half_way, refill;
     int odd;                       /* which half of the pair of steps comes next */
     int32_t *owner;                /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;      /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
     unsigned char *slab_active;    /* [nz]: 0 at exact rest */
     filtration__link *links;
-    ptrdiff_t link_count, link_room;
+    ptrdiff_t link_count;
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
-    ptrdiff_t fluid_nodes;
-    double start_mass;             /* sum of deviations at the start, and of what spheres displaced since [-] */
+    ptrdiff_t fluid_nodes, solid_nodes;
     double to_velocity, to_pressure, to_force; /* SI per lattice unit */
     double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
     int bad[FILTRATION__TASKS];                /* 1: a row of the task has FILTRATION__ROW_BAD */
