@@ -39,15 +39,15 @@ enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y,
 /* Everything that does not change in time. Made by filtration_fluid_default_def(). The box reaches from 0 to nodes[a] * voxel on each
    axis; node i lies at (i + 1/2) voxel. */
 typedef struct filtration_fluid_def {
-    uint32_t cookie;     /* set by filtration_fluid_default_def(); a definition without it is refused */
-    int nodes[3];        /* along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows along x of 64 and more are fastest */
-    double voxel;        /* distance of nodes [m] > 0; default 2.5e-6 */
-    double density;      /* of the fluid [kg/m3] > 0; default 1000 */
-    double viscosity;    /* dynamic [Pa s] > 0; default 1e-3 */
-    double tau;          /* relaxation time [-], 0.5 < tau <= 20; default 1: sets the time step (tau - 1/2) voxel^2 / (3 nu) */
-    double bulk_ratio;   /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. More damps sound: below about
+    uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
+    int nodes[3];      /* along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows along x of 64 and more are fastest */
+    double voxel;      /* distance of nodes [m] > 0; default 2.5e-6 */
+    double density;    /* of the fluid [kg/m3] > 0; default 1000 */
+    double viscosity;  /* dynamic [Pa s] > 0; default 1e-3 */
+    double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1: sets the time step (tau - 1/2) voxel^2 / (3 nu) */
+    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. More damps sound: below about
                             100 where spheres move */
-    double magic;        /* Lambda of the two relaxation times [-] > 0; default 3/16: walls half way are exact; < 0 is refused;
+    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16: walls half way are exact; < 0 is refused;
                             HUGE_VAL: one relaxation time (BGK) */
     filtration_lattice lattice;     /* default D3Q19; D3Q15 is stored in doubles only */
     filtration_precision precision; /* default DOUBLE */
@@ -78,10 +78,10 @@ typedef struct filtration_spheres {
 } filtration_spheres;
 
 /* Why a run stopped. */
-#define FILTRATION_CAUSES(X)                                                                          \
-    X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                        \
-    X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                              \
-    X(FILTRATION_SPEED, "the speed exceeds the limit: smaller tau, or finer voxels")                  \
+#define FILTRATION_CAUSES(X)                                                                                                               \
+    X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                                                             \
+    X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                                                                   \
+    X(FILTRATION_SPEED, "the speed exceeds the limit: smaller tau, or finer voxels")                                                       \
     X(FILTRATION_SPHERE, "a sphere's centre, velocity, spin or radius is out of range")
 typedef enum filtration_cause { FILTRATION_CAUSES(FILTRATION__ENUM) FILTRATION_CAUSE_COUNT } filtration_cause;
 FILTRATION_API const char *filtration_cause_text(filtration_cause cause); /* never NULL; static storage */
@@ -98,13 +98,13 @@ struct filtration__lattice;
 
 /* The fluid's state. Read the fields, change it by functions. */
 typedef struct filtration_fluid {
-    filtration_fluid_def def;    /* a copy; tau, body_force, faces as they are now */
-    double time;                 /* [s] */
-    double dt;                   /* time step [s] */
-    int64_t steps;               /* taken */
-    double mass_correction;      /* density added by filtration_fluid_keep_mass so far, over def.density [-] */
-    int64_t updates;             /* nodes updated so far, skipped ones not counted */
-    filtration_problem problem;  /* of the last step */
+    filtration_fluid_def def;            /* a copy; tau, body_force, faces as they are now */
+    double time;                         /* [s] */
+    double dt;                           /* time step [s] */
+    int64_t steps;                       /* taken */
+    double mass_correction;              /* density added by filtration_fluid_keep_mass so far, over def.density [-] */
+    int64_t updates;                     /* nodes updated so far, skipped ones not counted */
+    filtration_problem problem;          /* of the last step */
     struct filtration__lattice *lattice; /* private */
 } filtration_fluid;
 
@@ -132,9 +132,8 @@ FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_f
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
 /* A flow to start from: fn gives velocity [m/s] and pressure [Pa] at a point [m]. Equilibrium, and the stress of its velocity differences.
    */
-FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
-                                                           void (*fn)(void *user, const double point[3], double velocity[3], double *pressure),
-                                                           void *user);
+FILTRATION_API filtration_status filtration_fluid_set_flow(
+    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
 /* Adds to every fluid node the same density so that its mean is def.density: what the nodes that spheres cover and leave have taken or
    brought. For closed boxes; mass_correction keeps the sum of what was added. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
@@ -153,67 +152,7 @@ FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]);
 /* Volume flow along an axis (0 x, 1 y, 2 z) over the cross-section of the box at a slab of nodes: superficial velocity [m/s]. */
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
-FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     /* of the liquid [kg] */
-FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); /* share of fluid nodes [-] */
+FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);                       /* of the liquid [kg] */
+FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid);                   /* share of fluid nodes [-] */
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
-FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid); /* [m/s] */
-
-/* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */
-typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
-typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
-FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Into a fluid of filtration_fluid_init with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or STREAM the
-   fluid is at rest at time 0. */
-FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
-
-/* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
-
-typedef struct filtration_motion_def {
-    uint32_t cookie;
-    double density;      /* of the spheres [kg/m3] > 0; default 2200 */
-    double gravity[3];   /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
-    double modulus;      /* reduced modulus E* of two spheres touching [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
-    double restitution;  /* coefficient of restitution of the dry contact [-], above 0 .. 1; default 0.5 */
-    double friction;     /* Coulomb coefficient [-] >= 0; default 0.3 */
-    int sub_steps;       /* contact steps in a fluid step, >= 1; default 10 */
-    int lubrication;     /* 1: force of the film thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
-    double least_gap;    /* of the lubrication, over the diameter [-] > 0; default 1e-3: roughness */
-    int fixed_axes[3];   /* 1: no motion along this axis (symmetry); default 0 */
-    int spin;            /* 0: spheres do not turn; default 1 */
-} filtration_motion_def;
-FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
-FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
-
-/* Moves the spheres by one step of the fluid (velocity Verlet in sub_steps, force and torque of the fluid held): centre, velocity and spin
-   change; spheres of density infinite are not moved: leave them out. contact [n][3] (may be NULL): mean contact and lubrication force in
-   the step [N]. Walls and the solid of the fluid are touched as they are. share: of the force that a symmetric box sees (1, 2 or 4: the
-   force is multiplied by it). */
-FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *spheres,
-                                                 double share, double *contact);
-/* Contact time of two equal spheres (Hertz) over the fluid's step and the sub-step [-]: stable above about 10 sub-steps. radius [m],
-   speed of approach [m/s] > 0. */
-FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
-/* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
-   [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
-static inline double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least);
-
-/* ==== >>permeability: steady flow through any solid ==== */
-
-typedef struct filtration_permeability_result {
-    double permeability;  /* k = mu v / (pressure gradient) [m2] */
-    double resistance;    /* dp / (mu v) [1/m] of the box's length */
-    double velocity;      /* superficial, along the axis [m/s] */
-    double pressure_drop; /* over the box [Pa] */
-    double porosity;      /* of the box [-] */
-    double reynolds;      /* largest speed * voxel / nu [-] */
-    double change;        /* relative change of the velocity in the last test interval [-] */
-    int64_t steps;        /* taken */
-} filtration_permeability_result;
-
-/* Drives the fluid along an axis by pressure_drop [Pa] over the box, as a body force, until the flow changes by less than tolerance
-   (default 1e-5 for 0) in the time that momentum needs to spread over the pores. spheres (may be NULL) rest. NOT_STEADY after max_steps.
-   The flow stays in fluid and may be read. */
-FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
-                                                               double pressure_drop, double tolerance, int64_t max_steps,
-                                                               filtration_permeability_result *result);
+FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */

@@ -1,4 +1,4 @@
-/* filtration.h: cake filtration: the filtration equation, the evaluation of filter curves, prediction; solids.
+/* filtration.h: cake filtration: the filtration equation, filter curves, prediction; a fluid resolved around spheres and solids.
 
    #include <stdio.h>
    #include "filtration.h"
@@ -14,17 +14,22 @@
    }
 
    Models. Filtration equation (1) to (3): Puderbach, Schmidt and Antonyuk (2021), "the paper"; evaluation in the manner of VDI 2762;
-   Kozeny and Carman (1937); compressible cakes: power laws, Tiller (1953).
+   Kozeny and Carman (1937); compressible cakes: power laws, Tiller (1953). Fluid: lattice Boltzmann, D3Q19 or D3Q15, in place (Bailey et
+   al. 2009), two relaxation times and a third for the trace of the stress (Ginzburg et al. 2008); surfaces: central linear interpolation;
+   force on spheres: momentum exchange, Galilean invariant (Wen et al. 2014).
 
-   Find your way: >>base, >>process, >>solids; the bodies have the same tags. It is developed in parts: filtration/.
+   Find your way: >>base, >>process, >>solids, >>fluid (filtration_fluid_init, _step, _at); >>lattice, >>collide, >>faces, >>links,
+   >>spheres, >>flow are its bodies. It is developed in parts: filtration/.
 
    Units: SI. Fractions and numbers without unit [-].
 
-   Memory, threads: only filtration_bed_init allocates, through its hook. No object is shared.
+   Memory, threads: filtration_bed_init and filtration_fluid_init allocate, through a hook, and a step when spheres are added: 160 bytes a
+   node (80 in floats). No object is shared; a fluid's step runs def.threads threads.
 
-   Determinism: same input, same bits on every machine and compiler (without fused multiply-add: -ffp-contract=off).
+   Determinism: same input, same bits on every machine and compiler, for any number of threads (without fused multiply-add:
+   -ffp-contract=off).
 
-   What it does not do: settling of the suspension on the way, washing, dewatering.
+   What it does not do: washing, dewatering, free surfaces. Spheres are moved by the caller or its particle code.
 
    Shared copy instead of static inline: #define FILTRATION_API extern everywhere and FILTRATION_IMPLEMENTATION in one file. */
 #ifndef RIDDLE_FILTRATION_H
@@ -34,6 +39,7 @@
 #include "base.h"
 #include "process_api.h"
 #include "solids_api.h"
+#include "api.h"
 #include "../tests/portable_math.h"
 #include "process_laws.h"
 #include "settling_laws.h"
@@ -41,6 +47,25 @@
 #include "process.h"
 #include "evaluate.h"
 #include "solids.h"
+#include "lattice.h"
+#define FILTRATION__REAL double
+#define FILTRATION__FLAG int64_t
+#define FILTRATION__OF(name) name##d
+#include "kernel.h"
+#undef FILTRATION__REAL
+#undef FILTRATION__FLAG
+#undef FILTRATION__OF
+#define FILTRATION__REAL float
+#define FILTRATION__FLAG int32_t
+#define FILTRATION__OF(name) name##f
+#include "kernel.h"
+#include "collide.h"
+#include "faces.h"
+#include "links.h"
+#include "spheres.h"
+#include "shear.h"
+#include "fluid.h"
+#include "flow.h"
 #endif
 
 #ifdef __cplusplus

@@ -63,7 +63,7 @@ FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int a
     const filtration__lattice *l = fluid->lattice;
     int low[3] = {0, 0, 0}, high[3] = {l->nx, l->ny, l->nz};
     double sum[6];
-    if (axis < 0 || axis > 2 || slab < 0 || slab >= high[axis]) return NAN;
+    if (axis < 0 || axis > 2 || slab < 0 || slab >= high[axis]) return (double)NAN;
     double nodes = (double)filtration__nodes(l) / high[axis];
     low[axis] = slab, high[axis] = slab + 1;
     filtration__sum(l, low, high, sum);
@@ -105,7 +105,8 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
-    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_PRESSURE || !(fabs(pressure) < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_PRESSURE || !(fabs(pressure) < HUGE_VAL))
+        return FILTRATION_BAD_ARGUMENT;
     fluid->def.face_pressure[face] = pressure;
     filtration__set_units(fluid);
     return FILTRATION_OK;
@@ -170,14 +171,14 @@ static inline void filtration__start_node(filtration_fluid *fluid, int x, int y,
             cf += l->c[i][a] * l->rates.force[a];
             for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
         }
-        double h = filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
+        double h =
+            filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
         filtration__put(l, filtration__incoming(l, x, y, z, i), h);
     }
 }
 
-FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
-                                                           void (*fn)(void *user, const double point[3], double velocity[3], double *pressure),
-                                                           void *user) {
+FILTRATION_API filtration_status filtration_fluid_set_flow(
+    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
     filtration__lattice *l = fluid ? fluid->lattice : NULL;
     if (!l || !fn) return FILTRATION_BAD_ARGUMENT;
     for (int z = 0; z < l->nz; z++)

@@ -112,7 +112,12 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->c = l->q == 15 ? filtration__c15 : filtration__c19;
     for (int i = 0; i < l->q; i++) {
         int cc = l->c[i][0] * l->c[i][0] + l->c[i][1] * l->c[i][1] + l->c[i][2] * l->c[i][2];
-        l->w[i] = l->q == 15 ? (cc == 0 ? 2.0 / 9.0 : cc == 1 ? 1.0 / 9.0 : 1.0 / 72.0) : (cc == 0 ? 1.0 / 3.0 : cc == 1 ? 1.0 / 18.0 : 1.0 / 36.0);
+        l->w[i] = l->q == 15 ? (cc == 0   ? 2.0 / 9.0
+                                : cc == 1 ? 1.0 / 9.0
+                                          : 1.0 / 72.0)
+                             : (cc == 0   ? 1.0 / 3.0
+                                : cc == 1 ? 1.0 / 18.0
+                                          : 1.0 / 36.0);
     }
     l->single = d->precision == FILTRATION_FLOAT;
     l->half_way = d->boundary == FILTRATION_HALF_WAY;

@@ -30,7 +30,7 @@
     FILTRATION__FLAG bad = 0;
 
 #define FILTRATION__WEIGHT(W, w)                                                                                                           \
-    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w) * plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                         \
+    const FILTRATION__REAL W##_plus = (FILTRATION__REAL)(w)*plus, W##_square = (FILTRATION__REAL)4.5 * W##_plus,                           \
                            W##_odd = (FILTRATION__REAL)(3.0 * (w)) * minus, W##_force_even = (FILTRATION__REAL)(w) * (1 - half * plus),    \
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
@@ -41,7 +41,7 @@
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
     const FILTRATION__REAL uf = forced ? (ux * fx + uy * fy) + uz * fz : 0, uf3 = 3 * uf, q = r - (FILTRATION__REAL)1.5 * uu;              \
     const FILTRATION__REAL b = trace * ((axes + c2 * outer) - r - uu + uf);                                                                \
-    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest) * q);                                                    \
+    const FILTRATION__REAL rest_even = h0 - plus * (h0 - (FILTRATION__REAL)(rest)*q);                                                      \
     p0[x] = rest_even - (FILTRATION__REAL)(1.5 * (rest)) * b - (forced ? (FILTRATION__REAL)(rest) * (1 - half * plus) * uf3 : 0);          \
     bad |= uu < limit ? 0 : 1;
 
@@ -130,12 +130,11 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *con
     }                                                                                                                                      \
     if (x < n) bad |= nodes(p, rates, x, n - x, forced);                                                                                   \
     return bad;
-FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n,
-                                                         ptrdiff_t ahead, const int forced) {
-    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)
-}
-FILTRATION__INLINE int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n,
-                                                         ptrdiff_t ahead, const int forced) {
+FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                                         const int forced){
+    FILTRATION__ROW(FILTRATION__OF(filtration__nodes19), 19)} FILTRATION__INLINE
+    int FILTRATION__OF(filtration__row15)(FILTRATION__REAL *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead,
+                                          const int forced) {
     FILTRATION__ROW(FILTRATION__OF(filtration__nodes15), 15)
 }
 #undef FILTRATION__LOAD

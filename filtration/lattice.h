@@ -4,8 +4,8 @@
 
 /* ==== >>lattice ==== */
 
-#define FILTRATION__Q 19    /* most directions */
-#define FILTRATION__LINE 64 /* bytes of a cache line: rows begin on one */
+#define FILTRATION__Q 19     /* most directions */
+#define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
 #define FILTRATION__TASKS 64 /* parts of a step that threads share: fixed, so that sums have one order */
 #define FILTRATION__FLUID (-1)
 #define FILTRATION__SOLID (-2)
@@ -13,12 +13,12 @@
 enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
 
 /* Directions: rest, then pairs of opposite ones, so that the opposite of i is known without a table. */
-static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0}, {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
-                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
+static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
+                                                   {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
                                                    {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
-static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},    {-1, 0, 0}, {0, 1, 0},   {0, -1, 0},
-                                                   {0, 0, 1},   {0, 0, -1},   {1, 1, 1},  {-1, -1, -1}, {1, 1, -1},
-                                                   {-1, -1, 1}, {1, -1, 1},   {-1, 1, -1}, {-1, 1, 1},  {1, -1, -1}};
+static const signed char filtration__c15[15][3] = {{0, 0, 0},   {1, 0, 0},  {-1, 0, 0},  {0, 1, 0},    {0, -1, 0},
+                                                   {0, 0, 1},   {0, 0, -1}, {1, 1, 1},   {-1, -1, -1}, {1, 1, -1},
+                                                   {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1},   {1, -1, -1}};
 
 static inline int filtration__opposite(int i) { return i ? ((i - 1) ^ 1) + 1 : 0; }
 
@@ -43,14 +43,14 @@ typedef struct filtration__rates {
 } filtration__rates;
 
 typedef struct filtration__lattice {
-    int q, single;                 /* directions; 1: float */
+    int q, single; /* directions; 1: float */
     int nx, ny, nz;
-    int ghost_y, ghost_z;          /* 1: rows beyond the faces exist */
-    int lead;                      /* numbers before node 0 of a row; the last of them is the halo */
-    ptrdiff_t stride, bundle;      /* numbers from direction to direction, from row to row */
-    ptrdiff_t rows;                /* ghosts included */
-    void *f;                       /* deviations h = f - w [-] */
-    void *block;                   /* what was allocated for it */
+    int ghost_y, ghost_z;     /* 1: rows beyond the faces exist */
+    int lead;                 /* numbers before node 0 of a row; the last of them is the halo */
+    ptrdiff_t stride, bundle; /* numbers from direction to direction, from row to row */
+    ptrdiff_t rows;           /* ghosts included */
+    void *f;                  /* deviations h = f - w [-] */
+    void *block;              /* what was allocated for it */
     size_t block_bytes;
     const signed char (*c)[3];
     filtration_face face[6];
@@ -58,10 +58,10 @@ typedef struct filtration__lattice {
     double w[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
-    int odd;                       /* which half of the pair of steps comes next */
-    int32_t *owner;                /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
-    unsigned char *row_state;      /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
-    unsigned char *slab_active;    /* [nz]: 0 at exact rest */
+    int odd;                    /* which half of the pair of steps comes next */
+    int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
+    unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
+    unsigned char *slab_active; /* [nz]: 0 at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
     filtration__ball *balls;

@@ -38,7 +38,8 @@ static inline void filtration__shear_force(const filtration__lattice *l, double 
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
     for (int k = 0; k < points; k++) {
-        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3], w[3];
+        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3],
+               w[3];
         for (int a = 0; a < 3; a++) d[a] = n[a] * b->radius, at[a] = b->centre[a] + n[a] * (b->radius + 1.0);
         filtration__velocity_at(l, at, u);
         filtration__surface_velocity(b, d, w);

@@ -151,7 +151,7 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
 
 /* Puts the populations of a node that a sphere has left. d: from the sphere's centre. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
-    double r = 0.0, u[3], near_u[3], best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
+    double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
     for (int j = 1; j < l->q; j++) {
         int p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]};
