@@ -1376,6 +1376,7 @@ static inline double classifier__brent(double (*f)(double, const void *), const 
         fa = fb;
         b += fabs(d) > tolerance ? d : half > 0.0 ? tolerance : -tolerance;
         fb = f(b, user);
+        if (fb != fb) return classifier__nan();
     }
     return b;
 }
@@ -1396,6 +1397,7 @@ static inline double classifier__find(double (*f)(double, const void *), const v
         if (b > high) b = high;
         if (b == a || fa != fa) return classifier__nan();
         double fb = f(b, user);
+        if (fb != fb) return classifier__nan();
         if ((fb < 0.0) != (fa < 0.0)) return riddle_exp(classifier__brent(f, user, a, fa, b, fb));
         a = b;
         fa = fb;
@@ -2095,6 +2097,7 @@ static inline double classifier__speed_gap(double ln_rpm, const void *user) {
     const classifier__speed_goal *goal = (const classifier__speed_goal *)user;
     classifier_def def = *goal->def;
     classifier_model model;
+    if (*goal->status != CLASSIFIER_OK) return classifier__nan(); /* the first bad status stays */
     def.rpm = riddle_exp(ln_rpm);
     *goal->status = classifier_init(&model, &def, goal->memory);
     if (*goal->status != CLASSIFIER_OK) return classifier__nan();

@@ -379,6 +379,8 @@ typedef struct granulation_sim {
     int n;               /* granules */
     int64_t steps;
     double time;            /* [s] */
+    double owed;            /* after a run that was stopped: what granules have still to move in the last step, which has consolidated and
+                               counts in time and steps [s of path]; the next run does it first. 0: nothing */
     double *x, *y, *z;      /* centres [m], 0 <= x < box; [n] */
     double *vx, *vy, *vz;   /* [m/s]; [n] */
     granulation_body *body; /* [n] */
@@ -389,6 +391,7 @@ typedef struct granulation_sim {
     /* below: private */
     int capacity, cells, item_capacity, event_capacity, hit_capacity;
     int64_t events; /* in the heap */
+    int stage;      /* of a step that was stopped: granulation__stage */
     int *cell_start;
     void *items, *heap, *hits, *motion;
 } granulation_sim;
@@ -412,8 +415,9 @@ GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim
 GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
                                                        const double velocity[3]);
 
-/* `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY; the state is then whole
-   (volumes, momentum), of the time of the stop, and can be used on. */
+/* `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY. The state is then whole (volumes,
+   momentum) and of the time sim->time; only the motion sim->owed is left of the last step. A later run does that first, then its own
+   steps: nothing is done twice. */
 GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps);
 
 /* Changes in mid-run. All check their arguments and change nothing if they refuse. */
@@ -1203,21 +1207,24 @@ static inline double granulation_brownian_kernel(const granulation_granule *i, c
 }
 static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    if (!k) return (double)NAN;
     double u = granulation_volume(i), v = granulation_volume(j);
     return k->rate * (riddle_pow(u + v, k->a) / riddle_pow(u * v, k->b));
 }
 static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    if (!k) return (double)NAN;
     double d = granulation_diameter(granulation_volume(i)) + granulation_diameter(granulation_volume(j));
     return k->rate * (0.25 * RIDDLE_PI) * (d * d) * k->speed;
 }
 static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
+    if (!k) return (double)NAN;
     return granulation__beyond(i, j, k->limit) ? 0.0 : granulation__inner(i, j, k);
 }
 static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
-    if (!k->laws) return (double)NAN;
+    if (!(k && k->laws)) return (double)NAN;
     double critical = k->laws->critical_saturation;
     if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) || granulation__beyond(i, j, k->limit))
         return 0.0;
@@ -1225,7 +1232,7 @@ static inline double granulation_saturation_kernel(const granulation_granule *i,
 }
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
-    if (!(k->laws && k->speed >= 0.0)) return (double)NAN;
+    if (!(k && k->laws && k->speed >= 0.0)) return (double)NAN;
     granulation_body p = granulation_body_of(k->laws, i), q = granulation_body_of(k->laws, j);
     granulation_collision c = granulation_collide(k->laws, &p, &q, k->speed);
     if (!c.coalesces) return 0.0;
@@ -1893,9 +1900,10 @@ static inline void granulation__move(granulation_sim *sim, double path_time) {
 
 /* ---- the paper's rule: overlaps at the end of a step, by index, one event a granule ---- */
 
-static inline granulation_status granulation__end_of_step(granulation_sim *sim, double path_time) {
+static inline granulation_status granulation__end_of_step(granulation_sim *sim, double begun, double *to_go) {
     int cells;
-    granulation__move(sim, path_time);
+    granulation__move(sim, *to_go);
+    *to_go = 0.0;
     if (!granulation__sort(sim, &cells)) return GRANULATION_NO_MEMORY;
     const granulation__item *items = (const granulation__item *)sim->items;
     granulation__motion *motion = (granulation__motion *)sim->motion;
@@ -1921,7 +1929,7 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
                 if (!granulation__push(sim, hit)) return GRANULATION_NO_MEMORY;
             }
     }
-    double now = sim->time + sim->def.step;
+    double now = begun + sim->def.step;
     while (sim->events > 0) {
         granulation__hit hit = granulation__pop(sim);
         if (motion[hit.i].stamp || motion[hit.j].stamp) continue;
@@ -2134,8 +2142,9 @@ static inline granulation_status granulation__handle(granulation_sim *sim, granu
 }
 
 /* *to_go: the path time left when it stopped */
-static inline granulation_status granulation__swept_step(granulation_sim *sim, double path_time, double *to_go) {
-    double left = *to_go = path_time;
+static inline granulation_status granulation__swept_step(granulation_sim *sim, double begun, double *to_go) {
+    const double path_time = sim->def.step / sim->def.dilation;
+    double left = *to_go;
     int64_t budget = sim->def.most_events * (sim->n + (int64_t)1), sweeps = 0;
     granulation_status status = GRANULATION_OK;
     while (left > 0.0 && status == GRANULATION_OK) {
@@ -2157,7 +2166,7 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
                 continue;
             if (sim->def.bounce == GRANULATION_REVERSAL && (hit.stamp_i >= GRANULATION__LOCKED || hit.stamp_j >= GRANULATION__LOCKED))
                 continue;
-            status = granulation__handle(sim, &w, hit, sim->time + sim->def.step * ((path_time - left + hit.time) / path_time));
+            status = granulation__handle(sim, &w, hit, begun + sim->def.step * ((path_time - left + hit.time) / path_time));
             if (--budget < 0) status = GRANULATION_EVENTS;
             if (status == GRANULATION_OK && w.fastest <= w.allowed && w.shift <= 0.25 * w.spacing + w.widest) continue;
             stop = hit.time; /* a new sweep with new bounds */
@@ -2249,22 +2258,42 @@ static inline void granulation__stir(granulation_sim *sim) {
     }
 }
 
-GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps) {
-    if (!sim || steps < 0 || sim->def.cookie != GRANULATION__COOKIE) return GRANULATION_BAD_ARGUMENT;
-    for (int k = 0; k < steps; k++) {
-        granulation__consolidate_all(sim);
+/* What of a step is next. A step that is stopped keeps its stage; its time has passed already. */
+enum { GRANULATION__BEGIN, GRANULATION__BREAK, GRANULATION__MOVE };
+
+/* The rest of a step, from the stage that it is in. begun: its time at the start [s]. */
+static inline granulation_status granulation__finish_step(granulation_sim *sim, double begun) {
+    if (sim->stage == GRANULATION__BREAK) {
         granulation_status status = sim->def.breakage ? granulation__break_all(sim) : GRANULATION_OK;
         if (status != GRANULATION_OK) return status;
         if (sim->def.stirring > 0.0) granulation__stir(sim);
-        double path_time = sim->def.step / sim->def.dilation;
-        double to_go = 0.0;
-        status = sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, path_time, &to_go)
-                                                         : granulation__end_of_step(sim, path_time);
-        sim->time += to_go > 0.0 ? sim->def.step * ((path_time - to_go) / path_time) : sim->def.step;
-        sim->steps++;
+        sim->stage = GRANULATION__MOVE;
+    }
+    granulation_status status = sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, begun, &sim->owed)
+                                                                        : granulation__end_of_step(sim, begun, &sim->owed);
+    if (status != GRANULATION_OK) return status;
+    sim->stage = GRANULATION__BEGIN;
+    sim->owed = 0.0;
+    sim->steps++;
+    for (int i = 0; i < sim->n; i++)
+        if (!(sim->body[i].diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    return GRANULATION_OK;
+}
+
+GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps) {
+    if (!sim || steps < 0 || sim->def.cookie != GRANULATION__COOKIE) return GRANULATION_BAD_ARGUMENT;
+    if (sim->stage != GRANULATION__BEGIN && steps > 0) {
+        granulation_status status = granulation__finish_step(sim, sim->time - sim->def.step);
         if (status != GRANULATION_OK) return status;
-        for (int i = 0; i < sim->n; i++)
-            if (!(sim->body[i].diameter < 0.5 * sim->def.box)) return GRANULATION_TOO_LARGE;
+    }
+    for (int k = 0; k < steps; k++) {
+        const double begun = sim->time;
+        granulation__consolidate_all(sim);
+        sim->time += sim->def.step;
+        sim->owed = sim->def.step / sim->def.dilation;
+        sim->stage = GRANULATION__BREAK;
+        granulation_status status = granulation__finish_step(sim, begun);
+        if (status != GRANULATION_OK) return status;
     }
     return GRANULATION_OK;
 }

@@ -1287,8 +1287,29 @@ static void memory_runs_out(void **state) {
     }
 }
 
+/* One allocation that fails, at any place, is told, though later ones do not fail. */
+static void test_a_failure_is_not_hidden_by_a_later_success(void **state) {
+    classifier_def def = classifier_default_def();
+    int tried = 0, n = 1;
+    (void)state;
+    def.points = 64;
+    for (int k = -1; k < n; k++) {
+        failing_allocator m;
+        classifier_memory hook = {failing_fn, &m};
+        double rpm = 0.0;
+        failing_init_at(&m, k), m.fail_count = 1;
+        const classifier_status status = classifier_rpm_for(&def, 3e-5, &hook, &rpm);
+        if (k < 0) n = m.calls;
+        assert_int_equal(status, k < 0 ? CLASSIFIER_OK : CLASSIFIER_OUT_OF_MEMORY);
+        assert_int_equal(isnan(rpm) != 0, k >= 0);
+        tried++;
+    }
+    assert_true(tried > 5);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_failure_is_not_hidden_by_a_later_success),
         cmocka_unit_test(drag_coefficients),
         cmocka_unit_test(sphericities),
         cmocka_unit_test(dense_flow),
