@@ -103,7 +103,8 @@ static void draw_machine(const study *st, const deck_run *r, const char *name) {
     const deck_def *d = &r->def;
     const dem_world *world = &r->deck.world;
     const double slice = 1.5 * deck_largest(&d->sizes), c = cos(d->inclination), s = sin(d->inclination);
-    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04, width = d->length * c + above * s;
+    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04,
+                 width = d->length * c + (above - below) * s;
     const double height = above * c - below * c + d->length * s;
     const view v = {output_open(st->self->out, name), 1000.0 / width, below * s, above * c};
     output_print(v.file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1000 %.0f' font-family='sans-serif' font-size='13'>\n",

@@ -146,16 +146,34 @@ static void shorten(study *st, deck_def *d, input *in, bool quick, bool own_leng
     d->longest = quick ? 10.0 : 20.0;
 }
 
-/* Soft grains press through thin wires: the largest that falls onto the deck may press by half a wire. */
-static void refuse_soft_grains(const program *self, const deck_def *d) {
-    const double most = deck_largest(&d->sizes), mass = d->density * RIDDLE_PI / 6.0 * most * most * most;
-    const double speed = sqrt(2.0 * 9.81 * d->drop) + 2.0 * RIDDLE_PI * d->frequency * fmax(d->amplitude, fabs(d->minor));
-    double wire = d->wire[0];
-    for (int k = 1; k < d->decks; k++) wire = fmin(wire, d->wire[k]);
-    const double least = 4.0 * mass * speed * speed / (wire * wire);
+/* The stiffness at which the largest grain that falls onto a deck presses into it by a third of a wire [N/m], the most of all decks. */
+static double stiffness_for(const deck_def *d) {
+    const double shake = 2.0 * RIDDLE_PI * d->frequency * fmax(d->amplitude, fabs(d->minor));
+    double stiffness = 0.0;
+    for (int k = 0; k < d->decks; k++) {
+        const double size = k ? fmin(d->aperture[k - 1], deck_largest(&d->sizes)) : deck_largest(&d->sizes);
+        const double speed = sqrt(2.0 * 9.81 * (k ? d->spacing : d->drop)) + shake, third = d->wire[k] / 3.0;
+        stiffness = fmax(stiffness, d->density * RIDDLE_PI / 6.0 * size * size * size * speed * speed / (third * third));
+    }
+    return stiffness;
+}
+
+/* Takes it for the default; soft grains, that press by more than half a wire, are refused. */
+static void choose_stiffness(const program *self, deck_def *d, bool given) {
+    const double stiffness = stiffness_for(d);
     char allowed[120];
-    snprintf(allowed, sizeof allowed, "at least %.3g N/m, or the largest grains press through wires of %.3g mm", least, 1e3 * wire);
-    if (!(d->stiffness >= least)) program_refuse(self, "stiffness", NULL, allowed);
+    snprintf(allowed, sizeof allowed, "at least %.3g N/m, or the largest grains press through the wires", stiffness * 4.0 / 9.0);
+    if (!given) d->stiffness = stiffness;
+    else if (!(d->stiffness >= stiffness * 4.0 / 9.0)) program_refuse(self, "stiffness", NULL, allowed);
+}
+
+/* Threads of a run: those left when each run has one, if there may be many grains to share; of few they wait more than they work. */
+static int threads_for(const deck_def *d, const program *self, int runs) {
+    uint64_t random = 1;
+    double volume = 0.0;
+    for (int k = 0; k < 1000; k++) volume += 1e-3 * RIDDLE_PI / 6.0 * pow(dem_draw_size(&d->sizes, &random), 3.0);
+    const double travel = 0.3, grains = d->flow * d->length / travel / (d->density * volume);
+    return self->threads > runs && grains > 20000.0 ? self->threads / runs : 1;
 }
 
 /* The definition from what was asked for; refuses what cannot be. */
@@ -189,7 +207,6 @@ static void define(const program *self, const input *in, deck_def *d, double *le
     if (!(dem_draw_size(&d->sizes, &random) > 0.0))
         program_refuse(self, "rr-exponent", NULL, "0.1 .. 100, with grains between --smallest-mm and --largest-mm");
     d->flow = in->feed / 3.6 * d->width / in->machine;
-    refuse_soft_grains(self, d);
 }
 
 int main(int argc, char **argv) {
@@ -197,7 +214,7 @@ int main(int argc, char **argv) {
     deck_def def = deck_default(), *d = &def;
     input in = {.feed = 110.0,
                 .machine = 1.2,
-                .section = 200.0,
+                .section = 300.0,
                 .inclination = 12.0,
                 .amplitude = 4.0,
                 .minor = 2.0,
@@ -212,9 +229,9 @@ int main(int argc, char **argv) {
                 .largest = 20.0,
                 .apertures = "10",
                 .second = 0.6};
-    d->length = 1.5;
-    st.window = 0.5, st.measure = 8.0, st.tolerance = 0.05, st.recovery = 0.9;
-    enum { FEED, SECTION, LENGTH, LONGEST, WINDOW, MEASURE, TOLERANCE }; /* the first of the options */
+    d->length = 1.2;
+    st.window = 0.5, st.measure = 6.0, st.tolerance = 0.05, st.recovery = 0.9;
+    enum { FEED, SECTION, LENGTH, LONGEST, WINDOW, MEASURE, TOLERANCE, STIFFNESS }; /* the first of the options */
     option options[] = {
         option_positive("feed-t-h", "T/H", &in.feed, 1e5, "feed of the whole machine [t/h]"),
         option_positive("section-mm", "MM", &in.section, 1e4, "simulated section of the width, rounded to whole pitches [mm]"),
@@ -224,6 +241,8 @@ int main(int argc, char **argv) {
         option_positive("measure-s", "S", &st.measure, 1e4, "measured time from the steady state on, at least eight windows [s]"),
         option_double("tolerance", "X", &st.tolerance, 0.001, 1.0,
                       "share of the feed to which in and out agree for certain when steady [-]"),
+        option_positive("stiffness", "N/M", &d->stiffness, 1e9,
+                        "of contacts; default: the largest falling grain presses into a wire by a third of it [N/m]"),
         option_positive("machine-width-m", "M", &in.machine, 20.0, "width of the whole machine [m]"),
         option_double("second-feed", "X", &in.second, 0.0, 5.0, "feed of the second run over that of the first; 0: none [-]"),
         option_string("aperture-mm", "A,...", &in.apertures,
@@ -249,7 +268,6 @@ int main(int argc, char **argv) {
         option_double("friction", "MU", &d->friction, 0.0, 10.0, "coefficient of friction, grains and deck [-]"),
         option_double("restitution", "E", &d->restitution, 0.05, 1.0, "coefficient of restitution [-]"),
         option_double("rolling-mm", "MM", &in.rolling, 0.0, 100.0, "lever arm of rolling resistance [mm]"),
-        option_positive("stiffness", "N/M", &d->stiffness, 1e9, "of contacts [N/m]"),
         option_positive("drop-mm", "MM", &in.drop, 5e3, "height from which the feed falls [mm]"),
         option_double("recovery", "X", &st.recovery, 0.01, 0.999, "share of the undersize for which deck areas are compared [-]"),
         option_flag("short", &in.brief, "under a minute: a deck of 0.8 m, 75 mm of its width, 60 t/h"),
@@ -266,11 +284,12 @@ int main(int argc, char **argv) {
     if (options[LONGEST].given) d->longest = longest;
     d->seed = self.seed;
     define(&self, &in, d, &st.left_out);
+    choose_stiffness(&self, d, options[STIFFNESS].given);
     st.self = &self;
     st.machine_width = in.machine;
     st.frames = !in.no_frames;
     st.runs = in.second > 0.0 ? 2 : 1;
-    d->threads = self.threads > st.runs ? self.threads / st.runs : 1;
+    d->threads = threads_for(d, &self, st.runs);
     for (int k = 0; k < st.runs; k++) {
         st.run[k].def = *d;
         if (k) st.run[k].def.flow *= in.second, st.run[k].def.seed += 7919u;
