@@ -606,6 +606,66 @@ FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); 
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
 
+/* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */
+typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
+typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
+/* Into a fluid of filtration_fluid_init with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or STREAM the
+   fluid is at rest at time 0. */
+FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
+
+/* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
+
+typedef struct filtration_motion_def {
+    uint32_t cookie;
+    double density;     /* of the spheres [kg/m3] > 0; default 2200 */
+    double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
+    double modulus;     /* reduced modulus E* of two spheres touching [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
+    double restitution; /* coefficient of restitution of the dry contact [-], above 0 .. 1; default 0.5 */
+    double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
+    int sub_steps;      /* contact steps in a fluid step, >= 1; default 10 */
+    int lubrication;    /* 1: force of the film thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
+    double least_gap;   /* of the lubrication, over the diameter [-] > 0; default 1e-3: roughness */
+    int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */
+    int spin;           /* 0: spheres do not turn; default 1 */
+} filtration_motion_def;
+FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
+FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
+
+/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, force and torque of the fluid held): centre, velocity and spin
+   change. contact [n][3] (may be NULL): mean contact and lubrication force in
+   the step [N]. Walls and the solid of the fluid are touched as they are. share: of the force that a symmetric box sees (1, 2 or 4: the
+   force is multiplied by it). */
+FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                                 filtration_spheres *spheres, double share, double *contact);
+/* Sub-steps in the contact time of two equal spheres (Hertz) [-]; should be 10 or more. dt: of the fluid [s]; radius [m], speed of approach
+   [m/s], all > 0, NaN else. */
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
+/* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
+   [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
+                                                  double least);
+
+/* ==== >>permeability: steady flow through any solid ==== */
+
+typedef struct filtration_permeability_result {
+    double permeability;  /* k = mu v / (pressure gradient) [m2] */
+    double resistance;    /* dp / (mu v) [1/m] of the box's length */
+    double velocity;      /* superficial, along the axis [m/s] */
+    double pressure_drop; /* over the box [Pa] */
+    double porosity;      /* of the box [-] */
+    double reynolds;      /* largest speed * voxel / nu [-] */
+    double change;        /* relative change of the velocity in the last test interval [-] */
+    int64_t steps;        /* taken */
+} filtration_permeability_result;
+
+/* Drives the fluid along an axis by pressure_drop [Pa] over the box, as a body force, until the flow changes by less than tolerance
+   (default 1e-5 for 0) in the time that momentum needs to spread over the pores. spheres (may be NULL) rest. NOT_STEADY after max_steps.
+   The flow stays in fluid and may be read. */
+FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
+                                                               double pressure_drop, double tolerance, int64_t max_steps,
+                                                               filtration_permeability_result *result);
+
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
@@ -1582,7 +1642,7 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from the wire's middle line.
+/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from its middle line.
    Its first and second derivative by s over 2. */
 static inline double filtration__disc_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {
@@ -3453,13 +3513,16 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return FILTRATION_OK;
 }
 
-/* Rescales a node: velocity by s, pressure by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation times. */
+/* Rescales a node: velocity by s, pressure and force by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation
+   times. Half the force is missing in the momentum before a collision. */
 static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
     double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
     for (int i = 0; i < l->q; i++) {
+        double cf = 0.0;
+        for (int a = 0; a < 3; a++) cf += l->c[i][a] * l->rates.force[a];
         h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
-        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i];
+        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
     }
     for (int i = 0; i < l->q; i++) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
 }
@@ -3540,6 +3603,419 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     memset(l->slab_active, 1, (size_t)l->nz);
     fluid->mass_correction += r;
     return FILTRATION_OK;
+}
+
+/* save.h: a fluid written as bytes and read back, bit for bit.
+   Relies on flow.h.
+   May be changed here alone: the format, with its version. */
+
+/* ==== >>save ==== */
+
+/* Everything but arrays. All of eight bytes, so that there is no padding. */
+typedef struct filtration__header {
+    uint64_t magic;
+    int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
+    double tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+} filtration__header;
+
+#define FILTRATION__MAGIC UINT64_C(0x316c6966656c6472) /* changes with the format */
+
+static inline uint64_t filtration__checksum(uint64_t sum, const void *data, size_t bytes) {
+    const unsigned char *p = (const unsigned char *)data;
+    size_t k = 0;
+    for (; k + 8 <= bytes; k += 8) {
+        uint64_t word;
+        memcpy(&word, p + k, 8);
+        sum = (sum ^ word) * UINT64_C(0x100000001b3);
+        sum ^= sum >> 29;
+    }
+    for (; k < bytes; k++) sum = (sum ^ p[k]) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+static inline filtration__header filtration__make_header(const filtration_fluid *fluid) {
+    const filtration__lattice *l = fluid->lattice;
+    const filtration_fluid_def *d = &fluid->def;
+    filtration__header h;
+    memset(&h, 0, sizeof h);
+    h.magic = FILTRATION__MAGIC;
+    for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
+    for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
+    h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
+    h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
+    h.tau = d->tau, h.time = fluid->time, h.mass_correction = fluid->mass_correction;
+    h.voxel = d->voxel, h.density = d->density, h.viscosity = d->viscosity;
+    memcpy(h.body_force, d->body_force, sizeof h.body_force);
+    memcpy(h.face_velocity, d->face_velocity, sizeof h.face_velocity);
+    memcpy(h.face_pressure, d->face_pressure, sizeof h.face_pressure);
+    return h;
+}
+
+/* The arrays of a save, in order. Returns their number. */
+static inline int filtration__saved_arrays(const filtration__lattice *l, void *data[4], size_t bytes[4]) {
+    data[0] = l->slab_active, bytes[0] = (size_t)l->nz;
+    data[1] = l->owner, bytes[1] = filtration__nodes(l) * sizeof *l->owner;
+    data[2] = l->balls, bytes[2] = (size_t)l->ball_count * sizeof *l->balls;
+    data[3] = l->f, bytes[3] = l->block_bytes - FILTRATION__LINE;
+    return 4;
+}
+
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user) {
+    if (!fluid || !fluid->lattice || !write) return FILTRATION_BAD_ARGUMENT;
+    filtration__header h = filtration__make_header(fluid);
+    void *data[4];
+    size_t bytes[4];
+    uint64_t sum = filtration__checksum(0, &h, sizeof h);
+    if (!write(user, &h, sizeof h)) return FILTRATION_STREAM;
+    int n = filtration__saved_arrays(fluid->lattice, data, bytes);
+    for (int k = 0; k < n; k++) {
+        if (!bytes[k]) continue;
+        if (!write(user, data[k], bytes[k])) return FILTRATION_STREAM;
+        sum = filtration__checksum(sum, data[k], bytes[k]);
+    }
+    return write(user, &sum, sizeof sum) ? FILTRATION_OK : FILTRATION_STREAM;
+}
+
+/* The fluid at rest at time 0, without spheres. */
+static inline void filtration__rest(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    memset(l->block, 0, l->block_bytes);
+    memset(l->slab_active, 0, (size_t)l->nz);
+    for (size_t k = 0; k < filtration__nodes(l); k++)
+        if (l->owner[k] != FILTRATION__SOLID) l->owner[k] = FILTRATION__FLUID;
+    l->ball_count = 0;
+    l->odd = 0;
+    fluid->time = fluid->mass_correction = 0.0;
+    fluid->steps = fluid->updates = 0;
+    memset(&fluid->problem, 0, sizeof fluid->problem);
+}
+
+/* Whether a save belongs to this fluid. */
+static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
+    filtration__header own = filtration__make_header(fluid);
+    int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
+               h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
+               h->balls >= 0 && h->balls < INT32_MAX && h->tau > 0.5 && h->tau <= 20.0 && (h->odd == 0 || h->odd == 1);
+    for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
+    for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
+    return same;
+}
+
+static inline filtration_status filtration__read_arrays(filtration_fluid *fluid, const filtration__header *h, filtration_read_fn read,
+                                                        void *user) {
+    filtration__lattice *l = fluid->lattice;
+    void *data[4];
+    size_t bytes[4];
+    uint64_t sum = filtration__checksum(0, h, sizeof *h), stored = 0;
+    if (filtration__room_for_balls(fluid, (ptrdiff_t)h->balls) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
+    int n = filtration__saved_arrays(l, data, bytes);
+    for (int k = 0; k < n; k++) {
+        if (!bytes[k]) continue;
+        if (!read(user, data[k], bytes[k])) return FILTRATION_STREAM;
+        sum = filtration__checksum(sum, data[k], bytes[k]);
+    }
+    if (!read(user, &stored, sizeof stored)) return FILTRATION_STREAM;
+    return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
+}
+
+/* Marks the solid's nodes again, as a damaged save may have changed the map. */
+static inline void filtration__remark(filtration_fluid *fluid) {
+    filtration__lattice *l = fluid->lattice;
+    for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
+    l->fluid_nodes = (ptrdiff_t)filtration__nodes(l);
+    l->solid_nodes = 0;
+    if (fluid->def.solid.distance) filtration__mark_solid(&fluid->def, l);
+}
+
+FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user) {
+    filtration__header h;
+    if (!fluid || !fluid->lattice || !read) return FILTRATION_BAD_ARGUMENT;
+    filtration__rest(fluid);
+    if (!read(user, &h, sizeof h)) return FILTRATION_STREAM;
+    if (!filtration__fits(fluid, &h)) return FILTRATION_BAD_DATA;
+    filtration_status status = filtration__read_arrays(fluid, &h, read, user);
+    if (status != FILTRATION_OK) {
+        filtration__remark(fluid);
+        filtration__rest(fluid);
+        return status;
+    }
+    fluid->def.tau = h.tau;
+    memcpy(fluid->def.body_force, h.body_force, sizeof h.body_force);
+    memcpy(fluid->def.face_velocity, h.face_velocity, sizeof h.face_velocity);
+    memcpy(fluid->def.face_pressure, h.face_pressure, sizeof h.face_pressure);
+    filtration__set_units(fluid);
+    fluid->lattice->odd = (int)h.odd;
+    fluid->time = h.time, fluid->mass_correction = h.mass_correction;
+    fluid->steps = h.steps, fluid->updates = h.updates;
+    return FILTRATION_OK;
+}
+
+/* motion.h: spheres moved through one step of the fluid: weight, the fluid's force, contacts, lubrication.
+   Relies on fluid.h.
+   May be changed here alone: everything. */
+
+/* ==== >>motion ==== */
+
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
+                                                  double least) {
+    if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing)) return (double)NAN;
+    double r = r2 < HUGE_VAL ? r1 * r2 / (r1 + r2) : r1, h = gap > least ? gap : least;
+    return h < cutoff ? 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / cutoff) * closing : 0.0;
+}
+
+FILTRATION_API filtration_motion_def filtration_motion_default_def(void) {
+    filtration_motion_def def;
+    memset(&def, 0, sizeof def);
+    def.cookie = FILTRATION__COOKIE;
+    def.density = 2200.0;
+    def.gravity[2] = -9.81;
+    def.modulus = 1e8;
+    def.restitution = 0.5;
+    def.friction = 0.3;
+    def.sub_steps = 10;
+    def.lubrication = 1;
+    def.least_gap = 1e-3;
+    def.spin = 1;
+    return def;
+}
+
+static inline const char *filtration__bad_motion(const filtration_motion_def *d) {
+    if (d->cookie != FILTRATION__COOKIE) return "cookie";
+    if (!filtration__is_positive(d->density)) return "density";
+    for (int a = 0; a < 3; a++) {
+        if (!(fabs(d->gravity[a]) < HUGE_VAL)) return "gravity";
+        if (d->fixed_axes[a] != 0 && d->fixed_axes[a] != 1) return "fixed_axes";
+    }
+    if (!filtration__is_positive(d->modulus)) return "modulus";
+    if (!(d->restitution > 0.0 && d->restitution <= 1.0)) return "restitution";
+    if (!(d->friction >= 0.0 && d->friction < HUGE_VAL)) return "friction";
+    if (d->sub_steps < 1) return "sub_steps";
+    if (d->lubrication != 0 && d->lubrication != 1) return "lubrication";
+    if (!filtration__is_positive(d->least_gap)) return "least_gap";
+    if (d->spin != 0 && d->spin != 1) return "spin";
+    return NULL;
+}
+
+FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field) {
+    const char *bad = def ? filtration__bad_motion(def) : "def";
+    if (field) *field = bad;
+    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
+}
+
+/* Share of critical damping that gives a coefficient of restitution (Tsuji et al. 1992). */
+static inline double filtration__damping(double restitution) {
+    double log_e = riddle_log(restitution);
+    return -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
+}
+
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed) {
+    if (!def || !(dt > 0.0 && radius > 0.0 && speed > 0.0)) return (double)NAN;
+    double m = 0.5 * 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius * def->density, r = 0.5 * radius;
+    double time = 2.87 * riddle_pow(m * m / (r * def->modulus * def->modulus * speed), 0.2); /* Hertz: E* in place of E/(1 - nu^2) */
+    return time / (dt / def->sub_steps);
+}
+
+/* What two bodies touching need; the second may be a wall: radius infinite, at rest. */
+typedef struct filtration__touch {
+    double gap, normal[3], r1, r2, mass; /* normal: from the first to the second; mass: reduced [kg] */
+    double velocity[3];                  /* of the first's surface point relative to the second's [m/s] */
+    double force[3];                     /* on the first [N] */
+} filtration__touch;
+
+/* Hertz with Tsuji's damping, Coulomb friction that stops sliding in a sub-step at most, lubrication implicit in the closing velocity. */
+static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
+                                           filtration__touch *t) {
+    double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
+    for (int a = 0; a < 3; a++) closing += t->velocity[a] * t->normal[a];
+    for (int a = 0; a < 3; a++) tangential[a] = t->velocity[a] - closing * t->normal[a], slide += tangential[a] * tangential[a];
+    slide = sqrt(slide);
+    if (t->gap < 0.0) {
+        double r = t->r2 < HUGE_VAL ? t->r1 * t->r2 / (t->r1 + t->r2) : t->r1, root = sqrt(-r * t->gap),
+               stiffness = 2.0 * def->modulus * root;
+        push = -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
+        if (push < 0.0) push = 0.0;
+    }
+    double cap = t->mass * slide / (2.0 * h), grip = def->friction * push < cap ? def->friction * push : cap;
+    if (def->lubrication) {
+        double least = def->least_gap * 2.0 * t->r1;
+        double rate = filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), least);
+        push += rate * closing / (1.0 + rate * h / t->mass);
+    }
+    for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
+}
+
+/* Velocity of the surface of sphere n towards `normal`. */
+static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3], double sign, double u[3]) {
+    const double *v = s->velocity + 3 * n, *w = s->spin + 3 * n;
+    double r = sign * s->radius[n];
+    u[0] = v[0] + r * (w[1] * normal[2] - w[2] * normal[1]);
+    u[1] = v[1] + r * (w[2] * normal[0] - w[0] * normal[2]);
+    u[2] = v[2] + r * (w[0] * normal[1] - w[1] * normal[0]);
+}
+
+static inline double filtration__sphere_mass(const filtration_motion_def *def, double r) {
+    return 4.0 / 3.0 * RIDDLE_PI * r * r * r * def->density;
+}
+
+/* Kicks sphere n by a force at its surface point towards `normal`. */
+static inline void filtration__kick(const filtration_motion_def *def, filtration_spheres *s, ptrdiff_t n, const double normal[3],
+                                    double sign, const double force[3], double h, double *contact) {
+    double m = filtration__sphere_mass(def, s->radius[n]), turn = h * sign / (0.4 * m * s->radius[n]);
+    for (int a = 0; a < 3; a++) {
+        if (!def->fixed_axes[a]) s->velocity[3 * n + a] += force[a] * h / m;
+        if (contact) contact[3 * n + a] += force[a] / def->sub_steps;
+        if (def->spin) s->spin[3 * n + a] += turn * (normal[(a + 1) % 3] * force[(a + 2) % 3] - normal[(a + 2) % 3] * force[(a + 1) % 3]);
+    }
+}
+
+/* Sphere n against sphere k, or against a wall (k < 0) whose gap and normal are in t. */
+static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
+                                            ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
+    double u[3] = {0, 0, 0}, back[3];
+    double m1 = filtration__sphere_mass(def, s->radius[n]), m2 = k >= 0 ? filtration__sphere_mass(def, s->radius[k]) : 0.0;
+    t->r1 = s->radius[n], t->r2 = k >= 0 ? s->radius[k] : HUGE_VAL, t->mass = k >= 0 ? m1 * m2 / (m1 + m2) : m1;
+    filtration__rim_velocity(s, n, t->normal, 1.0, t->velocity);
+    if (k >= 0) filtration__rim_velocity(s, k, t->normal, -1.0, u);
+    for (int a = 0; a < 3; a++) t->velocity[a] -= u[a];
+    filtration__touch_force(def, fluid, h, damping, t);
+    filtration__kick(def, s, n, t->normal, 1.0, t->force, h, contact);
+    for (int a = 0; a < 3; a++) back[a] = -t->force[a];
+    if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
+}
+
+/* Gap to the solid at rest and the direction towards it, by differences of the signed distance. */
+static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
+                                         filtration__touch *t) {
+    const filtration_solid *solid = &fluid->def.solid;
+    double step = 0.02 * fluid->def.voxel, length = 0.0, box[3], p[3];
+    for (int a = 0; a < 3; a++) {
+        box[a] = fluid->def.nodes[a] * fluid->def.voxel;
+        p[a] = fluid->def.face[2 * a] == FILTRATION_PERIODIC ? centre[a] - box[a] * floor(centre[a] / box[a]) : centre[a];
+    }
+    t->gap = solid->distance(solid->self, p) - radius;
+    if (!(t->gap < reach)) return 0;
+    for (int a = 0; a < 3; a++) {
+        double q[3] = {p[0], p[1], p[2]};
+        q[a] = p[a] + step;
+        t->normal[a] = -solid->distance(solid->self, q);
+        q[a] = p[a] - step;
+        t->normal[a] += solid->distance(solid->self, q);
+        length += t->normal[a] * t->normal[a];
+    }
+    length = sqrt(length);
+    for (int a = 0; a < 3 && length > 0.0; a++) t->normal[a] /= length;
+    return length > 0.0;
+}
+
+static inline void filtration__touch_walls(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
+                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+    filtration__touch t;
+    const double *x = s->centre + 3 * n;
+    if (fluid->def.solid.distance && filtration__near_solid(fluid, x, s->radius[n], reach, &t))
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    for (int f = 0; f < 6; f++) {
+        if (fluid->def.face[f] != FILTRATION_WALL) continue;
+        int a = f / 2, high = f & 1;
+        t.gap = (high ? fluid->def.nodes[a] * fluid->def.voxel - x[a] : x[a]) - s->radius[n];
+        if (!(t.gap < reach)) continue;
+        t.normal[0] = t.normal[1] = t.normal[2] = 0.0;
+        t.normal[a] = high ? 1.0 : -1.0;
+        filtration__collide_pair(def, fluid, s, n, -1, h, damping, &t, contact);
+    }
+}
+
+static inline void filtration__touch_pairs(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
+                                           ptrdiff_t n, double h, double damping, double reach, double *contact) {
+    for (ptrdiff_t k = n + 1; k < s->n; k++) {
+        filtration__touch t;
+        double dd = 0.0, sum = s->radius[n] + s->radius[k];
+        if (!(s->radius[k] > 0.0)) continue;
+        for (int a = 0; a < 3; a++) {
+            double d = s->centre[3 * k + a] - s->centre[3 * n + a], box = fluid->def.nodes[a] * fluid->def.voxel;
+            if (fluid->def.face[2 * a] == FILTRATION_PERIODIC) d -= box * floor(d / box + 0.5);
+            t.normal[a] = d;
+            dd += d * d;
+        }
+        if (!(dd < (sum + reach) * (sum + reach)) || !(dd > 0.0)) continue;
+        double distance = sqrt(dd);
+        for (int a = 0; a < 3; a++) t.normal[a] /= distance;
+        t.gap = distance - sum;
+        filtration__collide_pair(def, fluid, s, n, k, h, damping, &t, contact);
+    }
+}
+
+/* Weight less buoyancy and the fluid's force and torque, for a time h. */
+static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s, ptrdiff_t n,
+                                    double share, double h) {
+    double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
+    for (int a = 0; a < 3; a++) {
+        if (!def->fixed_axes[a]) s->velocity[3 * n + a] += h * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        if (def->spin) s->spin[3 * n + a] += h * share * s->torque[3 * n + a] / (0.4 * m * r * r);
+    }
+}
+
+FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                                 filtration_spheres *spheres, double share, double *contact) {
+    if (filtration_motion_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
+    if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
+    double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
+    double reach = def->lubrication ? fluid->def.voxel * (2.0 / 3.0) : 0.0;
+    for (ptrdiff_t k = 0; contact && k < 3 * spheres->n; k++) contact[k] = 0.0;
+    for (int sub = 0; sub < def->sub_steps; sub++) {
+        for (ptrdiff_t n = 0; n < spheres->n; n++) {
+            if (!(spheres->radius[n] > 0.0)) continue;
+            filtration__push(def, fluid, spheres, n, share, h);
+            filtration__touch_walls(def, fluid, spheres, n, h, damping, reach, contact);
+            filtration__touch_pairs(def, fluid, spheres, n, h, damping, reach, contact);
+        }
+        for (ptrdiff_t n = 0; n < spheres->n; n++)
+            for (int a = 0; a < 3; a++)
+                if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
+    }
+    return FILTRATION_OK;
+}
+
+/* permeability.h: steady flow through what stands in the box.
+   Relies on flow.h.
+   May be changed here alone: everything. */
+
+/* ==== >>permeability ==== */
+
+/* Steps between two looks: what momentum needs to spread over a sixteenth of the shortest side, at least 20. */
+static inline int64_t filtration__interval(const filtration_fluid *fluid) {
+    double n = fluid->def.nodes[0];
+    for (int a = 1; a < 3; a++)
+        if (fluid->def.nodes[a] < n) n = fluid->def.nodes[a];
+    double steps = n * n / 16.0 * 3.0 / (fluid->def.tau - 0.5) / 4.0;
+    return steps < 20.0 ? 20 : steps > 1e6 ? 1000000 : (int64_t)steps;
+}
+
+FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
+                                                               double pressure_drop, double tolerance, int64_t max_steps,
+                                                               filtration_permeability_result *result) {
+    if (!fluid || !fluid->lattice || !result || axis < 0 || axis > 2 || !(pressure_drop > 0.0 && pressure_drop < HUGE_VAL))
+        return FILTRATION_BAD_ARGUMENT;
+    if (!(tolerance >= 0.0 && tolerance < 1.0) || fluid->def.face[2 * axis] != FILTRATION_PERIODIC) return FILTRATION_BAD_ARGUMENT;
+    memset(result, 0, sizeof *result);
+    double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
+    int64_t start = fluid->steps, interval = filtration__interval(fluid);
+    force[axis] = pressure_drop / length;
+    filtration_status status = filtration_fluid_set_body_force(fluid, force);
+    result->pressure_drop = pressure_drop;
+    for (result->change = 1.0; status == FILTRATION_OK && result->change > (tolerance > 0.0 ? tolerance : 1e-5);) {
+        if (fluid->steps - start >= max_steps) return FILTRATION_NOT_STEADY;
+        status = filtration_fluid_run(fluid, interval, spheres);
+        filtration_fluid_mean_velocity(fluid, velocity);
+        result->velocity = velocity[axis];
+        result->change = velocity[axis] != 0.0 ? fabs(velocity[axis] - before) / fabs(velocity[axis]) : 0.0;
+        result->steps = fluid->steps - start;
+        before = velocity[axis];
+    }
+    result->permeability = fluid->def.viscosity * result->velocity * length / pressure_drop;
+    result->resistance = pressure_drop / (fluid->def.viscosity * result->velocity);
+    result->porosity = filtration_fluid_porosity(fluid);
+    result->reynolds = filtration_fluid_max_speed(fluid) * fluid->def.voxel * fluid->def.density / fluid->def.viscosity;
+    return status;
 }
 #endif
 

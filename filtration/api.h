@@ -156,3 +156,63 @@ FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);     
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid);                   /* share of fluid nodes [-] */
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
+
+/* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */
+typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
+typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
+/* Into a fluid of filtration_fluid_init with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or STREAM the
+   fluid is at rest at time 0. */
+FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
+
+/* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
+
+typedef struct filtration_motion_def {
+    uint32_t cookie;
+    double density;     /* of the spheres [kg/m3] > 0; default 2200 */
+    double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
+    double modulus;     /* reduced modulus E* of two spheres touching [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
+    double restitution; /* coefficient of restitution of the dry contact [-], above 0 .. 1; default 0.5 */
+    double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
+    int sub_steps;      /* contact steps in a fluid step, >= 1; default 10 */
+    int lubrication;    /* 1: force of the film thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
+    double least_gap;   /* of the lubrication, over the diameter [-] > 0; default 1e-3: roughness */
+    int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */
+    int spin;           /* 0: spheres do not turn; default 1 */
+} filtration_motion_def;
+FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
+FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
+
+/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, force and torque of the fluid held): centre, velocity and spin
+   change. contact [n][3] (may be NULL): mean contact and lubrication force in
+   the step [N]. Walls and the solid of the fluid are touched as they are. share: of the force that a symmetric box sees (1, 2 or 4: the
+   force is multiplied by it). */
+FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
+                                                 filtration_spheres *spheres, double share, double *contact);
+/* Sub-steps in the contact time of two equal spheres (Hertz) [-]; should be 10 or more. dt: of the fluid [s]; radius [m], speed of approach
+   [m/s], all > 0, NaN else. */
+FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
+/* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
+   [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
+FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
+                                                  double least);
+
+/* ==== >>permeability: steady flow through any solid ==== */
+
+typedef struct filtration_permeability_result {
+    double permeability;  /* k = mu v / (pressure gradient) [m2] */
+    double resistance;    /* dp / (mu v) [1/m] of the box's length */
+    double velocity;      /* superficial, along the axis [m/s] */
+    double pressure_drop; /* over the box [Pa] */
+    double porosity;      /* of the box [-] */
+    double reynolds;      /* largest speed * voxel / nu [-] */
+    double change;        /* relative change of the velocity in the last test interval [-] */
+    int64_t steps;        /* taken */
+} filtration_permeability_result;
+
+/* Drives the fluid along an axis by pressure_drop [Pa] over the box, as a body force, until the flow changes by less than tolerance
+   (default 1e-5 for 0) in the time that momentum needs to spread over the pores. spheres (may be NULL) rest. NOT_STEADY after max_steps.
+   The flow stays in fluid and may be read. */
+FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
+                                                               double pressure_drop, double tolerance, int64_t max_steps,
+                                                               filtration_permeability_result *result);

@@ -66,6 +66,9 @@
 #include "shear.h"
 #include "fluid.h"
 #include "flow.h"
+#include "save.h"
+#include "motion.h"
+#include "permeability.h"
 #endif
 
 #ifdef __cplusplus

@@ -121,13 +121,16 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return FILTRATION_OK;
 }
 
-/* Rescales a node: velocity by s, pressure by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation times. */
+/* Rescales a node: velocity by s, pressure and force by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation
+   times. Half the force is missing in the momentum before a collision. */
 static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
     double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
     for (int i = 0; i < l->q; i++) {
+        double cf = 0.0;
+        for (int a = 0; a < 3; a++) cf += l->c[i][a] * l->rates.force[a];
         h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
-        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i];
+        h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
     }
     for (int i = 0; i < l->q; i++) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
 }

@@ -59,7 +59,7 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from the wire's middle line.
+/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from its middle line.
    Its first and second derivative by s over 2. */
 static inline double filtration__disc_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {

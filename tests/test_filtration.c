@@ -1,0 +1,525 @@
+/* filtration.h, the resolved fluid: flows with closed solutions, drag of periodic arrays, a moving sphere in two frames, the same bits for
+   any number of threads and after loading, settling, what is refused, divergence with its place, failing memory. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+/* cmocka wants the four above first */
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "failing_allocator.h"
+#include "filtration.h"
+
+static filtration_fluid_def small_box(int n) {
+    filtration_fluid_def def = filtration_fluid_default_def();
+    def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
+    def.voxel = 1e-6;
+    return def;
+}
+
+/* ---- between plates ---- */
+
+/* Largest error of the velocity along `flow` between two walls, over the largest velocity. */
+static double plate_error(int axis, int lattice, double tau, int couette) {
+    const int n = 11, flow = (axis + 1) % 3;
+    filtration_fluid_def def = small_box(4);
+    def.nodes[axis] = n;
+    def.tau = tau;
+    def.lattice = (filtration_lattice)lattice;
+    def.face[2 * axis] = def.face[2 * axis + 1] = FILTRATION_WALL;
+    if (couette) def.face_velocity[2 * axis + 1][flow] = 0.01;
+    else def.body_force[flow] = 1e3;
+    filtration_fluid fluid;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, (int64_t)(2000 / (tau - 0.5)) + 200, NULL), FILTRATION_OK);
+    double worst = 0.0, largest = 0.0;
+    for (int k = 0; k < n; k++) {
+        int p[3] = {2, 2, 2};
+        filtration_sample s;
+        p[axis] = k;
+        assert_int_equal(filtration_fluid_at(&fluid, p[0], p[1], p[2], &s), FILTRATION_OK);
+        const double y = (k + 0.5) * def.voxel, height = n * def.voxel;
+        const double exact = couette ? 0.01 * y / height : 1e3 / (2.0 * def.viscosity) * y * (height - y);
+        worst = fmax(worst, fabs(s.velocity[flow] - exact));
+        largest = fmax(largest, exact);
+    }
+    filtration_fluid_free(&fluid);
+    return worst / largest;
+}
+
+static void test_plates(void **state) {
+    (void)state;
+    for (int axis = 0; axis < 3; axis++)
+        for (int lattice = 0; lattice < 2; lattice++)
+            for (int couette = 0; couette < 2; couette++) {
+                assert_true(plate_error(axis, lattice, 0.8, couette) < 1e-12);
+                assert_true(plate_error(axis, lattice, 3.5, couette) < 1e-12);
+            }
+}
+
+/* Pressure faces and walls: a channel; mirrors: half of it. Flux over that of the pressure gradient in the middle: the ends are open, so
+   that the flow enters over less length than the channel has. */
+static double channel_flux(int mirror) {
+    filtration_fluid_def def = small_box(4);
+    def.nodes[0] = mirror ? 5 : 10;
+    def.nodes[2] = 40;
+    def.face[FILTRATION_LOW_X] = FILTRATION_WALL;
+    def.face[FILTRATION_HIGH_X] = mirror ? FILTRATION_SYMMETRY : FILTRATION_WALL;
+    def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
+    def.face_pressure[FILTRATION_LOW_Z] = 0.04;
+    filtration_fluid fluid;
+    filtration_sample low, high;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, 8000, NULL), FILTRATION_OK);
+    const double in = filtration_fluid_flux(&fluid, 2, 0), out = filtration_fluid_flux(&fluid, 2, 39);
+    assert_true(fabs(in - out) < 1e-6 * in);
+    assert_int_equal(filtration_fluid_at(&fluid, 4, 1, 15, &low), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_at(&fluid, 4, 1, 25, &high), FILTRATION_OK);
+    filtration_fluid_free(&fluid);
+    const double gradient = (low.pressure - high.pressure) / 10e-6;
+    assert_true(fabs(gradient * 40e-6 / 0.04 - 1.0) < 0.06);
+    return in / (gradient * 1e-10 / (12.0 * 1e-3));
+}
+
+static void test_pressure_and_mirror(void **state) {
+    (void)state;
+    const double whole = channel_flux(0), half = channel_flux(1);
+    assert_true(fabs(whole - 1.0) < 0.01);
+    assert_true(fabs(half / whole - 1.0) < 1e-9);
+}
+
+/* ---- Taylor-Green ---- */
+
+typedef struct vortex {
+    double k, speed, density;
+} vortex;
+
+static void vortex_flow(void *user, const double x[3], double u[3], double *p) {
+    const vortex *v = (const vortex *)user;
+    u[0] = v->speed * sin(v->k * x[0]) * cos(v->k * x[1]);
+    u[1] = -v->speed * cos(v->k * x[0]) * sin(v->k * x[1]);
+    u[2] = 0.0;
+    *p = 0.25 * v->density * v->speed * v->speed * (cos(2 * v->k * x[0]) + cos(2 * v->k * x[1]));
+}
+
+/* Error of the velocity after a fixed time, over the velocity, on n nodes a side. */
+static double vortex_error(int n, int precision) {
+    filtration_fluid_def def = small_box(n);
+    def.nodes[2] = 1;
+    def.voxel = 1e-3 / n;
+    def.tau = 0.8;
+    def.precision = (filtration_precision)precision;
+    filtration_fluid fluid;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    vortex v = {2.0 * 3.14159265358979323846 / 1e-3, 0.16 / n * def.voxel / fluid.dt, def.density};
+    assert_int_equal(filtration_fluid_set_flow(&fluid, vortex_flow, &v), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, n * n / 4, NULL), FILTRATION_OK);
+    const double decay = exp(-2.0 * 1e-6 * v.k * v.k * fluid.time);
+    double worst = 0.0;
+    for (int y = 0; y < n; y++)
+        for (int x = 0; x < n; x++) {
+            filtration_sample s;
+            const double point[3] = {(x + 0.5) * def.voxel, (y + 0.5) * def.voxel, 0.0};
+            double u[3], p;
+            filtration_fluid_at(&fluid, x, y, 0, &s);
+            vortex_flow(&v, point, u, &p);
+            worst = fmax(worst, fmax(fabs(s.velocity[0] - decay * u[0]), fabs(s.velocity[1] - decay * u[1])));
+        }
+    filtration_fluid_free(&fluid);
+    return worst / (v.speed * decay);
+}
+
+static void test_vortex_is_second_order(void **state) {
+    (void)state;
+    const double coarse = vortex_error(16, FILTRATION_DOUBLE), fine = vortex_error(32, FILTRATION_DOUBLE);
+    assert_true(fine < 0.01);
+    assert_in_range((int)(100.0 * coarse / fine), 310, 480);
+    assert_true(fabs(vortex_error(32, FILTRATION_FLOAT) - fine) < 1e-4);
+}
+
+/* ---- periodic arrays ---- */
+
+/* Drag factor K of a simple cubic array of solid volume fraction c on n nodes a side, the sphere's centre shifted by part of a voxel. */
+static double array_drag(double c, int n, double tau, int lattice, int precision, int boundary, const double shift[3]) {
+    filtration_fluid_def def = small_box(n);
+    def.tau = tau;
+    def.lattice = (filtration_lattice)lattice;
+    def.precision = (filtration_precision)precision;
+    def.boundary = (filtration_boundary)boundary;
+    const double side = n * def.voxel, radius = cbrt(3.0 * c / (4.0 * 3.14159265358979323846)) * side;
+    double centre[3], zero[3] = {0, 0, 0}, force[3], torque[3], r = radius;
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * side + shift[a] * def.voxel;
+    filtration_spheres spheres = {1, centre, zero, zero, &r, force, torque};
+    filtration_fluid fluid;
+    filtration_permeability_result result;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_permeability(&fluid, &spheres, 2, 100.0 * side, 1e-6, 100000, &result), FILTRATION_OK);
+    const double pushed = 100.0 * side * side * side * result.porosity;
+    assert_true(fabs(force[2] - pushed) < 2e-4 * pushed);
+    filtration_fluid_free(&fluid);
+    return 100.0 * side * side * side / (6.0 * 3.14159265358979323846 * 1e-3 * radius * result.velocity);
+}
+
+static void test_zick_homsy(void **state) {
+    (void)state;
+    const double middle[3] = {0, 0, 0}, aside[3] = {0.25, 0.5, 0.15};
+    const double k = array_drag(0.125, 24, 1.0, FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, middle);
+    assert_true(fabs(k / 4.2916 - 1.0) < 0.006);
+    assert_true(fabs(array_drag(0.125, 24, 3.5, 0, 0, 0, middle) / k - 1.0) < 1e-4);
+    assert_true(fabs(array_drag(0.125, 24, 3.5, 0, FILTRATION_FLOAT, 0, middle) / k - 1.0) < 1e-4);
+    assert_true(fabs(array_drag(0.125, 24, 3.5, FILTRATION_D3Q15, 0, 0, middle) / 4.2916 - 1.0) < 0.008);
+    assert_true(fabs(array_drag(0.125, 24, 3.5, 0, 0, FILTRATION_HALF_WAY, middle) / 4.2916 - 1.023) <
+                0.003); /* the staircase's own value */
+    assert_true(fabs(array_drag(0.064, 30, 3.5, 0, 0, 0, aside) / 2.8102 - 1.0) < 0.006);
+    assert_true(fabs(array_drag(0.216, 20, 3.5, 0, 0, 0, aside) / 7.442 - 1.0) < 0.006);
+}
+
+/* ---- a moving sphere ---- */
+
+static void uniform_flow(void *user, const double x[3], double u[3], double *p) {
+    (void)x;
+    u[0] = u[1] = 0.0;
+    u[2] = *(const double *)user;
+    *p = 0.0;
+}
+
+/* Mean drag over slip velocity in ten voxels of way, in a frame that moves along with the sphere (0) or not (1). */
+static double frame_drag(int moves) {
+    const int n = 24, lead = 1500, span = 500;
+    filtration_fluid_def def = small_box(n);
+    filtration_fluid fluid;
+    def.body_force[2] = 1e7;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    double speed = moves ? -0.02 * def.voxel / fluid.dt : 0.0, radius = 5e-6, force[3], torque[3], spin[3] = {0, 0, 0};
+    double centre[3] = {12.13e-6, 12.27e-6, 12.4e-6}, velocity[3] = {0, 0, speed}, drag = 0.0, slip = 0.0;
+    filtration_spheres spheres = {1, centre, velocity, spin, &radius, force, torque};
+    if (moves) assert_int_equal(filtration_fluid_set_flow(&fluid, uniform_flow, &speed), FILTRATION_OK);
+    const double porosity = 1.0 - 4.0 / 3.0 * 3.14159265358979323846 * 125.0 / (n * n * n);
+    for (int k = 0; k < lead + span; k++) {
+        double mean[3];
+        assert_int_equal(filtration_fluid_step(&fluid, &spheres), FILTRATION_OK);
+        centre[2] += speed * fluid.dt;
+        if (k < lead) continue;
+        drag += force[2];
+        if (k % 10) continue;
+        filtration_fluid_mean_velocity(&fluid, mean);
+        slip += mean[2] - porosity * speed;
+    }
+    filtration_fluid_free(&fluid);
+    return drag / slip;
+}
+
+static void test_frame(void **state) {
+    (void)state;
+    const double rest = frame_drag(0), moving = frame_drag(1);
+    assert_true(fabs(moving / rest - 1.0) < 0.005);
+}
+
+/* ---- bits ---- */
+
+/* Ten spheres that spin and move about between walls; hash of the flow and of the forces. */
+typedef struct tumble {
+    double centre[30], velocity[30], spin[30], radius[10], force[30], torque[30];
+    filtration_spheres spheres;
+    filtration_fluid fluid;
+} tumble;
+
+static double solid_rod(const void *self, const double p[3]) {
+    (void)self;
+    return sqrt((p[0] - 16e-6) * (p[0] - 16e-6) + (p[1] - 16e-6) * (p[1] - 16e-6)) - 3e-6;
+}
+
+static void tumble_start(tumble *t, int threads, int skip, const filtration_memory *memory) {
+    filtration_fluid_def def = small_box(32);
+    def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_WALL;
+    def.solid.distance = solid_rod;
+    def.threads = threads;
+    def.skip = skip;
+    def.bulk_ratio = 5.0;
+    if (memory) def.memory = *memory;
+    memset(t, 0, sizeof *t);
+    for (int n = 0; n < 10; n++) {
+        t->radius[n] = 2.2e-6 + 0.1e-6 * n;
+        for (int a = 0; a < 3; a++) {
+            t->centre[3 * n + a] = (a == 2 ? 5.0 + 2.2 * n : 3.0 + (7 * n + 11 * a) % 29) * 1e-6;
+            t->velocity[3 * n + a] = 0.001 * ((n * 5 + a * 3) % 7 - 3);
+            t->spin[3 * n + a] = 300.0 * ((n * 3 + a * 5) % 5 - 2);
+        }
+    }
+    const filtration_spheres s = {10, t->centre, t->velocity, t->spin, t->radius, t->force, t->torque};
+    t->spheres = s;
+    if (filtration_fluid_init(&t->fluid, &def) != FILTRATION_OK) t->fluid.lattice = NULL;
+}
+
+static void tumble_run(tumble *t, int steps) {
+    for (int k = 0; k < steps; k++) {
+        assert_int_equal(filtration_fluid_step(&t->fluid, &t->spheres), FILTRATION_OK);
+        for (int n = 0; n < 30; n++) t->centre[n] += t->velocity[n] * t->fluid.dt * (n % 3 == 2 ? 0.1 : 1.0);
+    }
+}
+
+static uint64_t add_bits(uint64_t hash, const void *data, size_t bytes) {
+    for (size_t k = 0; k < bytes; k++) hash = (hash ^ ((const unsigned char *)data)[k]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+static uint64_t tumble_hash(const tumble *t) {
+    uint64_t hash = add_bits(1, t->force, sizeof t->force);
+    hash = add_bits(hash, t->torque, sizeof t->torque);
+    for (int z = 0; z < 32; z++)
+        for (int y = 0; y < 32; y++)
+            for (int x = 0; x < 32; x++) {
+                filtration_sample s;
+                filtration_fluid_at(&t->fluid, x, y, z, &s);
+                hash = add_bits(hash, s.velocity, sizeof s.velocity);
+                hash = add_bits(hash, &s.pressure, sizeof s.pressure);
+            }
+    return hash;
+}
+
+/* Tasks in reverse, as another number of threads might do them. */
+static void backwards(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    (void)user;
+    for (int k = tasks - 1; k >= 0; k--) task(context, k);
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    tumble *a = (tumble *)malloc(sizeof *a), *b = (tumble *)malloc(sizeof *b);
+    tumble_start(a, 1, 1, NULL);
+    tumble_run(a, 101);
+    for (int k = 0; k < 3; k++) {
+        tumble_start(b, k == 0 ? 2 : 1, k != 1, NULL);
+        if (k == 2) b->fluid.def.parallel.fn = backwards;
+        tumble_run(b, 101);
+        assert_true(tumble_hash(a) == tumble_hash(b));
+        filtration_fluid_free(&b->fluid);
+    }
+    filtration_fluid_free(&a->fluid);
+    free(a);
+    free(b);
+}
+
+typedef struct bytes {
+    unsigned char *data;
+    size_t size, room, at, limit;
+} bytes;
+
+static int write_bytes(void *user, const void *data, size_t n) {
+    bytes *b = (bytes *)user;
+    if (b->size + n > b->limit) return 0;
+    if (b->size + n > b->room) {
+        b->room = 2 * (b->size + n);
+        b->data = (unsigned char *)realloc(b->data, b->room);
+    }
+    memcpy(b->data + b->size, data, n);
+    b->size += n;
+    return 1;
+}
+
+static int read_bytes(void *user, void *data, size_t n) {
+    bytes *b = (bytes *)user;
+    if (b->at + n > b->size) return 0;
+    memcpy(data, b->data + b->at, n);
+    b->at += n;
+    return 1;
+}
+
+static void test_resume(void **state) {
+    (void)state;
+    tumble *a = (tumble *)malloc(sizeof *a), *b = (tumble *)malloc(sizeof *b);
+    bytes saved = {NULL, 0, 0, 0, (size_t)-1 / 2};
+    tumble_start(a, 1, 1, NULL);
+    tumble_run(a, 33);
+    assert_int_equal(filtration_fluid_save(&a->fluid, write_bytes, &saved), FILTRATION_OK);
+    tumble_start(b, 1, 1, NULL);
+    assert_int_equal(filtration_fluid_load(&b->fluid, read_bytes, &saved), FILTRATION_OK);
+    memcpy(b->centre, a->centre, sizeof a->centre);
+    tumble_run(a, 20);
+    tumble_run(b, 20);
+    assert_true(tumble_hash(a) == tumble_hash(b));
+    assert_int_equal(a->fluid.steps, b->fluid.steps);
+    /* damaged, cut off, refused */
+    saved.at = 0;
+    saved.data[saved.size / 2] ^= 1;
+    assert_int_equal(filtration_fluid_load(&b->fluid, read_bytes, &saved), FILTRATION_BAD_DATA);
+    assert_int_equal(b->fluid.steps, 0);
+    saved.at = 0, saved.size /= 3;
+    assert_int_equal(filtration_fluid_load(&b->fluid, read_bytes, &saved), FILTRATION_STREAM);
+    saved.at = 0, saved.size = 0, saved.limit = 100;
+    assert_int_equal(filtration_fluid_save(&a->fluid, write_bytes, &saved), FILTRATION_STREAM);
+    filtration_fluid_free(&a->fluid);
+    filtration_fluid_free(&b->fluid);
+    free(saved.data);
+    free(a);
+    free(b);
+}
+
+/* ---- changes during a run ---- */
+
+static void test_another_time_step(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(8);
+    filtration_fluid fluid;
+    filtration_sample before, after;
+    def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_WALL;
+    def.body_force[0] = 1e4;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, 1501, NULL), FILTRATION_OK);
+    filtration_fluid_at(&fluid, 1, 1, 2, &before);
+    assert_int_equal(filtration_fluid_set_tau(&fluid, 2.5), FILTRATION_OK);
+    filtration_fluid_at(&fluid, 1, 1, 2, &after);
+    assert_true(fabs(after.velocity[0] / before.velocity[0] - 1.0) < 1e-6);
+    assert_int_equal(filtration_fluid_run(&fluid, 3, NULL), FILTRATION_OK);
+    filtration_fluid_at(&fluid, 1, 1, 2, &after);
+    assert_true(fabs(after.velocity[0] / before.velocity[0] - 1.0) < 1e-3);
+    assert_int_equal(filtration_fluid_set_tau(&fluid, 0.5), FILTRATION_BAD_ARGUMENT);
+    filtration_fluid_free(&fluid);
+}
+
+static void test_mass(void **state) {
+    (void)state;
+    tumble *t = (tumble *)malloc(sizeof *t);
+    tumble_start(t, 1, 1, NULL);
+    t->spheres.n = 0;
+    const double start = filtration_fluid_mass(&t->fluid);
+    assert_int_equal(filtration_fluid_run(&t->fluid, 50, NULL), FILTRATION_OK);
+    assert_true(filtration_fluid_mass(&t->fluid) == start); /* at rest: nothing happens */
+    t->spheres.n = 10;
+    tumble_run(t, 100);
+    const double nodes = filtration_fluid_porosity(&t->fluid) * 32 * 32 * 32 * 1e-15;
+    assert_true(fabs(filtration_fluid_mass(&t->fluid) / nodes - 1.0) < 1e-2);
+    assert_int_equal(filtration_fluid_keep_mass(&t->fluid), FILTRATION_OK);
+    assert_true(fabs(filtration_fluid_mass(&t->fluid) / nodes - 1.0) < 1e-12);
+    filtration_fluid_free(&t->fluid);
+    free(t);
+}
+
+/* ---- spheres moved here ---- */
+
+static void test_settling(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(20);
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    def.voxel = 10e-6;
+    def.nodes[2] = 40;
+    def.tau = 2.0;
+    for (int f = 0; f < 6; f++) def.face[f] = FILTRATION_WALL;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    double centre[3] = {100e-6, 100e-6, 250e-6}, velocity[3] = {0, 0, 0}, spin[3] = {0, 0, 0}, radius = 40e-6, force[3], torque[3];
+    double fastest = 0.0;
+    filtration_spheres spheres = {1, centre, velocity, spin, &radius, force, torque};
+    for (int k = 0; k < 4000; k++) {
+        assert_int_equal(filtration_fluid_step(&fluid, &spheres), FILTRATION_OK);
+        assert_int_equal(filtration_move(&motion, &fluid, &spheres, 1.0, NULL), FILTRATION_OK);
+        if (k > 300) fastest = fmax(fastest, -velocity[2]); /* before, sound runs about the box */
+    }
+    /* between d/L 0.25 (wall factor 1.823) and 0.5 (4.54): at 0.4 the square duct's factor is about 3 */
+    const double stokes = 2.0 / 9.0 * 1200.0 * 9.81 * 40e-6 * 40e-6 / 1e-3;
+    assert_in_range((int)(1000.0 * fastest / stokes), 300, 370);
+    assert_true(centre[2] > 39.9e-6 && centre[2] < 50e-6); /* on the bottom or in the film above it */
+    assert_true(fabs(velocity[2]) < 0.02 * fastest);
+    filtration_fluid_free(&fluid);
+}
+
+/* ---- what goes wrong ---- */
+
+static void test_divergence_is_reported(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(12);
+    filtration_fluid fluid;
+    def.tau = 0.505;
+    def.body_force[0] = 1e12;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_run(&fluid, 100000, NULL), FILTRATION_DIVERGED);
+    assert_int_equal(fluid.problem.cause, FILTRATION_SPEED);
+    assert_true(fluid.problem.speed >= 0.3 && fluid.problem.cell_reynolds > 100.0);
+    assert_int_equal(fluid.problem.step, fluid.steps);
+    assert_int_equal(filtration_fluid_step(&fluid, NULL), FILTRATION_DIVERGED);
+    filtration_fluid_free(&fluid);
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    filtration_fluid_def def = small_box(12), bad;
+    const char *field = NULL;
+    filtration_fluid fluid;
+    assert_int_equal(filtration_fluid_check_def(NULL, &field), FILTRATION_BAD_DEF);
+#define REFUSED(what, name)                                                                                                                \
+    bad = def;                                                                                                                             \
+    what;                                                                                                                                  \
+    assert_int_equal(filtration_fluid_check_def(&bad, &field), FILTRATION_BAD_DEF);                                                        \
+    assert_string_equal(field, name);                                                                                                      \
+    assert_int_equal(filtration_fluid_init(&fluid, &bad), FILTRATION_BAD_DEF)
+    REFUSED(bad.cookie = 0, "cookie");
+    REFUSED(bad.nodes[1] = 0, "nodes");
+    REFUSED(bad.voxel = (double)NAN, "voxel");
+    REFUSED(bad.tau = 0.5, "tau");
+    REFUSED(bad.viscosity = HUGE_VAL, "viscosity");
+    REFUSED(bad.face[0] = FILTRATION_WALL, "face");
+    REFUSED(bad.face_velocity[4][2] = 1.0, "face_velocity");
+    REFUSED(bad.body_force[2] = (double)NAN, "body_force");
+    REFUSED(bad.precision = FILTRATION_FLOAT; bad.lattice = FILTRATION_D3Q15, "precision");
+    REFUSED(bad.threads = 0, "threads");
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    double centre[3] = {(double)NAN, 0, 0}, zero[3] = {0, 0, 0}, radius = 3e-6, force[3], torque[3];
+    filtration_spheres s = {1, centre, zero, zero, &radius, force, torque};
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_BAD_ARGUMENT);
+    assert_int_equal(fluid.problem.cause, FILTRATION_SPHERE);
+    centre[0] = 6e-6;
+    radius = 1e-300;
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+    radius = 3e-6;
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+    centre[0] += 0.8e-6;
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_TOO_FAST);
+    s.n = 0;
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+    filtration_fluid_free(&fluid);
+    assert_true(filtration_fluid_bytes(&def) > 12.0 * 12 * 12 * 19 * 8);
+    assert_true(filtration_lubrication_force(1e-5, HUGE_VAL, 1e-7, 1e-3, 1e-3, 1e-6, 1e-8) > 0.0);
+    assert_true(isnan(filtration_lubrication_force(1e-5, HUGE_VAL, (double)NAN, 1e-3, 1e-3, 1e-6, 1e-8)));
+}
+
+static void test_failing_memory(void **state) {
+    (void)state;
+    tumble *t = (tumble *)malloc(sizeof *t);
+    for (int k = 0;; k++) {
+        failing_allocator memory;
+        failing_init_at(&memory, k);
+        const filtration_memory hook = {failing_fn, &memory};
+        tumble_start(t, 1, 1, &hook);
+        if (t->fluid.lattice) {
+            const filtration_status status = filtration_fluid_step(&t->fluid, &t->spheres);
+            assert_int_equal(status, memory.has_failed ? FILTRATION_NO_MEMORY : FILTRATION_OK);
+            filtration_fluid_free(&t->fluid);
+        }
+        assert_int_equal(failing_live(&memory), 0);
+        if (!memory.has_failed) break;
+    }
+    free(t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plates),
+        cmocka_unit_test(test_pressure_and_mirror),
+        cmocka_unit_test(test_vortex_is_second_order),
+        cmocka_unit_test(test_zick_homsy),
+        cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_another_time_step),
+        cmocka_unit_test(test_mass),
+        cmocka_unit_test(test_settling),
+        cmocka_unit_test(test_divergence_is_reported),
+        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_failing_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
