@@ -48,6 +48,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #ifndef CLASSIFIER_API
 #define CLASSIFIER_API static inline
@@ -72,7 +73,8 @@ extern "C" {
     X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                                                   \
     X(CLASSIFIER_NO_CONVERGENCE, "an iteration did not converge")                                                                          \
     X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                                                  \
-    X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")
+    X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")                                                                                           \
+    X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters open")
 #define CLASSIFIER__NAME(name, text) name,
 typedef enum { CLASSIFIER_STATUSES(CLASSIFIER__NAME) CLASSIFIER__STATUS_COUNT } classifier_status;
 #undef CLASSIFIER__NAME
@@ -426,13 +428,19 @@ CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t
 enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* bits; 0: size and slope, always free, alone. HOOK frees the bypass too */
 typedef struct classifier_fit_result {
     classifier_curve curve;
-    /* standard deviations from the curvature, 0 where not free; with sd NULL scaled by the residuals */
+    /* Standard deviations from the curvature; with sd NULL scaled by the residuals. 0 where a parameter is not free or stands at its
+       border, infinite where the points leave it open. */
     double size_sd, slope_sd, bypass_sd, hook_sd;
-    double rms; /* of T [-] */
+    unsigned at_border; /* bits of free_parameters: BYPASS: the best bypass is 0; HOOK: the best curve has no hook (hook_size infinite) */
+    double rms;         /* of T [-] */
+    double dof;         /* degrees of freedom: points minus parameters that are not at a border */
+    double student;     /* a 95 % range is value +- student * sd: Student's t of dof, or 1.96 with sd given */
     int iterations;
 } classifier_fit_result;
 /* Least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n]; sd[n] > 0 or
-   NULL (all equal). Needs more points than free parameters and values on both sides of one half (CLASSIFIER_OUTSIDE otherwise). */
+   NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is sought from
+   between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW) and values on both sides of one half
+   (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -2398,98 +2406,195 @@ static inline double classifier__fit_squares(const classifier_curve *like, const
     return sum;
 }
 
-CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
-                                                const double *sd, int n, classifier_fit_result *result) {
-    if (!result) return CLASSIFIER_BAD_ARGUMENT;
-    result->curve = classifier_curve_of(law, classifier__nan(), classifier__nan());
-    result->curve.bypass = result->curve.hook_size = result->rms = classifier__nan();
-    result->size_sd = result->slope_sd = result->bypass_sd = result->hook_sd = classifier__nan();
-    result->iterations = 0;
-    if (!(x && t && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
-    int free[4] = {0, 1, 2, 3}, n_free = 2;
-    bool bypass = (free_parameters & (CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK)) != 0,
-         hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0;
-    double least = HUGE_VAL, most = 0.0, smallest = HUGE_VAL, largest = 0.0, at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0;
-    n_free += (bypass ? 1 : 0) + (hook ? 1 : 0);
-    for (int i = 0; i < n; i++) {
-        if (!(classifier__positive(x[i]) && fabs(t[i]) < HUGE_VAL && (!sd || classifier__positive(sd[i])))) return CLASSIFIER_BAD_ARGUMENT;
-        if (t[i] < least) least = t[i];
-        if (t[i] > most) most = t[i];
-        if (x[i] < smallest) smallest = x[i];
-        if (x[i] > largest) largest = x[i];
-        if (t[i] < 0.5 && x[i] > at_low) at_low = x[i], t_low = t[i];
+/* Measured points, and a set of parameters that is fitted to them: `like` says which there are. */
+typedef struct classifier__fit_data {
+    const double *x, *t, *sd;
+    int n;
+} classifier__fit_data;
+typedef struct classifier__fit_try {
+    classifier_curve like;
+    double p[4], squares;
+    int free[4], n_free, iterations;
+} classifier__fit_try;
+
+static inline double classifier__try_squares(const classifier__fit_try *f, const double *p, const classifier__fit_data *d,
+                                             double normal[4][4], double *gradient) {
+    return classifier__fit_squares(&f->like, p, f->free, f->n_free, d->x, d->t, d->sd, d->n, normal, gradient);
+}
+
+/* The step of Levenberg and Marquardt, no longer than 1 in any parameter; false if there is none. */
+static inline bool classifier__fit_step(const classifier__fit_try *f, double normal[4][4], const double *gradient, double damping,
+                                        double *step, double *length) {
+    double a[4][4];
+    for (int i = 0; i < f->n_free; i++) {
+        step[i] = gradient[i];
+        for (int j = 0; j <= i; j++) a[i][j] = normal[i][j] * (i == j ? 1.0 + damping : 1.0) + (i == j ? 1e-300 : 0.0);
     }
-    for (int i = 0; i < n; i++)
-        if (t[i] >= 0.5 && x[i] > at_low && x[i] < at_high) at_high = x[i], t_high = t[i];
-    if (n <= n_free || !(least < 0.5 && most > 0.5 && largest > smallest)) return CLASSIFIER_OUTSIDE;
-    /* start: size by interpolation at one half, slope from the best of a few */
-    double size = at_low;
-    if (at_high < HUGE_VAL)
-        size = riddle_exp(riddle_log(at_low) + (0.5 - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
-    classifier_curve like = classifier_curve_of(law, size, 1.0);
-    like.bypass = bypass ? 0.5 : 0.0;
-    like.hook_size = hook ? size : HUGE_VAL;
-    double floor_t = least > 0.01 ? least : 0.01,
-           p[4] = {riddle_log(size), 0.0, riddle_log(floor_t / (1.0 - floor_t)), riddle_log(0.7 * size)}, best = HUGE_VAL, first = 0.0;
-    for (int i = 0; i < 12; i++) {
-        p[1] = riddle_log(0.5) + 0.35 * i;
-        double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, NULL, NULL);
-        if (squares < best) {
-            best = squares;
-            first = p[1];
-        }
-    }
-    p[1] = first;
+    *length = 0.0;
+    if (!classifier__solve_spd(a, step, f->n_free)) return false;
+    for (int i = 0; i < f->n_free; i++)
+        if (fabs(step[i]) > *length) *length = fabs(step[i]);
+    for (int i = 0; i < f->n_free && *length > 1.0; i++) step[i] /= *length;
+    return *length < HUGE_VAL;
+}
+
+/* Goes down from f->p until no step leads further; at most 200 steps. */
+static inline void classifier__descend(classifier__fit_try *f, const classifier__fit_data *d) {
     double normal[4][4], gradient[4], damping = 1e-3;
-    int iteration = 0;
-    bool converged = false;
-    for (; iteration < 200 && !converged; iteration++) {
-        double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, normal, gradient);
-        for (int tries = 0; tries < 40; tries++) {
-            double a[4][4], step[4], q[4] = {p[0], p[1], p[2], p[3]}, length = 0.0;
-            for (int i = 0; i < n_free; i++) {
-                step[i] = gradient[i];
-                for (int j = 0; j <= i; j++) a[i][j] = normal[i][j] * (i == j ? 1.0 + damping : 1.0) + (i == j ? 1e-300 : 0.0);
-            }
-            bool solved = classifier__solve_spd(a, step, n_free);
-            double now = HUGE_VAL;
-            if (solved) {
-                for (int i = 0; i < n_free; i++) {
-                    if (fabs(step[i]) > length) length = fabs(step[i]);
-                }
-                double shrink = length > 1.0 ? 1.0 / length : 1.0; /* a factor e at most */
-                for (int i = 0; i < n_free; i++) q[free[i]] += step[i] * shrink;
-                now = classifier__fit_squares(&like, q, free, n_free, x, t, sd, n, NULL, NULL);
-            }
-            if (now <= squares) {
-                for (int i = 0; i < 4; i++) p[i] = q[i];
+    bool arrived = false;
+    for (f->iterations = 0; f->iterations < 200 && !arrived; f->iterations++) {
+        f->squares = classifier__try_squares(f, f->p, d, normal, gradient);
+        for (int tries = 0; tries < 40 && !arrived; tries++) {
+            double step[4], q[4] = {f->p[0], f->p[1], f->p[2], f->p[3]}, length, now = HUGE_VAL;
+            const bool solved = classifier__fit_step(f, normal, gradient, damping, step, &length);
+            for (int i = 0; i < f->n_free && solved; i++) q[f->free[i]] += step[i];
+            if (solved) now = classifier__try_squares(f, q, d, NULL, NULL);
+            if (now <= f->squares) {
+                for (int i = 0; i < 4; i++) f->p[i] = q[i];
                 damping = damping > 1e-12 ? damping * 0.1 : damping;
-                converged = length < 1e-9 || squares - now <= 1e-15 * squares;
+                arrived = length < 1e-9 || f->squares - now <= 1e-15 * f->squares || fabs(f->p[2]) > 40.0;
+                f->squares = now;
                 break;
             }
             damping *= 10.0;
-            if (tries == 39 || (solved && length < 1e-9)) converged = true; /* no better place to be found */
-            if (converged) break;
+            arrived = tries == 39 || (solved && length < 1e-9);
         }
     }
-    double squares = classifier__fit_squares(&like, p, free, n_free, x, t, sd, n, normal, gradient), variance[4] = {0.0, 0.0, 0.0, 0.0};
-    for (int k = 0; k < n_free; k++) { /* diagonal of the inverse, column by column */
+}
+
+static inline classifier__fit_try classifier__fit_begin(const classifier__fit_try *from, bool bypass, bool hook, double logit_bypass,
+                                                        double ln_hook) {
+    classifier__fit_try f = *from;
+    f.free[0] = 0, f.free[1] = 1, f.free[2] = 2, f.free[3] = 3;
+    f.n_free = 2 + (bypass ? 1 : 0) + (hook ? 1 : 0);
+    f.like.bypass = bypass ? 0.5 : 0.0;
+    f.like.hook_size = hook ? 1.0 : HUGE_VAL;
+    f.p[2] = logit_bypass, f.p[3] = ln_hook;
+    return f;
+}
+
+/* Takes the better of two; the one with more parameters only if it is better by more than rounding. */
+static inline void classifier__fit_take(classifier__fit_try *best, const classifier__fit_try *other) {
+    if (other->squares < best->squares * (1.0 - 1e-12)) *best = *other;
+}
+
+/* The best curve with a bypass, from the floor of the points and from small ones; the border is no bypass. */
+static inline void classifier__fit_bypass(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
+    const double starts[3] = {floor_t, 0.01, 0.1};
+    const classifier__fit_try none = *best;
+    for (int k = 0; k < 3; k++) {
+        classifier__fit_try f = classifier__fit_begin(&none, true, false, riddle_log(starts[k] / (1.0 - starts[k])), 0.0);
+        classifier__descend(&f, d);
+        f.iterations += best->iterations;
+        if (f.p[2] > -16.0) classifier__fit_take(best, &f); /* below 1e-7: the border */
+    }
+}
+
+/* The best curve with a hook: the sum of squares has a kink at every size, so one start between each two. The border is no hook. */
+static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
+    const classifier__fit_try without = *best;
+    const double floors[2] = {floor_t, 0.1};
+    for (int i = 0; i < d->n; i++) {
+        double above = HUGE_VAL;
+        for (int j = 0; j < d->n; j++)
+            if (d->x[j] > d->x[i] && d->x[j] < above) above = d->x[j];
+        if (!(above < HUGE_VAL)) continue;
+        for (int k = 0; k < 2; k++) {
+            classifier__fit_try f = classifier__fit_begin(&without, true, true, riddle_log(floors[k] / (1.0 - floors[k])),
+                                                          0.5 * (riddle_log(d->x[i]) + riddle_log(above)));
+            classifier__descend(&f, d);
+            f.iterations += best->iterations;
+            if (f.p[2] > -16.0) classifier__fit_take(best, &f);
+        }
+    }
+}
+
+/* 1, 2, .. of the sizes are distinct; counts no further than `most`. */
+static inline int classifier__distinct(const double *x, int n, int most) {
+    int count = 0;
+    for (int i = 0; i < n && count < most; i++) {
+        bool is_new = true;
+        for (int j = 0; j < i && is_new; j++) is_new = x[j] != x[i];
+        count += is_new;
+    }
+    return count;
+}
+
+/* Size by interpolation at one half, slope from the best of a few. False: not on both sides of one half. */
+static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law, const classifier__fit_data *d, double *floor_t) {
+    double least = HUGE_VAL, most = 0.0, at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0, best = HUGE_VAL, first = 0.0;
+    for (int i = 0; i < d->n; i++) {
+        if (d->t[i] < least) least = d->t[i];
+        if (d->t[i] > most) most = d->t[i];
+        if (d->t[i] < 0.5 && d->x[i] > at_low) at_low = d->x[i], t_low = d->t[i];
+    }
+    for (int i = 0; i < d->n; i++)
+        if (d->t[i] >= 0.5 && d->x[i] > at_low && d->x[i] < at_high) at_high = d->x[i], t_high = d->t[i];
+    if (!(least < 0.5 && most > 0.5)) return false;
+    double size = at_low;
+    if (at_high < HUGE_VAL)
+        size = riddle_exp(riddle_log(at_low) + (0.5 - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
+    *floor_t = least > 0.01 ? least : 0.01;
+    f->like = classifier_curve_of(law, size, 1.0);
+    f->p[0] = riddle_log(size);
+    *f = classifier__fit_begin(f, false, false, 0.0, 0.0);
+    for (int i = 0; i < 12; i++) {
+        f->p[1] = riddle_log(0.5) + 0.35 * i;
+        double squares = classifier__try_squares(f, f->p, d, NULL, NULL);
+        if (squares < best) best = squares, first = f->p[1];
+    }
+    f->p[1] = first;
+    return true;
+}
+
+/* Deviations from the curvature at the best place: the diagonal of the inverse, column by column. */
+static inline void classifier__fit_deviations(const classifier__fit_try *f, const classifier__fit_data *d, classifier_fit_result *result) {
+    double normal[4][4], gradient[4], deviation[4] = {0.0, 0.0, 0.0, 0.0};
+    const double squares = classifier__try_squares(f, f->p, d, normal, gradient);
+    for (int k = 0; k < f->n_free; k++) {
         double a[4][4], column[4] = {0.0, 0.0, 0.0, 0.0};
         column[k] = 1.0;
-        for (int i = 0; i < n_free; i++)
+        for (int i = 0; i < f->n_free; i++)
             for (int j = 0; j <= i; j++) a[i][j] = normal[i][j];
-        if (!classifier__solve_spd(a, column, n_free)) return CLASSIFIER_NO_CONVERGENCE;
-        variance[k] = column[k] * (sd ? 1.0 : squares / (n - n_free));
+        const bool known = classifier__solve_spd(a, column, f->n_free) && column[k] >= 0.0;
+        deviation[f->free[k]] = known ? sqrt(column[k] * (d->sd ? 1.0 : squares / result->dof)) : HUGE_VAL;
     }
-    if (!converged) return CLASSIFIER_NO_CONVERGENCE;
-    result->curve = classifier__curve_from(&like, p);
-    result->size_sd = result->curve.size * sqrt(variance[0]);
-    result->slope_sd = result->curve.slope * sqrt(variance[1]);
-    result->bypass_sd = bypass ? result->curve.bypass * (1.0 - result->curve.bypass) * sqrt(variance[2]) : 0.0;
-    result->hook_sd = hook ? result->curve.hook_size * sqrt(variance[3]) : 0.0;
-    double plain = classifier__fit_squares(&like, p, free, n_free, x, t, NULL, n, NULL, NULL);
-    result->rms = sqrt(plain / n);
-    result->iterations = iteration;
+    const classifier_curve *c = &result->curve;
+    result->size_sd = c->size * deviation[0];
+    result->slope_sd = c->slope * deviation[1];
+    result->bypass_sd = f->n_free > 2 ? c->bypass * (1.0 - c->bypass) * deviation[2] : 0.0;
+    result->hook_sd = f->n_free > 3 ? c->hook_size * deviation[3] : 0.0;
+}
+
+CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
+                                                const double *sd, int n, classifier_fit_result *result) {
+    const classifier__fit_data d = {x, t, sd, n};
+    const bool hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0, bypass = hook || (free_parameters & CLASSIFIER_FREE_BYPASS) != 0;
+    const int wanted = 2 + (bypass ? 1 : 0) + (hook ? 1 : 0);
+    classifier__fit_try best;
+    double floor_t;
+    if (!result) return CLASSIFIER_BAD_ARGUMENT;
+    memset(result, 0, sizeof *result);
+    result->curve = classifier_curve_of(law, classifier__nan(), classifier__nan());
+    result->curve.bypass = result->curve.hook_size = result->rms = result->student = result->dof = classifier__nan();
+    result->size_sd = result->slope_sd = result->bypass_sd = result->hook_sd = classifier__nan();
+    if (!(x && t && n > 0)) return CLASSIFIER_BAD_ARGUMENT;
+    for (int i = 0; i < n; i++)
+        if (!(classifier__positive(x[i]) && fabs(t[i]) < HUGE_VAL && (!sd || classifier__positive(sd[i])))) return CLASSIFIER_BAD_ARGUMENT;
+    if (classifier__distinct(x, n, wanted + 1) <= wanted) return CLASSIFIER_TOO_FEW;
+    memset(&best, 0, sizeof best);
+    if (!classifier__fit_start(&best, law, &d, &floor_t)) return CLASSIFIER_OUTSIDE;
+    classifier__descend(&best, &d);
+    if (bypass) classifier__fit_bypass(&best, &d, floor_t);
+    if (hook) classifier__fit_hook(&best, &d, floor_t);
+    result->curve = classifier__curve_from(&best.like, best.p);
+    result->at_border = (bypass && best.n_free < 3 ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
+                        (hook && best.n_free < 4 ? (unsigned)CLASSIFIER_FREE_HOOK : 0u);
+    result->dof = n - best.n_free;
+    result->student = sd ? 1.959963984540054 : classifier__student(n - best.n_free + 1);
+    classifier__fit_deviations(&best, &d, result);
+    result->rms = sqrt(classifier__fit_squares(&best.like, best.p, best.free, best.n_free, x, t, NULL, n, NULL, NULL) / n);
+    result->iterations = best.iterations;
     return CLASSIFIER_OK;
 }
 

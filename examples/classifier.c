@@ -90,6 +90,7 @@ typedef struct measured {
     double x[MOST_ROWS], t[MOST_ROWS], sd[MOST_ROWS]; /* [m] [-] [-] */
     bool has_sd;
     double coarse_share, chi_squared; /* from size distributions */
+    double scale;                     /* of the guessed deviations of the shares, from chi_squared */
     int freedom;
 } measured;
 
@@ -114,15 +115,24 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     m->chi_squared = result.chi_squared;
     m->freedom = result.freedom;
     m->has_sd = true;
+    /* Where nobody gave deviations, 2 % is a guess: the misfit of the balance says how large they are. */
+    const bool guessed = csv_column(&data, sds[0]) < 0 || csv_column(&data, sds[1]) < 0 || csv_column(&data, sds[2]) < 0;
+    m->scale = guessed && m->freedom > 0 && m->chi_squared > 0.0 ? sqrt(m->chi_squared / m->freedom) : 1.0;
     for (int i = 0; i < data.rows; i++) {
         double low = csv_value(&data, i, "low_um"), high = csv_value(&data, i, "high_um");
         if (!(low >= 0.0 && high > low)) refuse_file(self, "sizes", path, "class limits do not increase");
         if (!(t[i] == t[i] && t_sd[i] < 0.3)) continue; /* a class with next to no feed says nothing */
         m->x[m->n] = 1e-6 * (low > 0.0 ? sqrt(low * high) : 0.5 * high);
         m->t[m->n] = t[i];
-        m->sd[m->n++] = t_sd[i] > 0.003 ? t_sd[i] : 0.003;
+        m->sd[m->n++] = m->scale * (t_sd[i] > 0.003 ? t_sd[i] : 0.003);
     }
     csv_free(&data);
+}
+
+static const char *bypass_range(char *text, size_t size, const classifier_fit_result *fit) {
+    if (fit->at_border & CLASSIFIER_FREE_BYPASS) return " (at its border)";
+    snprintf(text, size, " +- %.3f", fit->student * fit->bypass_sd);
+    return text;
 }
 
 static void read_measured(const program *self, const char *path, measured *m) {
@@ -568,9 +578,9 @@ int main(int argc, char **argv) {
     if (points) read_measured(&self, points, &m);
     if (m.n) {
         status = classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m.x, m.t, m.has_sd ? m.sd : NULL, m.n, &fit);
-        if (status != CLASSIFIER_OK)
-            refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
-        fitted = true;
+        fitted = status == CLASSIFIER_OK;
+        if (!fitted && calibrate) refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
+        if (!fitted) common_print("The points are drawn without a curve: %s\n", classifier_status_text(status));
         if (calibrate && x50 <= 0.0) x50 = 1e6 * classifier_curve_size(&fit.curve, 0.5);
     }
     if (x50 > 0.0) {
@@ -630,9 +640,12 @@ int main(int argc, char **argv) {
     if (r.flags & CLASSIFIER_MISSED) common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r.missed);
     if (r.clamped > 1e-3)
         common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r.clamped);
+    char range[40];
     if (fitted)
-        common_print("Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f +- %.3f, rms %.3f\n", 1e6 * fit.curve.size,
-                     1e6 * fit.size_sd, fit.curve.slope, fit.slope_sd, fit.curve.bypass, fit.bypass_sd, fit.rms);
+        common_print("Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
+                     "degrees of freedom)\n",
+                     1e6 * fit.curve.size, 1e6 * fit.student * fit.size_sd, fit.curve.slope, fit.student * fit.slope_sd, fit.curve.bypass,
+                     bypass_range(range, sizeof range, &fit), fit.rms, fit.dof);
 
     json *report = json_open(self.json);
     const double weights[3] = {r.weights.clean, r.weights.thrown, r.weights.again};
@@ -665,6 +678,8 @@ int main(int argc, char **argv) {
         json_object_begin(report, "fit");
         json_number(report, "x50_m", fit.curve.size);
         json_number(report, "x50_sd_m", fit.size_sd);
+        json_number(report, "x50_range_m", fit.student * fit.size_sd);
+        json_number(report, "degrees_of_freedom", fit.dof);
         json_number(report, "slope", fit.curve.slope);
         json_number(report, "bypass", fit.curve.bypass);
         json_number(report, "rms", fit.rms);

@@ -825,7 +825,7 @@ static void fits_find_the_curve(void **state) {
     close_to(fit.curve.size, classifier_quantile(&model, 0.5), 0.03);
     classifier_free(&model);
     /* what cannot be fitted */
-    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, NULL, 2, &fit), CLASSIFIER_OUTSIDE);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, NULL, 2, &fit), CLASSIFIER_TOO_FEW);
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, NULL, 0, &fit), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, NULL, t, NULL, 5, &fit), CLASSIFIER_BAD_ARGUMENT);
     for (int i = 0; i < 25; i++) sd[i] = 0.7;
@@ -1307,8 +1307,49 @@ static void test_a_failure_is_not_hidden_by_a_later_success(void **state) {
     assert_true(tried > 5);
 }
 
+/* Noisy curves of a machine without a bypass, fitted with a free bypass and with a free hook: never refused, never worse than without. */
+static void test_fits_whose_best_value_lies_on_a_border(void **state) {
+    uint64_t random = 12345;
+    int at_border = 0;
+    (void)state;
+    for (int k = 0; k < 200; k++) {
+        double uniform[64], x[20], t[20];
+        for (int i = 0; i < 64; i++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            uniform[i] = (double)(random >> 11) * 0x1p-53;
+        }
+        const double slope = 1.2 + 1.8 * uniform[0], scatter = 0.01 + 0.02 * uniform[1];
+        const int n = 6 + (int)(14.0 * uniform[2]);
+        for (int i = 0; i < n; i++) {
+            const double normal = sqrt(-2.0 * log(uniform[3 + 2 * i] + 1e-300)) * cos(2.0 * RIDDLE_PI * uniform[4 + 2 * i]);
+            x[i] = 2e-6 * pow(25.0, i / (n - 1.0));
+            t[i] = 1.0 - exp(-log(2.0) * pow(x[i] / 1e-5, slope)) + scatter * normal;
+        }
+        classifier_fit_result clean, bypass, hook;
+        const classifier_curve_law law = (classifier_curve_law)(k % 3);
+        if (classifier_fit(law, 0, x, t, NULL, n, &clean) != CLASSIFIER_OK) continue;
+        assert_int_equal(classifier_fit(law, CLASSIFIER_FREE_BYPASS, x, t, NULL, n, &bypass), CLASSIFIER_OK);
+        assert_int_equal(classifier_fit(law, CLASSIFIER_FREE_HOOK, x, t, NULL, n, &hook), CLASSIFIER_OK);
+        assert_true(bypass.rms <= clean.rms * (1.0 + 1e-9) && hook.rms <= bypass.rms * (1.0 + 1e-9));
+        assert_true(isfinite(bypass.size_sd) && isfinite(bypass.student));
+        if (!(bypass.at_border & CLASSIFIER_FREE_BYPASS)) continue;
+        at_border++;
+        assert_true(bypass.curve.bypass == 0.0 && bypass.bypass_sd == 0.0 && bypass.dof == n - 2 && bypass.rms == clean.rms);
+    }
+    assert_true(at_border > 50 && at_border < 150);
+    /* without noise, and with points twice */
+    const double sizes[6] = {1e-6, 1e-6, 3e-6, 9e-6, 2.7e-5, 8.1e-5};
+    double exact[6];
+    classifier_fit_result fit;
+    for (int i = 0; i < 6; i++) exact[i] = classifier_plitt(sizes[i], 1e-5, 1.5);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 6, &fit), CLASSIFIER_OK);
+    assert_true(fabs(fit.curve.size / 1e-5 - 1.0) < 1e-9 && fit.rms < 1e-9);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 5, &fit), CLASSIFIER_TOO_FEW);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fits_whose_best_value_lies_on_a_border),
         cmocka_unit_test(test_a_failure_is_not_hidden_by_a_later_success),
         cmocka_unit_test(drag_coefficients),
         cmocka_unit_test(sphericities),
