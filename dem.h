@@ -103,7 +103,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__NOINLINE
 #endif
 
-/* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
+/* dem_run is compiled where it is called: with constant features, only the one kernel that they choose. */
+#if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
+#define DEM__CHOICE static inline __attribute__((always_inline))
+#else
+#define DEM__CHOICE DEM_API
+#endif
+
+/* Particles are scattered in memory. Prefetch the ones needed soon into the second cache; the first is full of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
@@ -452,7 +459,7 @@ typedef struct dem_energy_ledger {
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
-typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
+typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by DEM_KERNEL */
 
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
@@ -1763,7 +1770,12 @@ typedef struct dem__ledger {
     dem_energy_ledger sums;
 } dem__ledger;
 
+/* Memory for the moment. */
+typedef struct dem__work dem__work;
 typedef struct dem__scratch {
+    dem__work *work; /* of each thread, in a run */
+    int works;
+    size_t work_bytes;
     int32_t *index; /* of each particle */
 } dem__scratch;
 
@@ -2140,6 +2152,7 @@ DEM_API void dem_free(dem_world *world) {
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
     dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
+    dem__release(&a, e->scratch.work, e->scratch.work_bytes);
     dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);
 }
@@ -4587,105 +4600,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>kernel */
-
-/* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
-DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
-                                   const dem_law *law) {
-    dem_contact c = *contact;
-    dem_response r;
-    double s[DEM_STATE_MAX];
-    for (int k = 0; k < law->states; k++) s[k] = state[k];
-    c.gap = gap < 0.0 ? gap : -DBL_MIN;
-    c.closing = closing;
-    c.dt = 0.0;
-    law->force(&c, s, &r);
-    *elastic = r.elastic;
-    return r.contact;
-}
-
-/* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
-DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
-    double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
-    double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
-    double u2 = u + 0.5 * t * a1, a2 = -m * dem__force_alone(c, state, g - 0.5 * t * u, u2, &elastic, law);
-    double u3 = u + 0.5 * t * a2, a3 = -m * dem__force_alone(c, state, g - 0.5 * t * u2, u3, &elastic, law);
-    double u4 = u + t * a3, a4 = -m * dem__force_alone(c, state, g - t * u3, u4, &elastic, law);
-    *gap = g - t / 6.0 * (u + 2.0 * u2 + 2.0 * u3 + u4);
-    *closing = u + t / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-    return dem__force_alone(c, state, *gap, *closing, &elastic, law);
-}
-
-/* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
-   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
-   velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
-   second derivative. */
-typedef struct dem__edge_motion {
-    double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
-    double gap, closing;   /* at the end of the step */
-    double duration;       /* of contact within the step [s] */
-    double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
-    double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
-} dem__edge_motion;
-
-/* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
-    double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
-    if (!(c->closing > 0.0)) return 0;
-    e->duration = t < h ? t : h;
-    e->gap = 0.0;
-    e->closing = c->closing;
-    dem__flow(c, state, &e->gap, &e->closing, e->duration, law);
-    const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
-    double next = e->gap, then = e->closing;
-    dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads there within the next step */
-    e->impulse = c->mass * (c->closing - handed);
-    e->shift = c->mass * (e->gap - c->gap);
-    e->elastic = elastic;
-    e->loss = 0.5 * c->mass * (c->closing * c->closing - handed * handed) - elastic;
-    return 1;
-}
-
-/* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
-DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
-                                     const dem_law *law) {
-    const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
-    const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
-    double own = speed;                                /* the motion's own: it comes along the chord of the step before */
-    if (!(verlet < 0.0 && gap < 0.0)) return 0;
-    for (int k = 0; k < 2; k++) {
-        double back = gap, then = own;
-        dem__flow(c, state, &back, &then, -h, law);
-        own += speed + half_kick - (back - gap) * c->rate;
-    }
-    const double u = e->before = verlet + own - speed;
-    double t = 0.0, g = gap, v = u, f = force, before, after;
-    const int pulls = dem__force_alone(c, state, 0.0, u, &before, law) < 0.0;
-    dem__force_alone(c, state, gap, u, &before, law);
-    for (int k = 0; k < 3; k++) {
-        double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
-        else {                                   /* a clipped one when the force is: follow its slope, found a moment later */
-            const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
-            rest = fp < f ? moment * f / (f - fp) : last;
-            if (k < 2) rest *= 0.9;
-        }
-        rest = rest < last ? rest : last;
-        f = dem__flow(c, state, &g, &v, rest, law);
-        t += rest;
-    }
-    e->duration = t;
-    e->closing = v;
-    e->gap = g - (h - t) * v;
-    dem__force_alone(c, state, e->gap, v, &after, law);
-    e->impulse = c->mass * (verlet - v);
-    e->shift = c->mass * (e->gap - c->gap);
-    e->elastic = e->gap < 0.0 ? after : 0.0;
-    e->loss = before - e->elastic + 0.5 * c->mass * (verlet * verlet - v * v);
-    return 1;
-}
-
+/* -------------------------------------------------------------------------------------------- >>rows */
+/* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
     dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
@@ -4903,8 +4820,8 @@ static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *a
     b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
 }
 
-DEM_INLINE void dem__gather_pair(const dem_world *w, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
-    const dem_particle *p = &w->particle[i], *q = &w->particle[j];
+DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
+    const dem_particle *p = &particle[i], *q = &particle[j];
     b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
     b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
     b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
@@ -4955,6 +4872,106 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
         b->gap[k] = distance - t->sum[k];
     }
     for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
+}
+
+/* ------------------------------------------------------------------------------------------- >>edges */
+/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
+   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between. */
+/* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
+DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
+                                   const dem_law *law) {
+    dem_contact c = *contact;
+    dem_response r;
+    double s[DEM_STATE_MAX];
+    for (int k = 0; k < law->states; k++) s[k] = state[k];
+    c.gap = gap < 0.0 ? gap : -DBL_MIN;
+    c.closing = closing;
+    c.dt = 0.0;
+    law->force(&c, s, &r);
+    *elastic = r.elastic;
+    return r.contact;
+}
+
+/* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
+DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
+    double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
+    double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
+    double u2 = u + 0.5 * t * a1, a2 = -m * dem__force_alone(c, state, g - 0.5 * t * u, u2, &elastic, law);
+    double u3 = u + 0.5 * t * a2, a3 = -m * dem__force_alone(c, state, g - 0.5 * t * u2, u3, &elastic, law);
+    double u4 = u + t * a3, a4 = -m * dem__force_alone(c, state, g - t * u3, u4, &elastic, law);
+    *gap = g - t / 6.0 * (u + 2.0 * u2 + 2.0 * u3 + u4);
+    *closing = u + t / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    return dem__force_alone(c, state, *gap, *closing, &elastic, law);
+}
+
+/* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
+   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
+   velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
+   second derivative. */
+typedef struct dem__edge_motion {
+    double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
+    double gap, closing;   /* at the end of the step */
+    double duration;       /* of contact within the step [s] */
+    double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
+    double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
+} dem__edge_motion;
+
+/* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
+    double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
+    if (!(c->closing > 0.0)) return 0;
+    e->duration = t < h ? t : h;
+    e->gap = 0.0;
+    e->closing = c->closing;
+    dem__flow(c, state, &e->gap, &e->closing, e->duration, law);
+    const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
+    double next = e->gap, then = e->closing;
+    dem__flow(c, state, &next, &then, h, law);
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads there within the next step */
+    e->impulse = c->mass * (c->closing - handed);
+    e->shift = c->mass * (e->gap - c->gap);
+    e->elastic = elastic;
+    e->loss = 0.5 * c->mass * (c->closing * c->closing - handed * handed) - elastic;
+    return 1;
+}
+
+/* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
+DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
+                                     const dem_law *law) {
+    const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
+    const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
+    double own = speed;                                /* the motion's own: it comes along the chord of the step before */
+    if (!(verlet < 0.0 && gap < 0.0)) return 0;
+    for (int k = 0; k < 2; k++) {
+        double back = gap, then = own;
+        dem__flow(c, state, &back, &then, -h, law);
+        own += speed + half_kick - (back - gap) * c->rate;
+    }
+    const double u = e->before = verlet + own - speed;
+    double t = 0.0, g = gap, v = u, f = force, before, after;
+    const int pulls = dem__force_alone(c, state, 0.0, u, &before, law) < 0.0;
+    dem__force_alone(c, state, gap, u, &before, law);
+    for (int k = 0; k < 3; k++) {
+        double rest, last = h - t;
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
+        else {                                   /* a clipped one when the force is: follow its slope, found a moment later */
+            const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
+            rest = fp < f ? moment * f / (f - fp) : last;
+            if (k < 2) rest *= 0.9;
+        }
+        rest = rest < last ? rest : last;
+        f = dem__flow(c, state, &g, &v, rest, law);
+        t += rest;
+    }
+    e->duration = t;
+    e->closing = v;
+    e->gap = g - (h - t) * v;
+    dem__force_alone(c, state, e->gap, v, &after, law);
+    e->impulse = c->mass * (verlet - v);
+    e->shift = c->mass * (e->gap - c->gap);
+    e->elastic = e->gap < 0.0 ? after : 0.0;
+    e->loss = before - e->elastic + 0.5 * c->mass * (verlet * verlet - v * v);
+    return 1;
 }
 
 /* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
@@ -5084,6 +5101,35 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
+/* ------------------------------------------------------------------------------------------- >>kernel */
+/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
+   bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
+struct dem__work {
+    dem__rows rows;
+    dem__type_rows types;
+    dem__block_rows block;
+    dem__row before, was, ended, past[DEM_STATE_MAX]; /* force and gap of the step before; history at the start of this one */
+    dem__wall_row wall[DEM__BLOCK];
+    int walls;
+    dem__timer_batch batch; /* of a test of pairs */
+};
+
+/* Work for so many threads. */
+static inline int dem__make_work(dem_world *w, int threads) {
+    dem__scratch *scratch = &w->engine->scratch;
+    const dem_allocator *a = &w->def.allocator;
+    const int wanted = threads < DEM__CHUNKS ? threads : DEM__CHUNKS;
+    if (wanted <= scratch->works) return 1;
+    dem__work *work = (dem__work *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *work);
+    if (!work) return 0;
+    dem__release(a, scratch->work, scratch->work_bytes);
+    scratch->work = work;
+    scratch->works = wanted;
+    scratch->work_bytes = (size_t)wanted * sizeof *work;
+    return 1;
+}
+
 typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
 /* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
@@ -5155,124 +5201,144 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     }
 }
 
-/* Ahead of a link or a contact; of a wall (less than 0) nothing needs to be asked for. */
+/* Prefetches a body of a link or a contact; a wall (less than 0) needs nothing. */
 DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-DEM_INLINE void dem__prefetch_body(const dem_world *w, ptrdiff_t j) {
-    dem__prefetch_particle(w, j);
-    DEM__PREFETCH(&w->engine->bodies.sum[j < 0 ? 0 : j]);
+DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
+    const ptrdiff_t i = j < 0 ? 0 : j;
+    DEM__PREFETCH(&particle[i].x);
+    DEM__PREFETCH(&particle[i].a);
+    DEM__PREFETCH(&sum[i]);
 }
 
-DEM_INLINE void dem__prefetch_contact(const dem_world *w, ptrdiff_t c) {
-    dem__prefetch_body(w, w->engine->contacts.i[c]);
-    dem__prefetch_body(w, w->engine->contacts.j[c]);
+/* Gathers the block of n contacts from slot base on, and prefetches the next one: of this chunk or of the one after it. */
+DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
+                                  int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__chunk *in = &contacts->chunk[chunk];
+    const dem__chunk *then = base + DEM__BLOCK < in->first + in->count || chunk + 1 == contacts->chunk_count ? in : in + 1;
+    const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
+    const dem_particle *particle = w->particle;
+    const dem__sum *sum = w->engine->bodies.sum;
+    const int32_t *of_i = contacts->i, *of_j = contacts->j;
+    int walls = 0;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k, i = of_i[c], j = of_j[c];
+        if (ahead + k < stop) dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
+        if (j >= 0) dem__gather_pair(particle, i, j, &x->rows, k, has_friction);
+        else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &x->rows, k, half, &x->wall[walls++]);
+    }
+    for (int k = n; k < DEM__BLOCK && ahead + k < stop; k++) {
+        dem__prefetch_body(particle, sum, of_i[ahead + k]), dem__prefetch_body(particle, sum, of_j[ahead + k]);
+    }
+    x->walls = walls;
+    dem__load_types(w, base, n, law->constants, &x->types);
+    dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
 }
 
-/* Evaluates the contacts of a chunk. Each stands alone: what it reads is of its own slot and of particles and walls that do not change
-   meanwhile, what it writes is of its own slot; hence any division among threads gives the same bits. Each block is summed while it is in
-   the cache. */
-DEM_INLINE void dem__evaluate_chunk(dem_world *w, ptrdiff_t chunk, dem__type_rows *types, const dem_law *law, dem__edge_fn *mend,
-                                    int features) {
-    const dem__run *run = &w->engine->run;
-    dem__contacts *contacts = &w->engine->contacts;
-    const int has_friction = (features & DEM_FRICTION) != 0;
-    const double h = run->kernel_dt, rate = 1.0 / run->dt, half = 0.5 * h;
+/* Calls the law for n contacts of a block, and stores its answers. */
+DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
+                               const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;
-    dem__chunk *in = &contacts->chunk[chunk];
-    const ptrdiff_t end = in->first + in->count;
-    dem__rows b;
-    dem__block_rows block;
-    for (ptrdiff_t base = in->first; base < end; base += DEM__BLOCK) {
-        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
-        dem__wall_row wall[DEM__BLOCK];
-        int walls = 0;
-
-        /* the next block, of this chunk or of the one after it, is asked for ahead */
-        const dem__chunk *then = base + DEM__BLOCK < end || chunk + 1 == contacts->chunk_count ? in : in + 1;
-        const ptrdiff_t ahead = then == in ? base + DEM__BLOCK : then->first, stop = then->first + then->count;
-        for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = contacts->i[c], j = contacts->j[c];
-            if (ahead + k < stop) dem__prefetch_contact(w, ahead + k);
-            if (j >= 0) dem__gather_pair(w, i, j, &b, k, has_friction);
-            else dem__gather_wall(w, i, -1 - j, contacts->element[c], c, &b, k, half, &wall[walls++]);
-        }
-        for (int k = n; k < DEM__BLOCK && ahead + k < stop; k++) dem__prefetch_contact(w, ahead + k);
-        dem__load_types(w, base, n, law->constants, types);
-        dem__complete_rows(w, &b, types, n, half, wall, walls);
-        dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
-        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, contacts->i[base + k], contacts->j[base + k]);
-
-        dem__row before, was, ended, past[DEM_STATE_MAX];
-        dem__columns old, at;
-        dem__columns_of(w, base, law, features, &old);
-        dem__new_columns(w, base, law, features, &block, &at);
-        DEM__INDEPENDENT
-        for (int k = 0; k < n; k++) {
-            dem_contact q;
-            dem_response r;
-            double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
-            for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
-            for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            for (int a = 0; a < law->history && has_friction; a++) past[a][k] = s[a];
-            dem__contact_geometry(&b, types, k, half, has_friction, &q, &arm_i, &arm_j);
-            const double predict = types->predict[k]; /* read outside the choice, or the loop does not vectorise */
-            q.closing *= b.gap[k] < 0.0 ? predict : 1.0;
-            q.mass = types->mass[k];
-            q.share = share[k];
-            q.dt = h;
-            q.rate = rate;
-            q.constants = p;
-            q.user = user;
-            law->force(&q, s, &r);
-            for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
-            before[k] = old.force[k], was[k] = old.gap[k], ended[k] = r.ended;
-            at.force[k] = r.contact;
-            at.gap[k] = b.gap[k];
-            dem__put_force(at.out, k, &q, &r, arm_i, arm_j, features);
-            if (features & DEM_ENERGY) {
-                r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
-                dem__put_losses(&at, &old, k, &r, h, before[k]);
-            }
-        }
-        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, before, was, ended, at.force);
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
+    for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
+    DEM__INDEPENDENT
+    for (int k = 0; k < n; k++) {
+        dem_contact q;
+        dem_response r;
+        double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
+        for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
+        for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
+        for (int a = 0; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
+        for (int a = 0; a < law->history && has_friction; a++) x->past[a][k] = s[a];
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * h, has_friction, &q, &arm_i, &arm_j);
+        const double predict = x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */
+        q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
+        q.mass = x->types.mass[k];
+        q.share = share[k];
+        q.dt = h;
+        q.rate = rate;
+        q.constants = p;
+        q.user = user;
+        law->force(&q, s, &r);
+        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        x->before[k] = old->force[k], x->was[k] = old->gap[k], x->ended[k] = r.ended;
+        at->force[k] = r.contact;
+        at->gap[k] = x->rows.gap[k];
+        dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            for (int k = 0; k < n; k++) at.loss[3][k] = 0.0, at.power[2][k] = old.power[2][k];
-            for (int q = 0; q < walls; q++) {
-                const int k = wall[q].row;
-                const dem_vec v = wall[q].velocity;
-                const double power = at.out[0][k] * v.x + at.out[1][k] * v.y + at.out[2][k] * v.z;
-                at.loss[3][k] = half * (old.power[2][k] + power);
-                at.power[2][k] = power;
-            }
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
+            dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
+    }
+}
+
+/* Work of the walls on their contacts, powers by the trapezoidal rule. */
+DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
+    for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
+    for (int q = 0; q < x->walls; q++) {
+        const int k = x->wall[q].row;
+        const dem_vec v = x->wall[q].velocity;
+        const double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        at->loss[3][k] = half * (old->power[2][k] + power);
+        at->power[2][k] = power;
+    }
+}
+
+/* Corrects the edge steps of a block: of the last `marked` contacts that its chunk has listed. */
+DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
+                                   const dem__columns *old, const dem__columns *at, const dem_law *law, dem__edge_fn *correct,
+                                   int features) {
+    const dem__run *run = &w->engine->run;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    for (ptrdiff_t m = in->marked - marked, q = 0; m < in->marked; m++) {
+        const ptrdiff_t c = contacts->slots[in->first + m];
+        const int k = (int)(c - base);
+        dem_contact view;
+        dem__edge edge;
+        double p[DEM_CONSTANTS_MAX];
+        if (!contacts->edge[c]) continue;
+        while (q < x->walls && x->wall[q].row < k) q++;
+        for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, has_friction, &view, &edge.arm_i, &edge.arm_j);
+        view.mass = x->types.mass[k];
+        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row, which a law may leave uncomputed */
+        view.dt = 0.0;
+        view.rate = 1.0 / run->dt;
+        view.constants = p;
+        view.user = w->user;
+        edge.gap = x->was[k], edge.force = x->before[k];
+        for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
+        edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+        correct(w, c, &view, &edge);
+        for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old->out[a][k] = at->out[a][k];
+    }
+}
+
+/* Evaluates the contacts of a chunk. Each stands alone: it reads its own slot, particles and walls, which do not change meanwhile, and
+   writes its own slot; hence any division among threads gives the same bits. Each block is summed while it is in the cache. */
+DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
+    const dem__run *run = &w->engine->run;
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    const double h = run->kernel_dt, rate = 1.0 / run->dt;
+    dem__chunk *in = &w->engine->contacts.chunk[chunk];
+    for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        dem__columns old, at;
+        dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
+        dem__columns_of(w, base, law, features, &old);
+        dem__new_columns(w, base, law, features, &x->block, &at);
+        dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
+        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
+        if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
-        for (ptrdiff_t m = in->marked - marked, q = 0; m < in->marked && h > 0.0; m++) {
-            const ptrdiff_t c = contacts->slots[in->first + m];
-            const int k = (int)(c - base);
-            dem_contact view;
-            dem__edge edge;
-            double p[DEM_CONSTANTS_MAX];
-            if (!contacts->edge[c]) continue;
-            while (q < walls && wall[q].row < k) q++;
-            for (int a = 0; a < law->constants; a++) p[a] = types->constant[a][k];
-            dem__contact_geometry(&b, types, k, half, has_friction, &view, &edge.arm_i, &edge.arm_j);
-            view.mass = types->mass[k];
-            view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row: see there */
-            view.dt = 0.0;
-            view.rate = rate;
-            view.constants = p;
-            view.user = user;
-            edge.gap = was[k], edge.force = before[k];
-            for (int a = 0; a < law->states && has_friction; a++) edge.state[a] = a < law->history ? past[a][k] : old.state[a][k];
-            for (int a = 0; a < 9; a++) edge.out[a] = at.out[a] + k;
-            edge.wall_speed = contacts->j[c] < 0 ? wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-            mend(w, c, &view, &edge);
-            for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old.out[a][k] = at.out[a][k];
-        }
+        if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
     }
 }
@@ -5283,15 +5349,16 @@ DEM_INLINE int dem__suits(int features, int run) {
 }
 
 /* The contacts of chunks first .. end-1, by one thread. */
-DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law, dem__edge_fn *mend, int features) {
+DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
+                            int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
-    dem__type_rows types;
+    dem__work *work = &w->engine->scratch.work[part];
     if (!dem__suits(features, run->features) || law->states != run->law->states || law->constants != run->law->constants) {
         w->status = DEM_BAD_ARGUMENT;
         return;
     }
-    for (int k = 0; k < DEM__BLOCK; k++) types.kind[k] = -2;
+    for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
         contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
@@ -5299,9 +5366,12 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const 
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
         }
-        dem__evaluate_chunk(w, q, &types, law, mend, features);
+        dem__evaluate_chunk(w, work, q, law, correct, features);
     }
 }
+
+/* Number of parts that the links are evaluated in. */
+DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
 
 /* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
@@ -5322,70 +5392,78 @@ DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     }
 }
 
-/* The links in slots first .. end-1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
-DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, const dem_law *law) {
-    dem__links *links = &w->engine->links;
-    const double h = w->engine->run.kernel_dt;
-    const void *user = w->user;
-    dem__rows b;
-    dem__type_rows types; /* of which links have sizes only */
-    dem__row state[DEM_STATE_MAX], out[9];
-    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
-        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
-        dem__wall_row wall[DEM__BLOCK];
-        int walls = 0;
-        for (int k = 0; k < n; k++) {
-            const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
-            if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
-            if (j >= 0) dem__gather_pair(w, i, j, &b, k, 1);
-            else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &b, k, 0.0, &wall[walls++]);
-            types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
-            types.part[k] = w->particle[i].radius / types.sum[k];
-        }
-        dem__complete_rows(w, &b, &types, n, 0.0, wall, walls);
+/* Gathers the block of n links from base on, and prefetches those after it. */
+DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
+    const dem__links *links = &w->engine->links;
+    x->walls = 0;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k, i = links->i[c], j = links->j[c], ahead = c + DEM__AHEAD;
+        if (ahead < end) dem__prefetch_particle(w, links->i[ahead]), dem__prefetch_particle(w, links->j[ahead]);
+        if (j >= 0) dem__gather_pair(w->particle, i, j, &x->rows, k, 1);
+        else dem__gather_wall(w, i, -1 - j, links->element[c], -1, &x->rows, k, 0.0, &x->wall[x->walls++]);
+        x->types.sum[k] = w->particle[i].radius + (j >= 0 ? w->particle[j].radius : 0.0);
+        x->types.part[k] = w->particle[i].radius / x->types.sum[k];
+    }
+    dem__complete_rows(w, &x->rows, &x->types, n, 0.0, x->wall, x->walls);
+}
 
-        dem__row ended, share;
-        dem__columns old, at;
-        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
-        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
-        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? state[a] : old.state[a];
-        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? out[a] : old.out[a];
-        for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, links->i[base + k], links->j[base + k]);
-        DEM__INDEPENDENT
-        for (int k = 0; k < n; k++) {
-            dem_contact q;
-            dem_response r;
-            double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
-            for (int a = 0; a < law->states; a++) s[a] = old.state[a][k];
-            for (int a = 0; a < law->vectors; a++) dem__turn(&b, k, h, s + 3 * a);
-            dem__contact_geometry(&b, &types, k, 0.0, 1, &q, &arm_i, &arm_j);
-            q.mass = 0.0;
-            q.share = share[k];
-            q.dt = h;
-            q.rate = 1.0 / h;
-            q.constants = NULL;
-            q.user = user;
-            law->force(&q, s, &r);
-            for (int a = 0; a < law->history; a++) at.state[a][k] = s[a];
-            ended[k] = r.ended;
-            dem__put_force(at.out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
-        }
-        const size_t bytes = (size_t)n * sizeof(double);
-        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
-        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
-        memcpy(links->gap + base, b.gap, bytes);
-        for (int k = 0; k < n; k++) links->ended[base + k] = ended[k] != 0.0;
-        if (dem__parts(w, links->count) == 1) dem__add_links(w, base, base + n);
+/* Calls the links' law for a block. Of a contact type links have sizes only. */
+DEM_INLINE void dem__apply_link_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
+                                    const dem__columns *at, const dem_law *law, double h) {
+    const void *user = w->user;
+    dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
+    for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
+    DEM__INDEPENDENT
+    for (int k = 0; k < n; k++) {
+        dem_contact q;
+        dem_response r;
+        double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
+        for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
+        for (int a = 0; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.0, 1, &q, &arm_i, &arm_j);
+        q.mass = 0.0;
+        q.share = share[k];
+        q.dt = h;
+        q.rate = 1.0 / h;
+        q.constants = NULL;
+        q.user = user;
+        law->force(&q, s, &r);
+        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        x->ended[k] = r.ended;
+        dem__put_force(at->out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
     }
 }
 
-#define DEM__KERNEL(name, call) DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end), (world, first, end), call)
+/* Evaluates links first .. end - 1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
+DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
+    dem__links *links = &w->engine->links;
+    dem__work *x = &w->engine->scratch.work[part];
+    for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
+        const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
+        const size_t bytes = (size_t)n * sizeof(double);
+        dem__columns old, at;
+        dem__gather_links(w, x, base, n, end);
+        for (int a = 0; a < law->states; a++) old.state[a] = links->state[a] + base;
+        for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
+        for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
+        for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
+        dem__apply_link_law(w, x, links->i + base, links->j + base, n, &old, &at, law, w->engine->run.kernel_dt);
+        for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
+        for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
+        memcpy(links->gap + base, x->rows.gap, bytes);
+        for (int k = 0; k < n; k++) links->ended[base + k] = x->ended[k] != 0.0;
+        if (dem__link_parts(w) == 1) dem__add_links(w, base, base + n);
+    }
+}
+
+#define DEM__KERNEL(name, call)                                                                                                            \
+    DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
         dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
     }                                                                                                                                      \
-    DEM__KERNEL(name, dem__kernel(world, first, end, &(law), name##_edge, features))
-#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, &(law)))
+    DEM__KERNEL(name, dem__kernel(world, first, end, part, &(law), name##_edge, features))
+#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, part, &(law)))
 
 /* -------------------------------------------------------------------------------------------------- >>step */
 
@@ -5904,11 +5982,12 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const double dt = w->engine->run.dt;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
         dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * w->engine->run.dt, middle = t - 0.5 * h;
+        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
@@ -5976,12 +6055,15 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
     const int loads = bodies->loads_on || w->engine->links.on;
+    const double dt = w->engine->run.dt;
+    const dem_vec gravity = w->def.gravity;
+    int32_t *doubtful = w->engine->scratch.index + first;
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     double all = 0.0;
     ptrdiff_t n = 0;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = bodies->active[k];
-        if (k < apart) dem__prefetch_body(w, bodies->active[k + DEM__AHEAD]);
+        if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
         dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
@@ -5990,7 +6072,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
         const dem_vec pull = dem__scale(sum->per_mass, force);
-        p->a = dem__add(w->def.gravity, pull);
+        p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
         p->v = dem__plus(p->v, half, p->a);
@@ -5998,8 +6080,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        w->engine->scratch.index[first + n] = (int32_t)i; /* without a branch, which nobody could predict */
-        n += !dem__surely_within(p, w->engine->run.dt, pull);
+        doubtful[n] = (int32_t)i; /* without a branch, which no processor could predict */
+        n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
     *strays = n;
@@ -6212,27 +6294,20 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
     dem__flush_batch(w, waits, step);
 }
 
-typedef struct dem__due_test {
-    int64_t step;
-    dem__timer_batch *batch; /* of each part */
-} dem__due_test;
-static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__due_test *test = (const dem__due_test *)context;
-    dem__test_due_part(w, &test->batch[part], first, end, test->step);
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step);
 }
 
 /* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, DEM__CHUNKS);
-    dem__timer_batch waits[DEM__CHUNKS];
-    dem__due_test test;
-    test.step = step, test.batch = waits;
-    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &test);
+    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
+    dem__work *work = w->engine->scratch.work;
+    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
-        pairs->due_count += (ptrdiff_t)waits[q].looks;
-        dem__new_pair_contacts(w, &waits[q]);
+        pairs->due_count += (ptrdiff_t)work[q].batch.looks;
+        dem__new_pair_contacts(w, &work[q].batch);
     }
 }
 
@@ -6284,12 +6359,12 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 /* Runs the links' kernel on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
-    (void)part, (void)context;
-    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count);
+    (void)context;
+    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
 }
 static inline void dem__evaluate_links(dem_world *w) {
     const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__parts(w, n), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
 /* An evaluation of all contacts by several threads. */
@@ -6338,9 +6413,8 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
-    (void)part;
     for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->kernel(w, first, end);
+    e->kernel(w, first, end, part);
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
@@ -6348,7 +6422,10 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
     e.kernel = kernel, e.has_friction = has_friction;
-    e.parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
+    e.parts = contacts->postponed
+                  ? dem__parts_of(w, contacts->count,
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
+                  : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
     dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
@@ -6497,7 +6574,7 @@ static inline void dem__step_links(dem_world *w) {
     }
     run->kernel_dt = h;
     dem__evaluate_links(w);
-    if (dem__parts(w, links->count) > 1) dem__add_links(w, 0, links->count);
+    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
         const dem__sum *sum = &bodies->sum[i];
@@ -6578,7 +6655,7 @@ static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kern
     const dem_law *old_law = run->law;
     const int old_features = run->features;
     run->law = law, run->features = features;
-    kernel(w, 0, 0);
+    kernel(w, 0, 0, 0);
     const int fits = w->status == DEM_OK;
     run->law = old_law, run->features = old_features;
     w->status = DEM_OK;
@@ -6595,6 +6672,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     double remaining = (w->engine->run.target + duration - w->time) / w->engine->run.dt;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
+    if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
     if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
@@ -6651,7 +6729,7 @@ DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_F
 DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
-DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
     switch (features) {
     case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);

@@ -53,7 +53,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__NOINLINE
 #endif
 
-/* Particles lie in any order: what is needed soon is asked for, into the second cache, as the first is full of what is in use. */
+/* dem_run is compiled where it is called: with constant features, only the one kernel that they choose. */
+#if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
+#define DEM__CHOICE static inline __attribute__((always_inline))
+#else
+#define DEM__CHOICE DEM_API
+#endif
+
+/* Particles are scattered in memory. Prefetch the ones needed soon into the second cache; the first is full of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else

@@ -67,6 +67,7 @@
 #include "bounds.h"
 #include "compact.h"
 #include "pairs.h"
+#include "rows.h"
 #include "edges.h"
 #include "kernel.h"
 #include "contacts.h"

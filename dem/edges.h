@@ -1,5 +1,6 @@
-/* ------------------------------------------------------------------------------------------------ >>kernel */
-
+/* ------------------------------------------------------------------------------------------- >>edges */
+/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
+   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between. */
 /* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
@@ -95,4 +96,131 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     e->elastic = e->gap < 0.0 ? after : 0.0;
     e->loss = before - e->elastic + 0.5 * c->mass * (verlet * verlet - v * v);
     return 1;
+}
+
+/* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
+typedef struct dem__edge {
+    double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
+    dem_vec wall_speed;
+} dem__edge;
+
+/* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
+   of the contact. That may be next to nothing, so what would remain without it has no part there. */
+DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
+    for (int a = 0; a < 3; a++) {
+        impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
+        impulse->rolling[a] += features & DEM_ROLLING ? (time + scaled) * r->rolling[a] : 0.0;
+    }
+}
+
+/* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
+   normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
+                                    dem_response *impulse, const dem_law *law, int features) {
+    const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
+    dem_response third;
+    memset(&third, 0, sizeof third);
+    dem_contact q = *touch;
+    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
+    q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
+    q.dt = t / 3.0;
+    law->force(&q, s, &third);
+    dem__add_friction_impulse(impulse, &third, 0.75 * t, 0.0, features);
+    dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
+}
+
+/* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
+typedef struct dem__edge_result {
+    dem__edge_motion e;
+    dem_response impulse; /* in the end beside the half steps that Verlet hands over */
+    double start, driven;
+} dem__edge_result;
+
+/* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                       int features, dem__edge_result *m) {
+    const double half = 0.5 / q->rate;
+    dem_response r;
+    memset(&r, 0, sizeof r);
+    if (!dem__follow_first_step(q, s, &m->e, law)) return 0;
+    const dem_contact touch = *q;
+    q->gap = m->e.gap;
+    q->closing = m->e.closing;
+    q->dt = m->e.duration;
+    law->force(q, s, &r);
+    for (int a = 0; a < law->history; a++) at->state[a][0] = s[a];
+    dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
+    at->force[0] = m->start = r.contact;
+    if (features & DEM_FRICTION) {
+        for (int a = 0; a < law->history; a++) s[a] = 0.0;
+        dem__begin_friction(&touch, &m->e, s, &r, &m->impulse, law, features);
+        const dem_vec friction = dem__first(m->impulse.tangential);
+        m->driven = dem__dot(friction, was->wall_speed);
+        r.slide_loss = -dem__dot(friction, dem__first(q->slip)) - (r.elastic - m->e.elastic);
+        dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
+    }
+    if (features & DEM_ENERGY) {
+        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
+        dem__put_losses(at, at, 0, &r, 0.0, 1.0);
+        at->loss[2][0] = half * film * q->closing;
+    }
+    return 1;
+}
+
+/* The step in which it ends, likewise. 0: Verlet's step stands. */
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
+                                      int features, dem__edge_result *m) {
+    const double half = 0.5 / q->rate;
+    dem_response r;
+    memset(&r, 0, sizeof r);
+    if (!dem__follow_last_step(q, s, was->gap, was->force, &m->e, law)) return 0;
+    if (m->e.gap < 0.0) {
+        q->gap = m->e.gap;
+        q->closing = m->e.closing;
+        law->force(q, s, &r);
+        if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
+            dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
+            at->force[0] = m->start = r.contact;
+            if (features & DEM_ENERGY) dem__put_losses(at, at, 0, &r, 0.0, 1.0);
+        }
+    }
+    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction fades with the normal force */
+        for (int a = 0; a < law->states; a++) s[a] = was->state[a];
+        q->gap = was->gap;
+        q->closing = m->e.before;
+        law->force(q, s, &r);
+        dem__add_friction_impulse(&m->impulse, &r, 0.0, r.contact > 0.0 ? m->e.impulse / r.contact - half : 0.0, features);
+        m->driven = dem__dot(dem__plus(dem__first(m->impulse.tangential), half, dem__first(r.tangential)), was->wall_speed);
+        if (features & DEM_ENERGY) at->loss[1][0] -= dem__dot(dem__first(m->impulse.tangential), dem__first(q->slip));
+    }
+    return 1;
+}
+
+/* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int first = was->force == 0.0;
+    dem__columns at;
+    dem__edge_result m;
+    double s[DEM_STATE_MAX], *impulse[9];
+    dem__correction *handed = &contacts->correction[c];
+    memset(&m, 0, sizeof m);
+    dem__columns_of(w, c, law, features, &at);
+    for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
+    const int mended =
+        first ? dem__correct_first_step(q, s, &at, was, law, features, &m) : dem__correct_last_step(q, s, &at, was, law, features, &m);
+    contacts->edge[c] = mended != 0;
+    if (!mended) return;
+    if (!first && m.start != 0.0) contacts->ended[c] = 0;
+    at.gap[0] = m.e.gap;
+    m.impulse.normal = m.e.impulse - 0.5 / q->rate * (was->force + m.start);
+    for (int a = 0; a < 3; a++) handed->n[a] = q->normal[a];
+    handed->shift = m.e.shift;
+    for (int a = 0; a < 9; a++) impulse[a] = &handed->impulse[a];
+    dem__put_force(impulse, 0, q, &m.impulse, was->arm_i, was->arm_j, features);
+    if (!(features & DEM_ENERGY)) return;
+    at.loss[0][0] = m.e.loss;
+    if (!first) at.elastic[0] = m.e.elastic;
+    at.loss[3][0] = m.e.impulse * dem__dot(dem__first(q->normal), was->wall_speed) + m.driven;
+    at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }

@@ -184,7 +184,12 @@ typedef struct dem__ledger {
     dem_energy_ledger sums;
 } dem__ledger;
 
+/* Memory for the moment. */
+typedef struct dem__work dem__work;
 typedef struct dem__scratch {
+    dem__work *work; /* of each thread, in a run */
+    int works;
+    size_t work_bytes;
     int32_t *index; /* of each particle */
 } dem__scratch;
 

@@ -7,11 +7,12 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const double dt = w->engine->run.dt;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
         dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * w->engine->run.dt, middle = t - 0.5 * h;
+        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
@@ -79,12 +80,15 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
     const int loads = bodies->loads_on || w->engine->links.on;
+    const double dt = w->engine->run.dt;
+    const dem_vec gravity = w->def.gravity;
+    int32_t *doubtful = w->engine->scratch.index + first;
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     double all = 0.0;
     ptrdiff_t n = 0;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = bodies->active[k];
-        if (k < apart) dem__prefetch_body(w, bodies->active[k + DEM__AHEAD]);
+        if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
         dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
@@ -93,7 +97,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
         const dem_vec pull = dem__scale(sum->per_mass, force);
-        p->a = dem__add(w->def.gravity, pull);
+        p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
         p->v = dem__plus(p->v, half, p->a);
@@ -101,8 +105,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        w->engine->scratch.index[first + n] = (int32_t)i; /* without a branch, which nobody could predict */
-        n += !dem__surely_within(p, w->engine->run.dt, pull);
+        doubtful[n] = (int32_t)i; /* without a branch, which no processor could predict */
+        n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
     *strays = n;
@@ -315,27 +319,20 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
     dem__flush_batch(w, waits, step);
 }
 
-typedef struct dem__due_test {
-    int64_t step;
-    dem__timer_batch *batch; /* of each part */
-} dem__due_test;
-static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__due_test *test = (const dem__due_test *)context;
-    dem__test_due_part(w, &test->batch[part], first, end, test->step);
+static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step);
 }
 
 /* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, DEM__CHUNKS);
-    dem__timer_batch waits[DEM__CHUNKS];
-    dem__due_test test;
-    test.step = step, test.batch = waits;
-    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &test);
+    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
+    dem__work *work = w->engine->scratch.work;
+    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
-        pairs->due_count += (ptrdiff_t)waits[q].looks;
-        dem__new_pair_contacts(w, &waits[q]);
+        pairs->due_count += (ptrdiff_t)work[q].batch.looks;
+        dem__new_pair_contacts(w, &work[q].batch);
     }
 }
 
@@ -387,12 +384,12 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 /* Runs the links' kernel on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
-    (void)part, (void)context;
-    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count);
+    (void)context;
+    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
 }
 static inline void dem__evaluate_links(dem_world *w) {
     const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__parts(w, n), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
 /* An evaluation of all contacts by several threads. */
@@ -441,9 +438,8 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
-    (void)part;
     for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->kernel(w, first, end);
+    e->kernel(w, first, end, part);
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
@@ -451,7 +447,10 @@ static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, i
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
     e.kernel = kernel, e.has_friction = has_friction;
-    e.parts = contacts->postponed ? dem__parts_of(w, contacts->count, contacts->chunk_count) : 1;
+    e.parts = contacts->postponed
+                  ? dem__parts_of(w, contacts->count,
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
+                  : 1;
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
     dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
@@ -600,7 +599,7 @@ static inline void dem__step_links(dem_world *w) {
     }
     run->kernel_dt = h;
     dem__evaluate_links(w);
-    if (dem__parts(w, links->count) > 1) dem__add_links(w, 0, links->count);
+    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
         const dem__sum *sum = &bodies->sum[i];
@@ -681,7 +680,7 @@ static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kern
     const dem_law *old_law = run->law;
     const int old_features = run->features;
     run->law = law, run->features = features;
-    kernel(w, 0, 0);
+    kernel(w, 0, 0, 0);
     const int fits = w->status == DEM_OK;
     run->law = old_law, run->features = old_features;
     w->status = DEM_OK;
@@ -698,6 +697,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     double remaining = (w->engine->run.target + duration - w->time) / w->engine->run.dt;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     if (w->status != DEM_OK) return w->status;
+    if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
     if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
@@ -754,7 +754,7 @@ DEM_KERNEL(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | DEM_F
 DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
-DEM_API dem_status dem_run(dem_world *world, double duration, int features) {
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
     switch (features) {
     case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);

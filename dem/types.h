@@ -310,7 +310,7 @@ typedef struct dem_energy_ledger {
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
-typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end);
+typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by DEM_KERNEL */
 
 /* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
    computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */

@@ -1,0 +1,273 @@
+/* -------------------------------------------------------------------------------------------- >>rows */
+/* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
+/* What is known of a block of contacts before the law is asked. */
+typedef struct dem__rows {
+    dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
+    dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
+    dem__row wi[3], wj[3];           /* spins */
+    dem__row nx, ny, nz, gap, inverse;
+} dem__rows;
+
+/* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
+typedef struct dem__type_rows {
+    int32_t kind[DEM__BLOCK]; /* of which the rows are; -2: of none yet */
+    dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
+} dem__type_rows;
+
+/* The geometry of contact k, as the law sees it. */
+DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
+                                      double *arm_i, double *arm_j) {
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
+    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    q->normal[0] = nx, q->normal[1] = ny, q->normal[2] = nz;
+    q->gap = b->gap[k];
+    q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
+    if (!has_friction) return;
+    /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
+    const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
+    const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
+                 sz = ai * b->wi[2][k] + aj * b->wj[2][k];
+    *arm_i = ai, *arm_j = aj;
+    q->translation[0] = b->vx[k] - along * nx, q->translation[1] = b->vy[k] - along * ny, q->translation[2] = b->vz[k] - along * nz;
+    q->slip[0] = q->translation[0] + (ny * sz - nz * sy);
+    q->slip[1] = q->translation[1] + (nz * sx - nx * sz);
+    q->slip[2] = q->translation[2] + (nx * sy - ny * sx);
+    q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
+}
+
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
+   connects, to second order without a root; and about the normal with the mean spin. */
+DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = 0.5 * h * b->inverse[k];
+    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
+    const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
+    s[0] = x - out * (nx - by * (b->vx[k] - along * nx)) + twist * (ny * z - nz * y);
+    s[1] = y - out * (ny - by * (b->vy[k] - along * ny)) + twist * (nz * x - nx * z);
+    s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
+}
+
+/* Where the slots of contacts begin: in the world, or in a block. */
+typedef struct dem__columns {
+    double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
+} dem__columns;
+
+/* What is new of a block of contacts. */
+typedef struct dem__block_rows {
+    dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
+} dem__block_rows;
+
+DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__columns *at) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (int a = 0; a < law->states; a++) at->state[a] = contacts->state[a] + c;
+    for (int a = 0; a < 9; a++) at->out[a] = contacts->wrench[a] + c;
+    at->gap = contacts->gap + c, at->force = contacts->force + c;
+    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = contacts->power[a] + c;
+    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = contacts->loss[a] + c;
+    at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
+}
+
+/* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block_rows *b, dem__columns *at) {
+    dem__columns_of(w, c, law, features, at);
+    for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
+    if (!DEM__COPY_ROWS) return;
+    for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
+    for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
+    for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
+    at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
+}
+
+/* From there to the world. */
+DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
+    const size_t bytes = (size_t)n * sizeof(double);
+    for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
+    if (!DEM__COPY_ROWS) return;
+    for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
+    memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
+    if (!(features & DEM_ENERGY)) return;
+    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
+    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
+    memcpy(to->elastic, from->elastic, bytes);
+}
+
+/* Of a block in which each contact has its own. */
+static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const size_t bytes = (size_t)n * sizeof(double);
+    memcpy(t->mass, contacts->mass + base, bytes), memcpy(t->predict, contacts->predict + base, bytes);
+    memcpy(t->sum, contacts->sum + base, bytes), memcpy(t->part, contacts->part + base, bytes);
+    for (int a = 0; a < constants; a++) memcpy(t->constant[a], contacts->constant[a] + base, bytes);
+    for (int k = 0; k < n; k++) t->kind[k] = -1;
+}
+
+/* Of those slots of a block whose kind is not that of before. */
+static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int32_t *kind = contacts->type + base;
+    int32_t own = -1;
+    for (int k = 0; k < n; k++) own &= kind[k];
+    if (own < 0) {
+        dem__copy_types(w, base, n, constants, t);
+        return;
+    }
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k;
+        if (kind[k] >= 0 && kind[k] == t->kind[k]) continue;
+        t->kind[k] = kind[k];
+        if (kind[k] >= 0) {
+            const dem__contact_type *of = &contacts->types[kind[k]];
+            t->mass[k] = of->mass, t->predict[k] = of->predict, t->sum[k] = of->sum, t->part[k] = of->part;
+            for (int a = 0; a < constants; a++) t->constant[a][k] = of->constant[a];
+        } else {
+            t->mass[k] = contacts->mass[c], t->predict[k] = contacts->predict[c], t->sum[k] = contacts->sum[c],
+            t->part[k] = contacts->part[c];
+            for (int a = 0; a < constants; a++) t->constant[a][k] = contacts->constant[a][c];
+        }
+    }
+}
+DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+    const int32_t *kind = w->engine->contacts.type + base;
+    int32_t differ = 0;
+    for (int k = 0; k < n; k++) differ |= (kind[k] ^ t->kind[k]) | kind[k] >> 31;
+    if (differ) dem__renew_types(w, base, n, constants, t);
+}
+
+/* Force on i, torques on i and j. */
+DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
+                               int features) {
+    const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
+    if (!(features & DEM_FRICTION)) {
+        out[0][c] = r->normal * nx, out[1][c] = r->normal * ny, out[2][c] = r->normal * nz;
+        return;
+    }
+    const double tx = r->tangential[0], ty = r->tangential[1], tz = r->tangential[2];
+    const double mx = ny * tz - nz * ty, my = nz * tx - nx * tz, mz = nx * ty - ny * tx;
+    const double rx = features & DEM_ROLLING ? r->rolling[0] : 0.0, ry = features & DEM_ROLLING ? r->rolling[1] : 0.0;
+    const double rz = features & DEM_ROLLING ? r->rolling[2] : 0.0;
+    out[0][c] = r->normal * nx + tx, out[1][c] = r->normal * ny + ty, out[2][c] = r->normal * nz + tz;
+    out[3][c] = rx - arm_i * mx, out[4][c] = ry - arm_i * my, out[5][c] = rz - arm_i * mz;
+    out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
+}
+
+/* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
+DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
+                                double contact_before) {
+    const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
+    at->loss[0][c] = fabs(contact_before) + fabs(r->contact) == 0.0 ? unloaded : damped;
+    at->loss[1][c] = r->slide_loss;
+    at->loss[2][c] = 0.5 * h * (old->power[1][c] + r->rolling_power);
+    at->power[0][c] = r->normal_power;
+    at->power[1][c] = r->rolling_power;
+    at->elastic[c] = r->elastic;
+}
+
+/* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
+                                 dem__touch *touch) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (slot >= 0 && wall->kind == DEM_MESH) {
+        touch->normal = dem_vec3(contacts->touch[0][slot], contacts->touch[1][slot], contacts->touch[2][slot]);
+        touch->gap = contacts->touch[3][slot];
+    } else dem__touch_element(wall, x, radius, element, touch);
+}
+
+/* Where row k of a block is at a wall. */
+typedef struct dem__wall_row {
+    const dem_particle *particle;
+    const dem_wall *wall;
+    int row;
+    dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
+    double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    dem__touch touch;
+} dem__wall_row;
+
+/* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
+   quotient are left to dem__complete_rows. */
+static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
+                                           int k, double half, dem__wall_row *at) {
+    const dem_wall *wall = &w->wall[number];
+    const dem_particle *s = &w->particle[i];
+    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
+    at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner);
+    if (at->outside == 0.0) {
+        dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
+        at->from = dem_vec3(s->radius + at->touch.gap, 0.0, 0.0);
+    }
+    b->dx[k] = at->from.x, b->dy[k] = at->from.y, b->dz[k] = at->from.z;
+    b->vx[k] = s->v.x - (wall->velocity.x - half * wall->acceleration.x);
+    b->vy[k] = s->v.y - (wall->velocity.y - half * wall->acceleration.y);
+    b->vz[k] = s->v.z - (wall->velocity.z - half * wall->acceleration.z);
+    b->ax[k] = s->a.x - wall->acceleration.x, b->ay[k] = s->a.y - wall->acceleration.y, b->az[k] = s->a.z - wall->acceleration.z;
+    b->wi[0][k] = s->spin.x, b->wi[1][k] = s->spin.y, b->wi[2][k] = s->spin.z;
+    b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
+}
+
+/* The same where the wall's surface slides: at the point that is touched. */
+static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
+    const int k = at->row;
+    const dem_wall *wall = at->wall;
+    const dem_particle *s = at->particle;
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), point = dem__plus(s->x, -(s->radius + b->gap[k]), n);
+    const dem_vec a = dem__surface_acceleration(wall, point), spin = dem__scale(wall->spin, wall->spin_axis);
+    at->velocity = dem__surface_velocity(wall, point, n);
+    const dem_vec v = dem__sub(s->v, dem__plus(at->velocity, -half, a));
+    b->vx[k] = v.x, b->vy[k] = v.y, b->vz[k] = v.z;
+    b->ax[k] = s->a.x - a.x, b->ay[k] = s->a.y - a.y, b->az[k] = s->a.z - a.z;
+    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
+}
+
+DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrdiff_t j, dem__rows *b, int k, int has_friction) {
+    const dem_particle *p = &particle[i], *q = &particle[j];
+    b->dx[k] = p->x.x - q->x.x, b->dy[k] = p->x.y - q->x.y, b->dz[k] = p->x.z - q->x.z;
+    b->vx[k] = p->v.x - q->v.x, b->vy[k] = p->v.y - q->v.y, b->vz[k] = p->v.z - q->v.z;
+    b->ax[k] = p->a.x - q->a.x, b->ay[k] = p->a.y - q->a.y, b->az[k] = p->a.z - q->a.z;
+    if (!has_friction) return;
+    b->wi[0][k] = p->spin.x, b->wi[1][k] = p->spin.y, b->wi[2][k] = p->spin.z;
+    b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
+}
+
+/* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
+DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
+    return a < b ? a : b;
+}
+
+/* Nearest images; positions of active particles lie within the periodic box. */
+DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
+    for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
+}
+
+/* Of a wall's row. */
+DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
+    const int k = at->row;
+    const double radius = at->particle->radius;
+    if (at->outside == 0.0) {
+        b->nx[k] = at->touch.normal.x, b->ny[k] = at->touch.normal.y, b->nz[k] = at->touch.normal.z;
+        b->gap[k] = at->touch.gap;
+    } else {
+        b->nx[k] *= at->outside, b->ny[k] *= at->outside, b->nz[k] *= at->outside, b->inverse[k] *= at->outside;
+        b->gap[k] = at->outside * (b->gap[k] + radius - at->inner) - radius;
+    }
+    if (at->wall->slides) dem__slide(b, half, at);
+}
+
+/* Nearest images, normals and gaps of a block with some rows at walls. */
+DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
+                                   int walls) {
+    if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
+    if (w->def.periodic[1]) dem__wrap_row(b->dy, n, w->def.high.y - w->def.low.y);
+    if (w->def.periodic[2]) dem__wrap_row(b->dz, n, w->def.high.z - w->def.low.z);
+    for (int q = 0; q < walls && w->engine->run.has_periodic; q++) { /* walls have no images */
+        const int k = wall[q].row;
+        b->dx[k] = wall[q].from.x, b->dy[k] = wall[q].from.y, b->dz[k] = wall[q].from.z;
+    }
+    for (int k = 0; k < n; k++) {
+        const double distance = sqrt(b->dx[k] * b->dx[k] + b->dy[k] * b->dy[k] + b->dz[k] * b->dz[k]), inverse = 1.0 / distance;
+        b->nx[k] = b->dx[k] * inverse, b->ny[k] = b->dy[k] * inverse, b->nz[k] = b->dz[k] * inverse;
+        b->inverse[k] = inverse;
+        b->gap[k] = distance - t->sum[k];
+    }
+    for (int q = 0; q < walls; q++) dem__complete_wall(b, half, &wall[q]);
+}
