@@ -365,7 +365,8 @@ static inline double bridge_quantised(double volume, double quantum);
 BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n);
 /* What i gets of the bridge's liquid at rupture [m3], a multiple of quantum; j gets b->volume minus it, exactly. */
 static inline double bridge_split_volume(const bridge *b, double quantum);
-/* Rupture: the liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad index. */
+/* Rupture: the liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad
+   index, volume or split. */
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
 /* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k]; returns what was added.
    NaN and nothing done for a bad amount. */
@@ -1196,6 +1197,7 @@ static inline void bridge__no_shape(bridge_shape *shape) {
 }
 
 BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
+    if (!shape) return BRIDGE_INVALID;
     bridge__no_shape(shape);
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
     double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
@@ -1214,6 +1216,7 @@ BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double
 }
 
 BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap) {
+    if (!shape) return BRIDGE_INVALID;
     bridge__no_shape(shape);
     if (fold_gap) *fold_gap = (double)NAN;
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0)) return BRIDGE_INVALID;
@@ -1248,6 +1251,7 @@ BRIDGE_API bridge_pair_def bridge_pair_default_def(void) {
 }
 
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field) {
+    if (!def) return BRIDGE_INVALID;
     const bridge_liquid *liquid = &def->liquid;
     const char *bad = NULL;
     if (def->cookie != BRIDGE__COOKIE) bad = "cookie";
@@ -1376,6 +1380,7 @@ static inline double bridge__pendular_limit(const bridge_pair_def *def) {
 }
 
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def) {
+    if (!pair) return BRIDGE_INVALID;
     pair->cookie = 0;
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK) return BRIDGE_INVALID;
     pair->def = *def;
@@ -1427,6 +1432,9 @@ static inline void bridge__clear(bridge *b) {
 }
 
 BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest) {
+    if (!(smallest && largest)) return;
+    *smallest = *largest = bridge__nan();
+    if (!pair) return;
     double R = bridge_harmonic_radius(radius_i, radius_j);
     *smallest = pair->def.volume_min * R * R * R;
     *largest = pair->def.volume_max * R * R * R;
@@ -1434,6 +1442,7 @@ BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, do
 
 BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
                                      bridge *b) {
+    if (!(pair && b)) return BRIDGE_INVALID;
     bridge__clear(b);
     if (pair->cookie != BRIDGE__COOKIE) return BRIDGE_INVALID;
     double smallest, largest, volume = given_i + given_j;
@@ -1452,6 +1461,7 @@ BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, d
 
 BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
                                              int swapped, bridge *b) {
+    if (!(pair && b)) return BRIDGE_INVALID;
     bridge_status status = bridge_form(pair, radius_i, radius_j, given_i, given_j, swapped, b);
     if (status != BRIDGE_OK) return status;
     double ratio = radius_i < radius_j ? radius_i / radius_j : radius_j / radius_i;
@@ -1460,10 +1470,12 @@ BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double rad
 }
 
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b) {
+    if (!(pair && b)) return 0;
     return b->volume <= pair->pendular_volume * b->radius * b->radius * b->radius;
 }
 
 BRIDGE_API double bridge_work(const bridge *b, double from, double to) {
+    if (!b) return bridge__nan();
     if (!(b->volume > 0.0) || from != from || to != to) return from == from && to == to ? 0.0 : bridge__nan();
     if (from > to) return -bridge_work(b, to, from);
     double work = 0.0, a = b->width * b->width;
@@ -1487,7 +1499,7 @@ BRIDGE_API double bridge_work(const bridge *b, double from, double to) {
 
 BRIDGE_API bridge_stiffness bridge_contact_stiffness(const bridge *b, const bridge_liquid *liquid) {
     bridge_stiffness stiffness = {0.0, 0.0, 0.0};
-    if (!(b->volume > 0.0)) return stiffness;
+    if (!(b && liquid && b->volume > 0.0)) return stiffness;
     /* F = X P(tau) at S = 0: X = 1, dX/dS = -1/sqrt(a), dtau/dS = -1/(2 tau) */
     double tau = sqrt(b->rupture_gap), p = 0.0, dp = 0.0;
     for (int k = BRIDGE_SERIES - 1; k >= 0; k--) {
@@ -1522,6 +1534,7 @@ static inline double *bridge__film(const bridge_films *films, size_t slot) {
 }
 
 BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n) {
+    if (!films || (n > 0 && !contacts) || !(films->quantum > 0.0 && bridge__is_finite(films->quantum))) return BRIDGE_INVALID;
     size_t none = films->n_particles + films->n_patches;
     if (!(films->quantum > 0.0)) return BRIDGE_INVALID;
     for (size_t k = 0; k < n; k++) {
@@ -1580,8 +1593,10 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
 }
 
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner) {
+    if (!(films && b && b->volume >= 0.0 && bridge__is_finite(b->volume) && b->split >= 0.0 && b->split <= 1.0)) return BRIDGE_INVALID;
     size_t slot = bridge__slot(films, j, partner);
-    if (i >= films->n_particles || slot == films->n_particles + films->n_patches || !(films->quantum > 0.0)) return BRIDGE_INVALID;
+    if (i >= films->n_particles || slot == films->n_particles + films->n_patches) return BRIDGE_INVALID;
+    if (!(films->quantum > 0.0 && bridge__is_finite(films->quantum))) return BRIDGE_INVALID;
     double to_i = bridge_split_volume(b, films->quantum);
     films->particle[i] += to_i;
     *bridge__film(films, slot) += b->volume - to_i;
@@ -1590,6 +1605,7 @@ BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i
 }
 
 BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount) {
+    if (!(films && film && films->quantum > 0.0 && bridge__is_finite(films->quantum))) return bridge__nan();
     double added = bridge_quantised(amount, films->quantum);
     if (!(added >= 0.0 && bridge__is_finite(added))) return bridge__nan();
     *film += added;
@@ -1598,6 +1614,7 @@ BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount) {
 }
 
 BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount) {
+    if (!(films && film && films->quantum > 0.0 && bridge__is_finite(films->quantum))) return bridge__nan();
     double taken = bridge_quantised(amount < *film ? amount : *film, films->quantum);
     if (!(amount >= 0.0 && taken >= 0.0)) return bridge__nan();
     *film -= taken;
@@ -1606,6 +1623,7 @@ BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amo
 }
 
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount) {
+    if (!(films && pair && b && films->quantum > 0.0 && bridge__is_finite(films->quantum))) return bridge__nan();
     double left = b->volume - bridge_quantised(amount, films->quantum), taken = b->volume - left, split = b->split, R = b->radius;
     if (!(amount >= 0.0)) return bridge__nan();
     if (!(b->volume > 0.0 && left >= pair->def.volume_min * R * R * R)) return 0.0;
@@ -1617,6 +1635,7 @@ BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair
 }
 
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride) {
+    if (!values && n > 0) return bridge__nan();
     double sum = 0.0, lost = 0.0;
     for (size_t k = 0; k < n; k++) {
         double value = values[k * stride], next = sum + value;
@@ -1627,6 +1646,7 @@ BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride) {
 }
 
 BRIDGE_API double bridge_films_total(const bridge_films *films) {
+    if (!films) return bridge__nan();
     return bridge_sum(films->particle, films->n_particles, 1) + bridge_sum(films->patch, films->n_patches, 1);
 }
 

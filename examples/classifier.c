@@ -607,7 +607,8 @@ int main(int argc, char **argv) {
                          "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
                          "alone\nsize_m,t,t_error,t_a,t_b,t_c");
     for (int i = 0; i < SIZES; i++) {
-        double line[6] = {x[i], classifier_tromp(&model, x[i], &error), error};
+        const double share = classifier_tromp(&model, x[i], &error);
+        double line[6] = {x[i], share, error};
         classifier_tromp_cases(&model, x[i], line + 3);
         csv_row(file, line, 6);
     }

@@ -1050,8 +1050,55 @@ static void test_golden_bits(void **state) {
     if (hash != GOLDEN) fail_msg("golden hash is 0x%016llx", (unsigned long long)hash);
 }
 
+/* Null pointers, and books with numbers that are none, answer with a status or NaN and change nothing. */
+static void test_null_pointers_and_broken_books(void **state) {
+    bridge_pair_def def = bridge_pair_default_def();
+    bridge_pair pair;
+    bridge b, wrong;
+    bridge_shape shape;
+    double low, high, film[2] = {1e-10, 1e-10}, scratch[2];
+    (void)state;
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-11, 1e-11, 0, &b), BRIDGE_OK);
+    assert_int_equal(bridge_pair_check_def(NULL, NULL), BRIDGE_INVALID);
+    assert_int_equal(bridge_pair_prepare(NULL, &def), BRIDGE_INVALID);
+    assert_int_equal(bridge_pair_prepare(&pair, NULL), BRIDGE_INVALID);
+    assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);
+    assert_int_equal(bridge_young_laplace(NULL, 1e-10, 0.0, &shape), BRIDGE_INVALID);
+    assert_int_equal(bridge_young_laplace(&def, 1e-10, 0.0, NULL), BRIDGE_INVALID);
+    assert_int_equal(bridge_young_laplace_rupture(&def, 1e-10, NULL, NULL), BRIDGE_INVALID);
+    assert_int_equal(bridge_form(NULL, 1.0, 1.0, 1.0, 1.0, 0, &wrong), BRIDGE_INVALID);
+    assert_int_equal(bridge_form_printed(&pair, 1.0, 1.0, 1.0, 1.0, 0, NULL), BRIDGE_INVALID);
+    bridge_volume_range(NULL, 1.0, 1.0, &low, &high);
+    assert_true(isnan(low) && isnan(high));
+    assert_int_equal(bridge_is_pendular(NULL, &b), 0);
+    assert_true(isnan(bridge_work(NULL, 0.0, 1.0)) && isnan(bridge_sum(NULL, 3, 1)) && isnan(bridge_films_total(NULL)));
+    assert_true(bridge_contact_stiffness(NULL, &def.liquid).normal == 0.0);
+    bridge_films films = {film, 2, NULL, NULL, 0, scratch, bridge_quantum(1e-9), 0.0, 0.0};
+    assert_int_equal(bridge_allocate(NULL, NULL, 0), BRIDGE_INVALID);
+    assert_int_equal(bridge_allocate(&films, NULL, 1), BRIDGE_INVALID);
+    assert_int_equal(bridge_release(&films, NULL, 0, 1, BRIDGE_SPHERE), BRIDGE_INVALID);
+    const double splits[] = {-0.1, 1.1, (double)NAN, (double)INFINITY}, quanta[] = {0.0, (double)INFINITY, (double)NAN, -1.0};
+    for (int k = 0; k < 4; k++) {
+        wrong = b;
+        wrong.split = splits[k];
+        assert_int_equal(bridge_release(&films, &wrong, 0, 1, BRIDGE_SPHERE), BRIDGE_INVALID);
+        films.quantum = quanta[k];
+        assert_int_equal(bridge_release(&films, &b, 0, 1, BRIDGE_SPHERE), BRIDGE_INVALID);
+        assert_true(isnan(bridge_add(&films, &film[0], 1e-12)) && isnan(bridge_evaporate(&films, &film[0], 1e-12)));
+        assert_true(isnan(bridge_evaporate_bridge(&films, &pair, &b, 1e-12)));
+        films.quantum = bridge_quantum(1e-9);
+        assert_true(film[0] == 1e-10 && film[1] == 1e-10);
+    }
+    wrong = b;
+    wrong.volume = (double)NAN;
+    assert_int_equal(bridge_release(&films, &wrong, 0, 1, BRIDGE_SPHERE), BRIDGE_INVALID);
+    assert_true(film[0] == 1e-10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_null_pointers_and_broken_books),
         cmocka_unit_test(test_reference_values),
         cmocka_unit_test(test_limits_without_cancellation),
         cmocka_unit_test(test_force_is_derivative_of_energy),
