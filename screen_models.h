@@ -31,7 +31,6 @@
      >>bands       mean, spread and confidence bands of a prediction
      >>separation  d50, imperfection, misplaced fractions
      >>feed        classes from a sieve curve, Rosin-Rammler or lognormal
-     >>deck        a steady deck: flow, bed depth and partition along it, capacity, decks in series
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
    Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says otherwise; laws
@@ -91,7 +90,7 @@ extern "C" {
     X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                                                  \
     X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")                                                            \
     X(SCREEN_OUTSIDE, "the answer is there, but outside the range that the parameters were fitted in: screen_outside names what")          \
-    X(SCREEN_LOAD_UNKNOWN, "the model does not know the load: no capacity follows from it (load_exponent)")
+    X(SCREEN_BAD_CURVE, "sizes must rise, the share passing rise with them within 0..1, and some of the feed be below the aperture")
 
 typedef enum screen_status {
 #define SCREEN__ENUM(name, text) name,
@@ -447,6 +446,22 @@ typedef struct screen_separation {
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
                                         screen_separation *out);
 
+/* ---- feed --------------------------------------------------------------------------------------------------------------------------- */
+
+/* Mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and geometric
+   standard deviation sg > 1. d >= 0, d63, d50, n > 0. */
+static inline double screen_rosin_rammler(double d, double d63, double n);
+static inline double screen_lognormal(double d, double d50, double sg);
+
+/* Undersize classes of a feed from its sieve curve: equal shares of the mass below the aperture, each with its mean size by mass. Cut so, the
+   mean of the classes, d_av, does not depend on their number; the answers of models 0, 1 and 2 converge with it. Model 3 depends on it.
+     size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies below the first
+     size is taken to lie between 0 and it
+     aperture  [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes); undersize: share of the feed
+     below the aperture [-], may be null. SCREEN_BAD_CURVE also where the curve ends below the aperture with less than 1. */
+SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture, int classes,
+                                        double *diameters, double *shares, double *undersize);
+
 /* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
@@ -759,6 +774,27 @@ static inline double screen_passage(double b, double retained, double bottom, do
 /* Model 3 with instant stratification and no limit of the bottom layer: Y/S_inf = 1/(1 + b S_inf t). b, s_inf, t >= 0. */
 static inline double screen_soldinger_limit(double b, double s_inf, double t) {
     return b >= 0.0 && s_inf >= 0.0 && t >= 0.0 ? 1.0 / (1.0 + b * s_inf * t) : (double)NAN;
+}
+
+static inline double screen_rosin_rammler(double d, double d63, double n) {
+    if (!(d >= 0.0 && d63 > 0.0 && n > 0.0)) return (double)NAN;
+    return d > 0.0 ? -riddle_expm1(-riddle_exp(n * riddle_log(d / d63))) : 0.0;
+}
+
+static inline double screen__normal_share(double z) { /* P(|Z| < z): erf's series, all terms positive */
+    double term = z, sum = z;
+    for (int n = 1; n < 200 && term > 1e-18 * sum; n++) {
+        term *= z * z / (2 * n + 1);
+        sum += term;
+    }
+    return sqrt(2.0 / RIDDLE_PI) * riddle_exp(-0.5 * z * z) * sum;
+}
+
+static inline double screen_lognormal(double d, double d50, double sg) {
+    if (!(d >= 0.0 && d50 > 0.0 && sg > 1.0)) return (double)NAN;
+    if (d == 0.0) return 0.0;
+    double z = riddle_log(d / d50) / riddle_log(sg), share = fabs(z) < 8.0 ? screen__normal_share(fabs(z)) : 1.0;
+    return 0.5 + (z < 0.0 ? -0.5 : 0.5) * share;
 }
 
 /* ---- bodies ------------------------------------------------------------------------------------------------------------------------- */
@@ -2460,15 +2496,6 @@ static inline void screen__tidy(screen__problem *p, double *q) {
 
 /* >>student: how wide a range is */
 
-static inline double screen__normal_share(double z) { /* P(|Z| < z): erf's series, all terms positive */
-    double term = z, sum = z;
-    for (int n = 1; n < 200 && term > 1e-18 * sum; n++) {
-        term *= z * z / (2 * n + 1);
-        sum += term;
-    }
-    return sqrt(2.0 / RIDDLE_PI) * riddle_exp(-0.5 * z * z) * sum;
-}
-
 /* P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
 static inline double screen__student_share(double theta, int dof) {
     double s = riddle_sin(theta), c = riddle_cos(theta), term = 1.0, sum = 0.0;
@@ -3093,6 +3120,56 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     out->efficiency = out->recovery - out->oversize_loss;
     out->yield = passes / all;
     return out->imperfection == out->imperfection ? SCREEN_OK : SCREEN_NOT_REACHED;
+}
+
+/* >>feed */
+
+/* Share finer at d: straight lines between the points, from (0, 0) to the first. */
+static inline double screen__finer(int points, const double *size, const double *passing, double d) {
+    if (!(d > size[0])) return passing[0] * (d / size[0]);
+    for (int i = 1; i < points; i++)
+        if (d <= size[i]) return passing[i - 1] + (passing[i] - passing[i - 1]) * ((d - size[i - 1]) / (size[i] - size[i - 1]));
+    return passing[points - 1];
+}
+
+/* Mass between two shares and its first moment by size, up to the aperture. */
+static inline double screen__moment_of_curve(int points, const double *size, const double *passing, double from, double to) {
+    double moment = 0.0;
+    for (int i = 0; i < points; i++) {
+        double p0 = i > 0 ? passing[i - 1] : 0.0, p1 = passing[i], d0 = i > 0 ? size[i - 1] : 0.0, d1 = size[i];
+        double a = p0 > from ? p0 : from, b = p1 < to ? p1 : to;
+        if (!(b > a)) continue;
+        double at_a = d0 + (d1 - d0) * ((a - p0) / (p1 - p0)), at_b = d0 + (d1 - d0) * ((b - p0) / (p1 - p0));
+        moment += 0.5 * (at_a + at_b) * (b - a);
+    }
+    return moment;
+}
+
+SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture, int classes,
+                                        double *diameters, double *shares, double *undersize) {
+    if (undersize) *undersize = (double)NAN;
+    if (!diameters) return SCREEN_BAD_POINTER;
+    if (classes < 1) return SCREEN_BAD_ARGUMENT;
+    for (int i = 0; i < classes; i++) diameters[i] = (double)NAN;
+    for (int i = 0; i < classes && shares; i++) shares[i] = (double)NAN;
+    if (!size || !passing) return SCREEN_BAD_POINTER;
+    if (points < 1 || !screen__positive(aperture)) return SCREEN_BAD_ARGUMENT;
+    for (int i = 0; i < points; i++) {
+        if (passing[i] > 1.5 && passing[i] <= 100.5) return SCREEN_DATA_IN_PERCENT;
+        if (!screen__positive(size[i]) || (i > 0 && !(size[i] > size[i - 1]))) return SCREEN_BAD_CURVE;
+        if (!(passing[i] >= 0.0 && passing[i] <= 1.0 + 1e-9) || (i > 0 && !(passing[i] >= passing[i - 1]))) return SCREEN_BAD_CURVE;
+    }
+    if (size[points - 1] < aperture && passing[points - 1] < 1.0 - 1e-6) return SCREEN_BAD_CURVE;
+    double below = screen__finer(points, size, passing, aperture);
+    if (!(below > 1e-12)) return SCREEN_BAD_CURVE;
+    for (int i = 0; i < classes; i++) {
+        double from = below * i / classes, to = below * (i + 1.0) / classes;
+        diameters[i] = screen__moment_of_curve(points, size, passing, from, to) / (to - from);
+        if (!(diameters[i] < aperture)) diameters[i] = aperture * (1.0 - 1e-9); /* rounding only */
+        if (shares) shares[i] = 1.0 / classes;
+    }
+    if (undersize) *undersize = below;
+    return SCREEN_OK;
 }
 
 #endif /* SCREEN__BODIES */

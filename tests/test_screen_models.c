@@ -1047,6 +1047,54 @@ static void options_of_a_plant(void **state) {
     BAD_PLANT(def.load_reference = 0.0, "load_reference");
 }
 
+/* Classes from a feed: their mean does not depend on their number, and times by models 0 to 2 converge with it. */
+static void classes_of_a_feed(void **state) {
+    (void)state;
+    double size[200], passing[200], d[64], shares[64], under, last[3] = {0.0, 0.0, 0.0}, mean = 0.0;
+    for (int i = 0; i < 200; i++) passing[i] = screen_rosin_rammler(size[i] = 0.0002 * (i + 1), 0.006, 1.8);
+    passing[199] = 1.0;
+    double p[3][SCREEN_MAX_PARAMETERS] = {{1.3, 1.2, 3.0}, {9000.0, 1.2, 2.0}, {1.2, 0.9, 2.0, 12.0, 1.2, 1.0}};
+    for (int n = 2; n <= 64; n *= 2) {
+        screen_def def = screen_default_def();
+        assert_int_equal(screen_classes(200, size, passing, 0.008, n, d, shares, &under), SCREEN_OK);
+        close_to(under, screen_rosin_rammler(0.008, 0.006, 1.8), 1e-12);
+        double sum = 0.0, now = 0.0;
+        for (int i = 0; i < n; i++) {
+            sum += shares[i];
+            now += d[i] / n;
+            assert_true(d[i] > 0.0 && d[i] < 0.008 && (i == 0 || d[i] > d[i - 1]));
+        }
+        close_to(sum, 1.0, 1e-12);
+        if (n > 2) close_to(now / mean, 1.0, 1e-12);
+        mean = now;
+        def.classes = n;
+        def.diameters = d;
+        screen_operation o = running(0.001, 50.6, 0.0);
+        for (int m = 0; m < 3; m++) {
+            double t;
+            assert_int_equal(screen_time_to(&def, (screen_model)m, p[m], &o, 0.8, 200.0, &t), SCREEN_OK);
+            if (n == 64) assert_true(fabs(t / last[m] - 1.0) < 0.02);
+            last[m] = t;
+        }
+    }
+    close_to(screen_lognormal(0.005, 0.005, 2.0), 0.5, 1e-15);
+    close_to(screen_lognormal(0.010, 0.005, 2.0), 0.841344746068543, 1e-12);
+    close_to(screen_rosin_rammler(0.006, 0.006, 3.0), 1.0 - exp(-1.0), 1e-15);
+    assert_true(isnan(screen_lognormal(1.0, 1.0, 1.0)) && isnan(screen_rosin_rammler(nan_, 1.0, 1.0)));
+    const double percent[] = {20.0, 100.0}, falls[] = {0.5, 0.4}, two[] = {0.004, 0.02}, none[] = {0.0, 0.0}, small[] = {0.001, 0.002},
+                 half[] = {0.1, 0.5};
+    assert_int_equal(screen_classes(2, two, percent, 0.008, 4, d, NULL, NULL), SCREEN_DATA_IN_PERCENT);
+    assert_int_equal(screen_classes(2, two, falls, 0.008, 4, d, NULL, NULL), SCREEN_BAD_CURVE);
+    assert_int_equal(screen_classes(2, two, none, 0.008, 4, d, NULL, &under), SCREEN_BAD_CURVE);
+    assert_int_equal(screen_classes(2, small, half, 0.008, 4, d, NULL, &under), SCREEN_BAD_CURVE);
+    assert_true(isnan(d[0]) && isnan(under));
+    assert_int_equal(screen_classes(0, two, half, 0.008, 4, d, NULL, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_classes(2, two, half, nan_, 4, d, NULL, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_classes(2, two, half, 0.008, 0, d, NULL, NULL), SCREEN_BAD_ARGUMENT);
+    assert_int_equal(screen_classes(2, NULL, half, 0.008, 1, d, NULL, NULL), SCREEN_BAD_POINTER);
+    assert_int_equal(screen_classes(2, two, half, 0.008, 1, NULL, NULL, NULL), SCREEN_BAD_POINTER);
+}
+
 /* Cases on decks of their own: other apertures, classes and loads. What made the curves comes back. */
 static void cases_with_decks_of_their_own(void **state) {
     (void)state;
@@ -1597,6 +1645,7 @@ int main(void) {
         cmocka_unit_test(model_2_has_a_twin),
         cmocka_unit_test(published_sets_carry_their_reading),
         cmocka_unit_test(options_of_a_plant),
+        cmocka_unit_test(classes_of_a_feed),
         cmocka_unit_test(cases_with_decks_of_their_own),
         cmocka_unit_test(no_set_is_refused),
         cmocka_unit_test(ranges_are_honest),
