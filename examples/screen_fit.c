@@ -5,8 +5,13 @@
    2. Predictions of cases that were not fitted: between two levels of a factor, below, above; five cases from four. Two cases say little
       of six parameters: large exponents have a small price in these fits (--shrink).
    3. What the paper found, each with the number that confirms or refutes it on these data.
-   fig8.svg: curves of six cases beside the data; fig9.svg: deviations of the fits; fig10.svg: deviations of the predictions;
+   fig8.svg: curves of six cases beside the data; fig9.svg: deviations of the fits; fig10.svg: deviations of the predictions, fig10d.svg:
+   five groups of five from four;
    band.svg: a prediction with its confidence band; separation.svg: partition curves of the deck.
+
+   A screen of your own: --data FILE with the columns case, time, size, retained, amplitude, frequency, aperture and, where known, moisture,
+   wire, inclination, load, share, oversize (screen_lab.h; data/screen_template.csv). All models are fitted, and parameters.json is what
+   wet_screen_designer --parameters predicts from.
 
    Data: --data FILE with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh, as
    `batch_screening --all-cases` writes them; rows of one case and time with different seeds are averaged. Without --data the file
@@ -19,6 +24,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "screen_lab.h"
 #include "screen_models.h"
 
 #ifndef RIDDLE_ROOT
@@ -207,9 +213,23 @@ static double case_deviation(const study *s, int m, const double *parameters, in
     return NAN;
 }
 
+/* Fig 10 d has five groups that the paper does not name. By 9 - 4 = 5: the 3 x 3 grid of two factors at the third's middle level, the corners
+   of a 2 x 2 block fitted, the other five predicted. What an audit of this project got with its own programs stands beside: models 1, 2, 3. */
+typedef struct group {
+    int fitted[4], predicted[5];
+    double audit[3];
+} group;
+enum { GROUPS = 5 };
+static const group groups[GROUPS] = {
+    {{3, 7, 19, 27}, {5, 11, 14, 17, 23}, {0.0743, 0.0491, 0.0300}}, {{2, 8, 11, 17}, {5, 14, 20, 23, 26}, {0.0755, 0.0481, 0.0283}},
+    {{11, 17, 20, 26}, {2, 5, 8, 14, 23}, {0.0770, 0.0510, 0.0312}}, {{4, 6, 13, 15}, {5, 14, 22, 23, 24}, {0.0719, 0.0459, 0.0259}},
+    {{13, 15, 22, 24}, {4, 5, 6, 14, 23}, {0.0721, 0.0451, 0.0259}},
+};
+
 /* One fit to some cases and the deviations of others. Jobs of this kind run beside each other. */
 typedef struct job {
     int kind;
+    int group;        /* of mode 4: the other groups of five from four */
     int mode, factor; /* mode 0 .. 3: interpolation, down, up, five from four; -1: one set a case. factor 0 M, 1 A, 2 f, 3 none */
     int fitted[4], predicted[5], n_fitted, n_predicted;
     double fit_deviation, deviation[5];
@@ -272,17 +292,24 @@ static int plan_jobs(job *jobs) {
         for (int i = 0; i < 4; i++) one.fitted[i] = four[i] - 1;
         for (int i = 0; i < 5; i++) one.predicted[i] = five[i] - 1;
         jobs[n++] = one;
+        for (int g = 1; g < GROUPS; g++) {
+            one.mode = 4;
+            one.group = g;
+            for (int i = 0; i < 4; i++) one.fitted[i] = groups[g].fitted[i] - 1;
+            for (int i = 0; i < 5; i++) one.predicted[i] = groups[g].predicted[i] - 1;
+            jobs[n++] = one;
+        }
     }
     return n;
 }
-enum { JOBS = KINDS * (CASES + 27 + 1) };
+enum { JOBS = KINDS * (CASES + 27 + GROUPS) };
 
 typedef struct results {
     double published[KINDS], published_case[KINDS][CASES];
     screen_fit_result all[KINDS];
     double all_case[KINDS][CASES], wall[KINDS];
     double each[KINDS], each_case[KINDS][CASES];
-    double predicted[MODES][KINDS], by_factor[3][3][KINDS], five[5][KINDS];
+    double predicted[MODES][KINDS], by_factor[3][3][KINDS], five[5][KINDS], group[GROUPS][KINDS];
     job jobs[JOBS];
 } results;
 
@@ -324,7 +351,7 @@ static void fit_everything(const program *self, const study *s, int starts, doub
         if (common_interrupted()) exit(common_exit_status());
     }
     int n = plan_jobs(r->jobs);
-    progress_begin(&w.bar, "fitting and predicting", (CASES + 28) * (20.0 + KINDS - 1));
+    progress_begin(&w.bar, "fitting and predicting", (CASES + 27 + GROUPS) * (20.0 + KINDS - 1));
     jobs_run(n, self->threads, run_job, &w);
     progress_end(&w.bar);
     if (common_interrupted()) exit(common_exit_status());
@@ -340,8 +367,11 @@ static void fit_everything(const program *self, const study *s, int starts, doub
         } else if (j->mode < 3) {
             r->by_factor[j->mode][j->factor][j->kind] += j->deviation[0] / 3.0;
             r->predicted[j->mode][j->kind] += j->deviation[0] / 9.0;
+        } else if (j->mode == 4) {
+            for (int k = 0; k < 5; k++) r->group[j->group][j->kind] += j->deviation[k] / 5.0;
         } else {
             for (int k = 0; k < 5; k++) {
+                r->group[0][j->kind] += j->deviation[k] / 5.0;
                 r->five[k][j->kind] = j->deviation[k];
                 r->predicted[3][j->kind] += j->deviation[k] / 5.0;
             }
@@ -738,6 +768,46 @@ static void draw_predictions(const program *self, const study *s, const results 
     plot_write(figure, self->out, "fig10.svg");
 }
 
+/* The five groups of Fig 10 d, beside the numbers of the audit. */
+static void draw_groups(const program *self, const study *s, const results *r, json *report) {
+    static const char *const names[GROUPS] = {"3 7 19 27", "2 8 11 17", "11 17 20 26", "4 6 13 15", "13 15 22 24"};
+    double value[GROUPS], audit[GROUPS];
+    char title[120];
+    snprintf(title, sizeof title, "Five cases predicted from four, five groups%s", short_source(s));
+    plot *figure = plot_new(title, 1, 3);
+    csv *file = csv_open(self->out, "fig10d.csv", "fitted,model0,model1,model2,model3,model1_grain,audit1,audit2,audit3");
+    table t = table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
+    for (int m = 1; m <= 3; m++) {
+        plot_panel(figure, 0, m - 1, "cases fitted", m == 1 ? "average deviation [-]" : "");
+        plot_title(figure, kinds[m].name);
+        for (int g = 0; g < GROUPS; g++) {
+            value[g] = r->group[g][m];
+            audit[g] = groups[g].audit[m - 1];
+        }
+        plot_bars(figure, "screen_fit", names, value, GROUPS);
+        plot_bars(figure, "audit", names, audit, GROUPS);
+        plot_range_y(figure, 0.0, 0.1);
+    }
+    json_array_begin(report, "five_from_four_groups");
+    for (int g = 0; g < GROUPS; g++) {
+        const double *v = r->group[g], *a = groups[g].audit;
+        csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g,%.17g,%g,%g,%g", names[g], v[0], v[1], v[2], v[3], v[4], a[0], a[1], a[2]);
+        table_cell(&t, "%s", names[g]);
+        json_object_begin(report, NULL);
+        json_string(report, "fitted", names[g]);
+        for (int m = 1; m <= 3; m++) {
+            table_cell(&t, "%.4f", v[m]);
+            table_cell(&t, "%.4f", a[m - 1]);
+            json_number(report, kinds[m].key, v[m]);
+        }
+        json_object_end(report);
+    }
+    json_array_end(report);
+    csv_close(file);
+    table_end(&t);
+    plot_write(figure, self->out, "fig10d.svg");
+}
+
 /* Case 14 from model 2 fitted to 3, 7, 19, 27: the band of the curve, and that of data scattered about it as in the fit. */
 static void draw_band(const program *self, const study *s, const results *r) {
     const job *j = NULL;
@@ -753,8 +823,8 @@ static void draw_band(const program *self, const study *s, const results *r) {
         status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, 0.0, self->seed, 0.95, mean,
                              NULL, low, high);
     if (!status)
-        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, j->fit.rms, self->seed, 0.95,
-                             NULL, NULL, wide_low, wide_high);
+        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, j->fit.case_error,
+                             self->seed, 0.95, NULL, NULL, wide_low, wide_high);
     if (status) {
         common_fail("band: %s", screen_status_text(status));
         return;
@@ -910,6 +980,125 @@ static void report_results(json *report, const study *s, const results *r, doubl
     }
 }
 
+/* ---- a screen of one's own ---------------------------------------------------------------------------------------------------------- */
+
+static void draw_lab(const program *self, const lab *data, const screen_fit_result *fits, int best) {
+    plot *figure = plot_new("Test curves and the best model", 2, 3);
+    csv *file = csv_open(self->out, "lab_curves.csv", "case,time_s,size_m,retained,first_order,dong,subasinghe,soldinger");
+    for (int k = 0; k < data->cases; k++) {
+        const screen_case *one = &data->data[k];
+        const screen_def *deck = &data->decks[k];
+        const int points = deck->classes * one->times;
+        double *curve = malloc((size_t)points * LAB_MODELS * sizeof *curve);
+        if (!curve) break;
+        for (int m = 0; m < LAB_MODELS; m++)
+            screen_predict(deck, (screen_model)m, fits[m].parameter, &one->operation, one->times, one->time, curve + m * points, NULL,
+                           NULL);
+        for (int i = 0; i < points; i++)
+            csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", data->label[k], one->time[i % one->times],
+                     deck->diameters[i / one->times], one->retained[i], curve[i], curve[points + i], curve[2 * points + i],
+                     curve[3 * points + i]);
+        if (k < 6) {
+            char text[80];
+            plot_panel(figure, k / 3, k % 3, "time [s]", k % 3 ? "" : "fraction retained [-]");
+            snprintf(text, sizeof text, "case %s, %s", data->label[k], lab_names[best]);
+            plot_title(figure, text);
+            for (int c = 0; c < deck->classes; c++) {
+                snprintf(text, sizeof text, "%.3g mm", 1e3 * deck->diameters[c]);
+                plot_line(figure, text, one->time, curve + best * points + c * one->times, one->times);
+                plot_points(figure, NULL, one->time, one->retained + c * one->times, one->times);
+                plot_style(figure, 0, PLOT_SAME);
+            }
+            plot_range_y(figure, 0.0, 1.0);
+        }
+        free(curve);
+    }
+    csv_close(file);
+    plot_write(figure, self->out, "lab_curves.svg");
+}
+
+/* Fits all models to the curves of a file and writes parameters.json. */
+static int fit_lab(const program *self, const char *path, int starts) {
+    static lab data;
+    static screen_fit_result fits[LAB_MODELS];
+    lab_read(self, path, &data);
+    int best = 0, points = 0;
+    for (int k = 0; k < data.cases; k++) points += data.decks[k].classes * data.data[k].times;
+    common_print("%s: %d cases, %d readings%s%s\n", path, data.cases, points,
+                 data.load_known ? "" : "; no load given: the fits do not know it, 50 kg/m2 stands in",
+                 data.wire_known ? "" : "; no wire given: a quarter of the aperture stands in");
+    if (data.skipped) common_print("%d readings of classes at or above the aperture are left out\n", data.skipped);
+    table t = table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
+    for (int m = 0; m < LAB_MODELS; m++) {
+        screen_fit_options options = screen_default_fit_options((screen_model)m);
+        options.seed = self->seed;
+        options.decks = data.decks;
+        options.data_tolerance = 0.05;
+        options.starts = m == SCREEN_SOLDINGER ? (self->quick ? 2 : (starts + 3) / 4) : self->quick ? 5 : starts;
+        if (m == SCREEN_SOLDINGER && self->quick) options.iterations = 60;
+        screen_status status = screen_fit(&data.decks[0], (screen_model)m, data.cases, data.data, &options, &fits[m]);
+        if (status) {
+            char reason[300];
+            const screen_where *w = &fits[m].where;
+            snprintf(reason, sizeof reason, "case %s, class %d, time %d: %s", w->index >= 0 ? data.label[w->index] : "-", w->klass + 1,
+                     w->time + 1, screen_status_text(status));
+            program_refuse(self, "data", path, reason);
+        }
+        if (fits[m].deviation < fits[best].deviation) best = m;
+        for (int j = 0; j < fits[m].parameters; j++) {
+            table_cell(&t, "%s", j ? "" : lab_names[m]);
+            if (j) table_cell(&t, "%s", "");
+            else table_cell(&t, "%.4f", fits[m].deviation);
+            if (j) table_cell(&t, "%s", "");
+            else table_cell(&t, "%.4f", fits[m].case_error);
+            table_cell(&t, "%s", screen_parameter_name((screen_model)m, j));
+            table_cell(&t, "%.5g", fits[m].parameter[j]);
+            table_cell(&t, "%.4g .. %.4g", fits[m].low[j], fits[m].high[j]);
+            table_cell(&t, "%s", !fits[m].determined[j] ? "leave it open" : fits[m].at_bound[j] ? "push it to its bound" : "determine it");
+        }
+        if (common_interrupted()) return common_exit_status();
+    }
+    table_end(&t);
+    if (fits[0].rises)
+        common_print("%d readings rise by more than the noise, the largest by %.3f in case %s at %g s\n", fits[0].rises,
+                     fits[0].largest_rise, data.label[fits[0].where.index], data.data[fits[0].where.index].time[fits[0].where.time]);
+    common_print("Best: %s. wet_screen_designer --parameters %s/parameters.json predicts from these.\n", lab_names[best], self->out);
+    char place[600];
+    snprintf(place, sizeof place, "%s/parameters.json", self->out);
+    const char *const files[2] = {place, self->json};
+    draw_lab(self, &data, fits, best);
+    for (int f = 0; f < 2; f++) {
+        if (!files[f]) continue;
+        json *report = json_open(files[f]);
+        json_string(report, "data", path);
+        json_integer(report, "cases", data.cases);
+        json_integer(report, "readings", points);
+        json_number(report, "scatter", fits[0].scatter);
+        json_integer(report, "rises", fits[0].rises);
+        json_string(report, "best", lab_keys[best]);
+        for (int m = 0; m < LAB_MODELS; m++) lab_write_fit(report, &fits[m], m);
+        json_program(report, self);
+        json_close(report);
+    }
+    free(data.memory);
+    return common_exit_status();
+}
+
+/* Is it a study of the paper's 27 cases, as batch_screening writes it? */
+static bool is_study(const char *path) {
+    csv_data data;
+    char message[300];
+    if (csv_read(path, &data, message, (int)sizeof message)) return false; /* which says what is wrong */
+    bool study_of_27 = csv_column(&data, "retained_small") >= 0 || csv_column(&data, "retained") < 0;
+    for (int i = 0; i < data.columns; i++) {
+        char plain[80];
+        lab_plain_name(data.names[i], plain, sizeof plain);
+        if (strncmp(plain, "size", 4) == 0) study_of_27 = false;
+    }
+    csv_free(&data);
+    return study_of_27;
+}
+
 int main(int argc, char **argv) {
     const char *path = NULL;
     bool synthetic = false;
@@ -918,7 +1107,9 @@ int main(int argc, char **argv) {
     static study s;
     static results r;
     option options[] = {
-        option_string("data", "FILE", &path, "curves to fit; default data/screening_27_cases.csv of this repository, if it is there"),
+        option_string(
+            "data", "FILE", &path,
+            "curves to fit: those of the 27 cases (default data/screening_27_cases.csv), or of any screen, as data/screen_template.csv"),
         option_flag("synthetic", &synthetic, "curves made from the published parameters of model 2 instead"),
         option_int("starts", "N", &starts, 1, 1000, "random starts of a fit; a tenth of them for model 3"),
         option_double("shrink", "W", &shrink, 0.0, 1.0, "price of large exponents in the fits of predictions; 0: the plain minimum"),
@@ -932,6 +1123,7 @@ int main(int argc, char **argv) {
     if (evaluations && evaluations < 100) program_refuse(&self, "search", NULL, "0 or from 100 to 100000000");
     if (model >= 0 && !evaluations) program_refuse(&self, "search-model", NULL, "only with --search");
     if (path && synthetic) program_refuse(&self, "data", path, "not with --synthetic");
+    if (path && !is_study(path)) return fit_lab(&self, path, starts);
     begin_study(&s);
     if (!path && !synthetic) {
         static const char *const places[] = {"data/screening_27_cases.csv", RIDDLE_ROOT "/data/screening_27_cases.csv"};
@@ -969,6 +1161,7 @@ int main(int argc, char **argv) {
     draw_curves(&self, &s, &r);
     draw_fits(&self, &s, &r);
     draw_predictions(&self, &s, &r);
+    draw_groups(&self, &s, &r, report);
     draw_band(&self, &s, &r);
     json_close(report);
     return common_exit_status();

@@ -17,6 +17,10 @@
    Uncertainty: the published deviation of each model (mean |Y - Y_dem| 0.0593, 0.0387, 0.0417, as a normal error of the recovery) and
    the relative errors of k1 and k2 (--rate-error), 95 % ranges.
 
+   A screen of your own: --parameters FILE, the parameters.json that screen_fit --data has written, predicts by all models fitted there, for
+   classes from --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal; ranges hold the parameters' errors and the error that
+   the model makes on whole cases. What lies outside the range of the fit is said.
+
    Writes retained.svg (curves), map.svg (amplitude and frequency), area.svg, and their CSV files. */
 #include <math.h>
 #include <stdio.h>
@@ -25,6 +29,7 @@
 
 #include "blocking.h"
 #include "common.h"
+#include "screen_lab.h"
 #include "screen_models.h"
 
 enum { MODELS = 3, CLASSES = 8, SAMPLES = 1000, MAP = 25, AREAS = 25, MOST_STEPS = 4000 };
@@ -156,7 +161,7 @@ static const char *cell(char *text, double x) {
     return text;
 }
 
-static void draw_retained(const program *self, const plan *p, const holes *h) {
+static void draw_retained(const program *self, const plan *p, const holes *h, bool extrapolated) {
     static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS], high[MOST_STEPS];
     plan q = *p;
     q.step = 0.1;
@@ -176,7 +181,9 @@ static void draw_retained(const program *self, const plan *p, const holes *h) {
             csv_line(file, "%s,%.17g,%.17g,%.17g", model_names[m], x[i], y[0][i], y[1][i]);
         }
         plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
-        plot_title(figure, model_names[m]);
+        char title[60];
+        snprintf(title, sizeof title, "%s%s", model_names[m], extrapolated ? ", extrapolated" : "");
+        plot_title(figure, title);
         plot_range_y(figure, 0.0, 1.0);
         plot_band(figure, "95 % band", x, low, high, rows);
         plot_style(figure, PLOT_FAINT, 1);
@@ -265,6 +272,152 @@ static void draw_area(const program *self, const plan *p, const holes *h) {
     plot_write(figure, self->out, "area.svg");
 }
 
+/* ---- a screen of one's own ---- */
+
+enum { OWN_CLASSES = 64, OWN_POINTS = 500, OWN_TIMES = 121, OWN_SETS = 200 };
+
+typedef struct own {
+    screen_def def;
+    screen_operation operation;
+    double diameters[OWN_CLASSES], undersize; /* share of the feed below the aperture */
+    double recovery, limit;
+    double free_time[OWN_TIMES], free_fraction[OWN_TIMES]; /* of the holes, if they block */
+    bool blocks;
+} own;
+
+/* "A,B" as two numbers; 0 if it is not. */
+static int two_numbers(const char *text, double *a, double *b) {
+    char *end;
+    *a = strtod(text, &end);
+    if (end == text || *end != ',') return 0;
+    const char *second = end + 1;
+    *b = strtod(second, &end);
+    return end != second && *end == '\0';
+}
+
+/* Classes from a sieve curve or a distribution. */
+static void own_classes(const program *self, own *o, const char *psd, const char *rosin, const char *lognormal, int classes) {
+    static double size[OWN_POINTS], passing[OWN_POINTS];
+    const char *name = psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", *given = psd ? psd : rosin ? rosin : lognormal;
+    double d = 0.0, spread = 0.0;
+    int n = OWN_POINTS;
+    if (psd) n = lab_read_curve(self, psd, size, passing, OWN_POINTS);
+    else if (!two_numbers(given, &d, &spread) || !(d > 0.0) || !(spread > (rosin ? 0.0 : 1.0)))
+        program_refuse(self, name, given,
+                       rosin ? "D63,N: size [mm] and exponent, above 0" : "D50,SG: median [mm] and geometric deviation above 1");
+    for (int i = 0; i < n && !psd; i++) {
+        size[i] = 1e-3 * d * 20.0 * (i + 1) / n;
+        passing[i] = rosin ? screen_rosin_rammler(size[i], 1e-3 * d, spread) : screen_lognormal(size[i], 1e-3 * d, spread);
+    }
+    screen_status status = screen_classes(n, size, passing, o->def.aperture, classes, o->diameters, NULL, &o->undersize);
+    if (status) program_refuse(self, name, given, screen_status_text(status));
+    o->def.classes = classes;
+}
+
+/* Median time and 95 % range over parameter sets, each with an error of the model on the whole case. */
+static answer own_time(const own *o, const screen_fit_result *fit, const screen_def *def, uint64_t seed) {
+    static double sets[OWN_SETS][SCREEN_MAX_PARAMETERS];
+    double times[OWN_SETS];
+    answer a = {HUGE_VAL, NAN, NAN};
+    screen_status status = screen_time_to(def, fit->model, fit->parameter, &o->operation, o->recovery, o->limit, &a.time);
+    if (status && status != SCREEN_OUTSIDE) a.time = status == SCREEN_NOT_REACHED ? HUGE_VAL : (double)NAN;
+    if (screen_sample(fit, NULL, seed, OWN_SETS, &sets[0][0])) return a;
+    for (int i = 0; i < OWN_SETS; i++) {
+        double wanted = o->recovery + fit->case_error * normal(&seed);
+        times[i] = wanted <= 0.0 ? 0.0 : HUGE_VAL;
+        if (wanted > 0.0 && wanted < 1.0 &&
+            screen_time_to(def, fit->model, sets[i], &o->operation, wanted, o->limit, &times[i]) != SCREEN_OK)
+            if (!(times[i] < HUGE_VAL)) times[i] = HUGE_VAL;
+    }
+    qsort(times, OWN_SETS, sizeof(double), ascending);
+    a.low = times[(int)(0.025 * OWN_SETS)];
+    a.high = times[(int)(0.975 * OWN_SETS)];
+    return a;
+}
+
+static int plan_own(const program *self, const char *path, own *o) {
+    static screen_fit_result fits[LAB_MODELS];
+    static double low[OWN_CLASSES * OWN_TIMES], high[OWN_CLASSES * OWN_TIMES], mean[OWN_CLASSES * OWN_TIMES];
+    double time[OWN_TIMES], y[OWN_TIMES], y_low[OWN_TIMES], y_high[OWN_TIMES];
+    lab_read_fits(self, path, fits);
+    const double K = blocking_toss_indicator(o->operation.frequency, o->operation.amplitude, 0.5 * pi, 0.0, o->def.gravity);
+    common_print("K %.2f: %s\n%d classes of equal mass, %.3g .. %.3g mm, %.3f of the feed below the aperture of %.3g mm\n", K,
+                 blocking_toss_text(blocking_toss_range(K)), o->def.classes, 1e3 * o->diameters[0], 1e3 * o->diameters[o->def.classes - 1],
+                 o->undersize, 1e3 * o->def.aperture);
+    json *report = json_open(self->json);
+    json_string(report, "parameters", path);
+    json_number(report, "recovery", o->recovery);
+    table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|outside the fit's range");
+    plot *figure = plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
+    csv *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
+    for (int i = 0; i < OWN_TIMES; i++) time[i] = o->limit * i / (OWN_TIMES - 1);
+    for (int m = 0; m < LAB_MODELS && !common_interrupted(); m++) {
+        screen_def def = o->def;
+        char a[32], b[32], c[32], words[300];
+        def.domain = &fits[m].domain;
+        def.ratio = fits[m].ratio;
+        def.ratio_mass = fits[m].ratio_mass;
+        if (o->blocks) {
+            def.free_points = OWN_TIMES;
+            def.free_time = o->free_time;
+            def.free_fraction = o->free_fraction;
+        }
+        answer got = own_time(o, &fits[m], &def, self->seed);
+        unsigned flags = screen_outside(&fits[m].domain, &def, (screen_model)m, &o->operation, got.time < HUGE_VAL ? got.time : o->limit);
+        double sizes[121], part[121], feed[121];
+        screen_separation measure;
+        measure.d50 = NAN;
+        for (int i = 0; i < 121; i++) {
+            sizes[i] = o->def.aperture * (i + 1) / 110.0;
+            feed[i] = 1.0;
+        }
+        if (m != SCREEN_SOLDINGER && got.time < HUGE_VAL &&
+            (screen_partition(&def, (screen_model)m, fits[m].parameter, &o->operation, got.time, 121, sizes, part) == SCREEN_OUTSIDE ||
+             part[0] >= 0.0))
+            screen_measure(121, sizes, feed, part, o->def.aperture, &measure);
+        table_cell(&t, "%s", lab_names[m]);
+        table_cell(&t, "%.4f", fits[m].deviation);
+        table_cell(&t, "%s", isnan(got.time) ? "no answer" : seconds(a, got.time, o->limit));
+        table_cell(&t, "%s .. %s", seconds(b, got.low, o->limit), seconds(c, got.high, o->limit));
+        if (isnan(measure.d50)) table_cell(&t, "%s", "-");
+        else table_cell(&t, "%.3g", 1e3 * measure.d50);
+        table_cell(&t, "%s", flags ? lab_outside(words, sizeof words, flags) : "nothing");
+        json_object_begin(report, lab_keys[m]);
+        report_answer(report, "answer", &got);
+        json_number(report, "d50_m", measure.d50);
+        json_integer(report, "outside_flags", flags);
+        json_string(report, "outside", lab_outside(words, sizeof words, flags));
+        json_object_end(report);
+        screen_status status = screen_fit_band(&def, &fits[m], NULL, &o->operation, OWN_TIMES, time, 0.95, self->seed, mean, low, high);
+        if (status) continue;
+        double curve[OWN_CLASSES];
+        for (int i = 0; i < OWN_TIMES; i++) {
+            screen_status one = screen_predict(&def, (screen_model)m, fits[m].parameter, &o->operation, 1, &time[i], curve, NULL, NULL);
+            y[i] = y_low[i] = y_high[i] = 0.0;
+            for (int k = 0; k < def.classes; k++) {
+                y[i] += (one && one != SCREEN_OUTSIDE ? (double)NAN : curve[k]) / def.classes;
+                y_low[i] += low[k * OWN_TIMES + i] / def.classes;
+                y_high[i] += high[k * OWN_TIMES + i] / def.classes;
+            }
+            csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g", lab_keys[m], time[i], y[i], y_low[i], y_high[i]);
+        }
+        plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
+        snprintf(words, sizeof words, "%s%s", lab_names[m], flags ? ", extrapolated" : "");
+        plot_title(figure, words);
+        plot_range_y(figure, 0.0, 1.0);
+        plot_band(figure, "95 % of new data", time, y_low, y_high, OWN_TIMES);
+        plot_line(figure, "predicted", time, y, OWN_TIMES);
+        plot_horizontal(figure, "wanted", 1.0 - o->recovery);
+    }
+    common_print("Time to %.4g %% of the undersize%s:\n", 100.0 * o->recovery, o->blocks ? ", holes blocking" : "");
+    table_end(&t);
+    csv_close(file);
+    plot_write(figure, self->out, "own_retained.svg");
+    json_program(report, self);
+    json_close(report);
+    return common_exit_status();
+}
+
 /* ---- options ---- */
 
 static int read_diameters(const char *text, double *diameters) {
@@ -282,7 +435,8 @@ int main(int argc, char **argv) {
            wire = 2.0;
     double recovery = 0.9, limit = 40.0, k1 = blocking_k1(.714, .0101), k2 = blocking_k2(.714, .0101), f0 = 1.0, rate_error = 0.3,
            x_h = 0.5;
-    int chosen = 2, shape = 0;
+    int chosen = 2, shape = 0, classes_wanted = 8;
+    const char *parameters = NULL, *psd = NULL, *rosin = NULL, *lognormal = NULL;
     option options[] = {
         option_positive("amplitude-mm", "A", &A, 10.0, "amplitude of the deck [mm]"),
         option_positive("frequency-hz", "F", &frequency, 1000.0, "frequency of the deck [Hz]"),
@@ -303,10 +457,54 @@ int main(int argc, char **argv) {
         option_double("rate-error", "S", &rate_error, 0.0, 2.0, "relative standard error of k1 and k2 [-]"),
         option_double("xh", "X", &x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], for Table 3"),
         option_choice("shape", &shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
+        option_string("parameters", "FILE", &parameters, "parameters.json of screen_fit --data: predict by these"),
+        option_string("psd", "FILE", &psd, "sieve curve: columns size and passing; with --parameters"),
+        option_string("rosin-rammler", "D63,N", &rosin, "feed: size [mm] and exponent; with --parameters"),
+        option_string("lognormal", "D50,SG", &lognormal, "feed: median [mm] and geometric deviation; with --parameters"),
+        option_int("classes", "N", &classes_wanted, 1, OWN_CLASSES, "classes that a sieve curve or distribution is cut into"),
     };
     program self =
         program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
                       options, (int)(sizeof options / sizeof *options), argc, argv);
+    if ((psd != NULL) + (rosin != NULL) + (lognormal != NULL) > 1)
+        program_refuse(&self, psd ? "psd" : "rosin-rammler", NULL, "one of --psd, --rosin-rammler and --lognormal");
+    if (!parameters && (psd || rosin || lognormal))
+        program_refuse(&self, psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", NULL, "only with --parameters");
+    if (options[13].given != options[14].given)
+        program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
+    if (parameters) {
+        static own o;
+        o.def = screen_default_def();
+        o.def.aperture = 1e-3 * opening;
+        o.def.wire = 1e-3 * wire;
+        o.def.diameters = o.diameters;
+        o.undersize = share;
+        if (psd || rosin || lognormal) own_classes(&self, &o, psd, rosin, lognormal, classes_wanted);
+        else o.def.classes = read_diameters(classes, o.diameters);
+        if (o.def.classes == 0) program_refuse(&self, "diameters-mm", classes, "up to 8 numbers and commas, as 5,7");
+        o.def.deck_area = area;
+        o.def.undersize_mass = feed * o.undersize;
+        o.def.oversize_mass = feed * (1.0 - o.undersize);
+        o.def.coarse_diameter = options[7].given ? 1e-3 * coarse : 1.25 * o.def.aperture;
+        o.operation.amplitude = 1e-3 * A;
+        o.operation.frequency = frequency;
+        o.operation.moisture = moisture;
+        o.operation.inclination = 0.0;
+        o.recovery = recovery;
+        o.limit = limit;
+        o.blocks = options[13].given;
+        for (int i = 0; i < OWN_TIMES; i++) {
+            o.free_time[i] = limit * i / (OWN_TIMES - 1);
+            o.free_fraction[i] = blocking_free_fraction(f0, k1, k2, o.free_time[i]);
+        }
+        const char *bad = NULL;
+        if (screen_check_def(&o.def, &bad) != SCREEN_OK)
+            program_refuse(&self, strcmp(bad, "diameters") == 0 ? "diameters-mm" : "opening-mm", NULL,
+                           "grain sizes above 0 and below the opening");
+        if (screen_check_operation(&o.operation) != SCREEN_OK)
+            program_refuse(&self, "amplitude-mm", NULL, screen_status_text(screen_check_operation(&o.operation)));
+        return plan_own(&self, parameters, &o);
+    }
     plan p;
     p.def = screen_default_def();
     p.def.classes = read_diameters(classes, p.diameters);
@@ -329,8 +527,6 @@ int main(int argc, char **argv) {
     if (screen_check_def(&p.def, &field) != SCREEN_OK)
         program_refuse(&self, strcmp(field, "diameters") == 0 ? "diameters-mm" : "opening-mm",
                        strcmp(field, "diameters") == 0 ? classes : NULL, "grain sizes above 0 and below the opening");
-    if (options[13].given != options[14].given)
-        program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
     const bool own = options[13].given;
     if (!own && !options[15].given) f0 = .949; /* goes with the default k1 and k2 */
     holes h;
@@ -356,8 +552,11 @@ int main(int argc, char **argv) {
                  area * blocking_open_area(opening, wire));
     common_print("Blocking: f0 %.3f, f_inf %.3f, k1 %.4f 1/s, k2 %.4f 1/s%s\n", h.f0, h.f_inf, k1, k2,
                  own ? "" : ", an illustration (Table 2, fit 7b: dry, 1 mm): give --k1 and --k2");
-    if (A < 0.8 || A > 1.2 || frequency < 45.8 || frequency > 55.4 || moisture > 0.05 || opening != 8.0)
-        common_print("Outside the 27 cases (A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05, 8 mm): the models extrapolate\n");
+    const screen_domain domain = screen_published_domain();
+    char words[300];
+    const unsigned flags = screen_outside(&domain, &p.def, SCREEN_SOLDINGER, &p.operation, 0.0) & ~(unsigned)SCREEN_OUTSIDE_LOAD;
+    if (flags)
+        common_print("Beyond what the published parameters were fitted to, so extrapolated: %s\n", lab_outside(words, sizeof words, flags));
     if (fabs(free_holes(&p) - 1.0) > 0.01)
         common_print("Load: the models were fitted at %.1f kg/m2; passing is taken %.2f times as fast\n", study_feed / study_area,
                      free_holes(&p));
@@ -382,6 +581,7 @@ int main(int argc, char **argv) {
     json_number(report, "k1_per_s", k1);
     json_number(report, "k2_per_s", k2);
     json_bool(report, "rates_are_yours", own);
+    json_string(report, "extrapolated", lab_outside(words, sizeof words, flags));
     json_bool(report, "table3_offered", offered);
     json_number(report, "table3_mean_free", offered ? average.value : (double)NAN);
     table t = table_begin(offered ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
@@ -407,7 +607,7 @@ int main(int argc, char **argv) {
     }
     common_print("Time to %.4g %% of the undersize:\n", 100.0 * recovery);
     table_end(&t);
-    draw_retained(&self, &p, &h);
+    draw_retained(&self, &p, &h, flags != 0);
     draw_map(&self, &p, chosen, &h);
     draw_area(&self, &p, &h);
     json_program(report, &self);
