@@ -31,6 +31,7 @@
      >>bands       mean, spread and confidence bands of a prediction
      >>separation  d50, imperfection, misplaced fractions
      >>feed        classes from a sieve curve, Rosin-Rammler or lognormal
+     >>deck        a steady deck: what stays and passes along it, bed depth, efficiency, capacity
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
    Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says otherwise; laws
@@ -90,7 +91,8 @@ extern "C" {
     X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                                                  \
     X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")                                                            \
     X(SCREEN_OUTSIDE, "the answer is there, but outside the range that the parameters were fitted in: screen_outside names what")          \
-    X(SCREEN_BAD_CURVE, "sizes must rise, the share passing rise with them within 0..1, and some of the feed be below the aperture")
+    X(SCREEN_BAD_CURVE, "sizes must rise, the share passing rise with them within 0..1, and some of the feed be below the aperture")       \
+    X(SCREEN_LOAD_UNKNOWN, "the model does not know the load (load_exponent 0): no capacity follows from it")
 
 typedef enum screen_status {
 #define SCREEN__ENUM(name, text) name,
@@ -453,14 +455,50 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
 static inline double screen_rosin_rammler(double d, double d63, double n);
 static inline double screen_lognormal(double d, double d50, double sg);
 
-/* Undersize classes of a feed from its sieve curve: equal shares of the mass below the aperture, each with its mean size by mass. Cut so, the
-   mean of the classes, d_av, does not depend on their number; the answers of models 0, 1 and 2 converge with it. Model 3 depends on it.
+/* Undersize classes of a feed from its sieve curve: equal shares of the mass below the aperture, each with its mean size by mass. Cut so,
+   the mean of the classes, d_av, does not depend on their number; the answers of models 0, 1 and 2 converge with it. Model 3 depends on it.
      size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies below the first
      size is taken to lie between 0 and it
      aperture  [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes); undersize: share of the feed
      below the aperture [-], may be null. SCREEN_BAD_CURVE also where the curve ends below the aperture with less than 1. */
 SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture, int classes,
                                         double *diameters, double *shares, double *undersize);
+
+/* ---- steady deck -------------------------------------------------------------------------------------------------------------------- */
+
+/* A deck that is fed all the time. The bed travels as a plug: a slice of it is a batch of the load feed/(width velocity), whose age is the
+   place over the velocity. */
+typedef struct screen_duty {
+    double feed;     /* all that is fed [kg/s], > 0 */
+    double width;    /* [m], > 0 */
+    double length;   /* [m], > 0 */
+    double velocity; /* of the bed along the deck [m/s], > 0; measured, or from a simulation */
+} screen_duty;
+
+typedef struct screen_flow {
+    double load, depth;           /* of the bed where it is fed: [kg/m2], and over def.bulk_density [m] */
+    double load_end, depth_end;   /* at the end of the deck */
+    double residence;             /* length/velocity [s] */
+    double passed, stays;         /* [kg/s]; their sum is the feed */
+    double efficiency;            /* undersize that passed over undersize fed [-]; undersize: smaller than def.aperture */
+    double purity;                /* undersize in what passes [-]; below 1 with worn holes; NaN if nothing passes */
+    double undersize_in_overflow; /* undersize in what stays [-] */
+} screen_flow;
+
+/* What a deck does with a feed whose composition is def's: its classes with their shares make up undersize_mass, oversize_mass is what
+   cannot pass; the masses' sum is set by the duty. Models with continuous 0 take the age of the slice for their time, with 1 the place.
+     places    > 0; results stand at length (j + 1)/places
+     retained  out [classes][places] mass flow of a class on the deck over that fed [-]: the last column is the partition curve
+     depth     out [places] of the bed [m]; may be null
+     passed    out [classes] through the deck [kg/s]: the feed of a deck below, on which it is taken to fall at its head; may be null */
+SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model, const double *parameters,
+                                       const screen_operation *operation, const screen_duty *duty, int places, double *retained,
+                                       double *depth, double *passed, screen_flow *flow);
+
+/* The largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1), to 1e-9 of it.
+   SCREEN_LOAD_UNKNOWN where passage does not depend on the load; SCREEN_NOT_REACHED where no load between 1e-6 and 1e6 kg/m2 does. */
+SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model model, const double *parameters,
+                                         const screen_operation *operation, const screen_duty *duty, double efficiency, double *feed);
 
 /* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
@@ -3170,6 +3208,110 @@ SCREEN_API screen_status screen_classes(int points, const double *size, const do
     }
     if (undersize) *undersize = below;
     return SCREEN_OK;
+}
+
+/* >>deck */
+
+static inline int screen__good_duty(const screen_duty *duty) {
+    return duty && screen__positive(duty->width) && screen__positive(duty->length) && screen__positive(duty->velocity) &&
+           screen__positive(duty->feed) && screen__positive(duty->feed / duty->width / duty->velocity) &&
+           screen__positive(duty->length / duty->velocity);
+}
+
+/* def with the masses of a slice. */
+static inline screen_def screen__slice(const screen_def *def, const screen_duty *duty) {
+    screen_def slice = *def;
+    double scale = duty->feed / (duty->width * duty->velocity) / screen__load_of(def);
+    slice.undersize_mass *= scale;
+    slice.oversize_mass *= scale;
+    return slice;
+}
+
+static inline void screen__sum_flow(const screen_def *slice, const screen_duty *duty, int places, const double *retained, double *depth,
+                                    double *passed, screen_flow *flow) {
+    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0;
+    for (int i = 0; i < slice->classes; i++) {
+        double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i);
+        double through = fed * (1.0 - retained[(size_t)i * (size_t)places + (size_t)places - 1]);
+        if (passed) passed[i] = through;
+        all_passed += through;
+        if (!(slice->diameters[i] < slice->aperture)) continue;
+        fine += fed;
+        fine_passed += through;
+    }
+    for (int j = 0; j < places; j++) {
+        double on_deck = slice->oversize_mass;
+        for (int i = 0; i < slice->classes; i++)
+            on_deck += slice->undersize_mass * screen__share(slice, i) * retained[(size_t)i * (size_t)places + (size_t)j];
+        flow->load_end = on_deck / slice->deck_area;
+        flow->depth_end = flow->load_end / slice->bulk_density;
+        if (depth) depth[j] = flow->depth_end;
+    }
+    flow->load = screen__load_of(slice);
+    flow->depth = flow->load / slice->bulk_density;
+    flow->residence = duty->length / duty->velocity;
+    flow->passed = all_passed;
+    flow->stays = duty->feed - all_passed;
+    flow->efficiency = fine > 0.0 ? fine_passed / fine : (double)NAN;
+    flow->purity = all_passed > 0.0 ? fine_passed / all_passed : (double)NAN;
+    flow->undersize_in_overflow = flow->stays > 0.0 ? (fine - fine_passed) / flow->stays : (double)NAN;
+}
+
+SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model, const double *parameters,
+                                       const screen_operation *operation, const screen_duty *duty, int places, double *retained,
+                                       double *depth, double *passed, screen_flow *flow) {
+    screen_status status = screen_check_def(def, NULL);
+    if (flow)
+        flow->load = flow->depth = flow->load_end = flow->depth_end = flow->residence = flow->passed = flow->stays = flow->efficiency =
+            flow->purity = flow->undersize_in_overflow = (double)NAN;
+    if (!status && (!retained || !flow)) status = SCREEN_BAD_POINTER;
+    if (!status && (places < 1 || !screen__good_duty(duty))) status = SCREEN_BAD_ARGUMENT;
+    double *place = status ? NULL : (double *)screen__take(&def->memory, (size_t)places, sizeof(double));
+    if (!status && !place) status = SCREEN_NO_MEMORY;
+    if (!status) {
+        const screen_def slice = screen__slice(def, duty);
+        for (int j = 0; j < places; j++) place[j] = duty->length * (j + 1.0) / places / (def->continuous ? 1.0 : duty->velocity);
+        status = screen_predict(&slice, model, parameters, operation, places, place, retained, NULL, NULL);
+        if (!status || status == SCREEN_OUTSIDE) screen__sum_flow(&slice, duty, places, retained, depth, passed, flow);
+    }
+    if (place) screen__release(&def->memory, place, (size_t)places, sizeof(double));
+    size_t rows = places > 0 ? (size_t)places : 0;
+    screen__leave(status, rows, depth);
+    screen__leave(status, screen__size(def, 1), passed);
+    return screen__leave(status, screen__size(def, places), retained);
+}
+
+SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model model, const double *parameters,
+                                         const screen_operation *operation, const screen_duty *duty, double efficiency, double *feed) {
+    if (!feed) return SCREEN_BAD_POINTER;
+    *feed = (double)NAN;
+    screen_status status = screen_check_def(def, NULL);
+    if (status) return status;
+    if (!duty || !(efficiency > 0.0 && efficiency < 1.0)) return SCREEN_BAD_ARGUMENT;
+    if (def->load_exponent == 0.0 && model != SCREEN_SOLDINGER) return SCREEN_LOAD_UNKNOWN;
+    double *retained = (double *)screen__take(&def->memory, (size_t)def->classes, sizeof(double));
+    if (!retained) return SCREEN_NO_MEMORY;
+    screen_duty one = *duty;
+    screen_flow flow;
+    double low = riddle_log(1e-6), high = riddle_log(1e6), reached = (double)NAN, first = 0.0, last = 0.0;
+    for (int i = -2; i < 40; i++) { /* first both ends, then halves */
+        double at = i == -2 ? low : i == -1 ? high : 0.5 * (low + high);
+        one.feed = riddle_exp(at) * one.width * one.velocity;
+        status = screen_steady(def, model, parameters, operation, &one, 1, retained, NULL, NULL, &flow);
+        if (status && status != SCREEN_OUTSIDE) break;
+        if (i == -2) first = flow.efficiency;
+        if (i == -1) last = flow.efficiency;
+        if (i == -1 && !(first - last > 1e-6)) status = SCREEN_LOAD_UNKNOWN;
+        if (i == -1 && status != SCREEN_LOAD_UNKNOWN && !(first >= efficiency && last < efficiency)) status = SCREEN_NOT_REACHED;
+        if (status && status != SCREEN_OUTSIDE) break;
+        if (i < 0) continue;
+        if (flow.efficiency >= efficiency) low = at;
+        else high = at;
+        reached = one.feed;
+    }
+    screen__release(&def->memory, retained, (size_t)def->classes, sizeof(double));
+    if (!status || status == SCREEN_OUTSIDE) *feed = reached;
+    return status;
 }
 
 #endif /* SCREEN__BODIES */
