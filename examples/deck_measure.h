@@ -168,7 +168,7 @@ static inline int deck_note(deck_books *b, uint64_t id, double time, double x, i
 }
 
 /* Grains that have been fed since the last look. */
-static inline int deck_book_fed(deck_books *b, const deck *k, deck_window *w) {
+static inline int deck_book_fed(deck_books *b, const deck_machine *k, deck_window *w) {
     for (ptrdiff_t i = 0; i < k->world.count; i++) {
         const uint64_t id = k->world.id[i];
         if (id < (uint64_t)b->grains) continue;
@@ -198,7 +198,7 @@ static inline int deck_book_level(deck_books *b, const deck_def *d, uint64_t id,
 }
 
 /* Grains that left: over the end of the deck that their centre is above, or as underflow. */
-static inline int deck_book_left(deck_books *b, const deck *k, deck_window *w) {
+static inline int deck_book_left(deck_books *b, const deck_machine *k, deck_window *w) {
     for (; b->passed < k->world.passed_count; b->passed++) {
         const dem_passed *p = &k->world.passed[b->passed];
         if (p->id >= (uint64_t)b->grains) return -1;
@@ -216,7 +216,7 @@ static inline int deck_book_left(deck_books *b, const deck *k, deck_window *w) {
 
 /* A grain stands in a hole while its centre is within one radius of the wires' plane and within a tenth of the aperture of the place where
    it came to stand, in the frame of the deck. */
-static inline void deck_book_hole(deck_grain *g, const deck *k, dem_vec at, double radius, deck_zone *zone) {
+static inline void deck_book_hole(deck_grain *g, const deck_machine *k, dem_vec at, double radius, deck_zone *zone) {
     const dem_wall *wall = &k->world.wall[g->level];
     const double x = at.x - (wall->position.x - wall->origin.x), y = at.y, z = at.z - wall->position.z;
     const double aperture = k->def.aperture[g->level];
@@ -232,7 +232,7 @@ static inline void deck_book_hole(deck_grain *g, const deck *k, dem_vec at, doub
 }
 
 /* One look, after a step of deck_advance. 0, or -1 out of memory. */
-static inline int deck_look(deck_books *b, const deck *k) {
+static inline int deck_look(deck_books *b, const deck_machine *k) {
     const deck_def *d = &k->def;
     const ptrdiff_t number = (ptrdiff_t)((k->world.time - 0.5 * k->step) / b->window_time);
     while (b->windows <= number) {
@@ -263,7 +263,7 @@ static inline int deck_look(deck_books *b, const deck *k) {
 }
 
 /* Windows that are over. */
-static inline int deck_windows_done(const deck_books *b, const deck *k) {
+static inline int deck_windows_done(const deck_books *b, const deck_machine *k) {
     return (int)fmin((double)b->windows, floor((k->world.time + 0.5 * k->step) / b->window_time));
 }
 

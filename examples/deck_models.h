@@ -81,12 +81,21 @@ typedef struct deck_fit {
     screen_model model;
     screen_status status;
     double parameter[SCREEN_MAX_PARAMETERS];
-    double deviation; /* of the fitted curves: mean |model - DEM| [-] */
+    double deviation;                     /* of the fitted curves: mean |model - DEM| [-] */
+    double load_exponent, load_reference; /* models 0, 1, 2: passage goes with (reference/load)^exponent [-], [kg/m2] */
 } deck_fit;
+
+/* The same for a deck of another load than that of the fit. */
+static inline screen_def deck_screen_of(const deck_fit *fit, const deck_curves *c, const deck_def *d) {
+    screen_def s = deck_screen(c, d, fit->model);
+    if (fit->model != SCREEN_SOLDINGER) s.load_exponent = fit->load_exponent, s.load_reference = fit->load_reference;
+    return s;
+}
 
 static inline const double *deck_way(const deck_curves *c, screen_model model) { return model == SCREEN_SOLDINGER ? c->time : c->length; }
 
-static inline void deck_fit_model(const deck_curves *c, const deck_def *d, screen_model model, uint64_t seed, deck_fit *fit) {
+static inline void deck_fit_model(const deck_curves *c, const deck_def *d, screen_model model, double load_exponent, uint64_t seed,
+                                  deck_fit *fit) {
     const screen_def def = deck_screen(c, d, model);
     const screen_case data = {deck_operation(d), c->points, deck_way(c, model), c->retained};
     screen_fit_options options = screen_default_fit_options(model);
@@ -94,6 +103,7 @@ static inline void deck_fit_model(const deck_curves *c, const deck_def *d, scree
     options.seed = seed, options.starts = 8;
     memset(fit, 0, sizeof *fit);
     fit->model = model;
+    fit->load_exponent = load_exponent, fit->load_reference = (c->undersize + c->oversize) / (d->length * d->width);
     fit->status = c->classes < 1 || c->points < 2 ? SCREEN_TOO_FEW_POINTS : screen_fit(&def, model, 1, &data, &options, &result);
     fit->deviation = (double)NAN;
     if (fit->status != SCREEN_OK) return;
@@ -103,7 +113,7 @@ static inline void deck_fit_model(const deck_curves *c, const deck_def *d, scree
 
 /* Curves by a fitted model on a measured deck's stations, and their deviation. */
 static inline double deck_predict(const deck_fit *fit, const deck_curves *c, const deck_def *d, double *retained) {
-    const screen_def def = deck_screen(c, d, fit->model);
+    const screen_def def = deck_screen_of(fit, c, d);
     const screen_operation o = deck_operation(d);
     screen_status status = fit->status;
     if (status == SCREEN_OK)
@@ -114,7 +124,7 @@ static inline double deck_predict(const deck_fit *fit, const deck_curves *c, con
 
 /* Length from the feed on at which the share `recovery` of the undersize has passed [m]; NaN if not within ten decks. */
 static inline double deck_length_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity, double recovery) {
-    const screen_def def = deck_screen(c, d, fit->model);
+    const screen_def def = deck_screen_of(fit, c, d);
     const screen_operation o = deck_operation(d);
     const double scale = fit->model == SCREEN_SOLDINGER ? velocity : 1.0;
     double way;

@@ -9,7 +9,7 @@ enum { RUNS = 2 };
 
 typedef struct deck_run {
     deck_def def;
-    deck deck;
+    deck_machine deck;
     deck_books books;
     dem_status status;
     int first, end; /* windows that were measured */
@@ -25,7 +25,7 @@ typedef struct study {
     deck_run run[RUNS];
     int runs, models;
     deck_fit fit[DECK_MODELS];
-    double window, measure, tolerance, recovery, left_out, machine_width;
+    double window, measure, tolerance, recovery, left_out, machine_width, load_exponent;
     bool frames;
     const program *self;
     progress bar;

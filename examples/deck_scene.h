@@ -101,7 +101,7 @@ static inline double deck_toss(const deck_def *d) {
     return hypot(d->amplitude * sin(d->direction), d->minor * cos(d->direction)) * turn * turn / (9.81 * cos(d->inclination));
 }
 
-typedef struct deck {
+typedef struct deck_machine {
     deck_def def;
     dem_world world;
     dem_feed feed;
@@ -109,7 +109,7 @@ typedef struct deck {
     wet_scene *wet;
     int *group;          /* of wet grains by id */
     double film, liquid; /* water a surface of grains [m], fed so far [m3] */
-} deck;
+} deck_machine;
 
 /* ---- bars of slots, as a mesh of triangles ---- */
 
@@ -146,7 +146,7 @@ static inline void deck_add_bars(dem_mesh *m, bool along, double first, double e
 /* A grain in flight may be several widths beyond the sides until it lands: walls reach that far. */
 enum { DECK_BEYOND = 3 };
 
-static inline int deck_add_slots(deck *k, int material, int number) {
+static inline int deck_add_slots(deck_machine *k, int material, int number) {
     const deck_def *d = &k->def;
     const bool along = d->mesh == DECK_SLOTS_ALONG;
     const double wire = d->wire[number], pitch = deck_pitch(d, number), other = d->slot_length + wire, z = deck_height(d, number);
@@ -170,7 +170,7 @@ static inline int deck_add_slots(deck *k, int material, int number) {
     return wall;
 }
 
-static inline int deck_add_wires(deck *k, int material, int number) {
+static inline int deck_add_wires(deck_machine *k, int material, int number) {
     const deck_def *d = &k->def;
     const double pitch = deck_pitch(d, number);
     const int across = (int)(d->width / pitch + 0.5), along = 2 * (int)ceil(0.5 * (d->length / pitch - 1.0) - 1e-9) + 1;
@@ -185,7 +185,7 @@ static inline int deck_add_wires(deck *k, int material, int number) {
 /* ---- the machine ---- */
 
 /* Water: a film of equal thickness on every grain, none on walls. Grains have a class of size for the tables of bridges. */
-static inline dem_status deck_add_liquid(deck *k) {
+static inline dem_status deck_add_liquid(deck_machine *k) {
     enum { DRAWS = 20000 };
     const deck_def *d = &k->def;
     const double small = deck_smallest(&d->sizes), most = deck_largest(&d->sizes);
@@ -210,7 +210,7 @@ static inline dem_status deck_add_liquid(deck *k) {
                : DEM_BAD_ARGUMENT;
 }
 
-static inline void deck_free(deck *k) {
+static inline void deck_free(deck_machine *k) {
     dem_free(&k->world);
     if (k->wet) wet_free(k->wet);
     free(k->wet);
@@ -218,7 +218,7 @@ static inline void deck_free(deck *k) {
     memset(k, 0, sizeof *k);
 }
 
-static inline dem_status deck_add_walls(deck *k, int steel) {
+static inline dem_status deck_add_walls(deck_machine *k, int steel) {
     const deck_def *d = &k->def;
     dem_vec amplitude, phase;
     dem_status status = DEM_OK;
@@ -236,7 +236,7 @@ static inline dem_status deck_add_walls(deck *k, int steel) {
     return status;
 }
 
-static inline void deck_place_feed(deck *k) {
+static inline void deck_place_feed(deck_machine *k) {
     const deck_def *d = &k->def;
     const double most = deck_largest(&d->sizes), speed = sqrt(2.0 * 9.81 * 0.5 * d->drop), bottom = 0.5 * d->drop + 0.5 * d->wire[0];
     const double need = d->flow / (0.1 * d->density * d->feed_length * d->width * speed); /* of its height, at a solid share of a tenth */
@@ -251,7 +251,7 @@ static inline void deck_place_feed(deck *k) {
 }
 
 /* The empty machine, running. The definition is one that deck_round() has taken. Free with deck_free, also after a failure. */
-static inline dem_status deck_make(deck *k, const deck_def *given) {
+static inline dem_status deck_make(deck_machine *k, const deck_def *given) {
     const deck_def *d = &k->def;
     memset(k, 0, sizeof *k);
     k->def = *given;
@@ -276,7 +276,7 @@ static inline dem_status deck_make(deck *k, const deck_def *given) {
 }
 
 /* Feeds what falls due in one step and runs it. */
-static inline dem_status deck_advance(deck *k) {
+static inline dem_status deck_advance(deck_machine *k) {
     const int features = DEM_LINEAR | DEM_FRICTION | (k->def.rolling > 0.0 ? DEM_ROLLING : 0);
     const ptrdiff_t before = k->feed.placed;
     dem_status status = dem_feed_mass(&k->world, &k->feed, k->def.flow, k->step);

@@ -64,7 +64,7 @@ static void fit_models(study *st) {
         r->length_by_dem = deck_length_by_dem(&r->curves, st->recovery);
     }
     for (int m = 0; m < DECK_MODELS; m++) {
-        deck_fit_model(&fitted->curves, &fitted->def, (screen_model)m, st->self->seed, &st->fit[m]);
+        deck_fit_model(&fitted->curves, &fitted->def, (screen_model)m, st->load_exponent, st->self->seed, &st->fit[m]);
         for (int k = 0; k < st->runs; k++) {
             deck_run *r = &st->run[k];
             r->deviation[m] = deck_predict(&st->fit[m], &r->curves, &r->def, r->predicted[m]);
@@ -209,6 +209,20 @@ static void define(const program *self, const input *in, deck_def *d, double *le
     d->flow = in->feed / 3.6 * d->width / in->machine;
 }
 
+static void simulate(study *st, const deck_def *d, double second) {
+    for (int k = 0; k < st->runs; k++) {
+        st->run[k].def = *d;
+        if (k) st->run[k].def.flow *= second, st->run[k].def.seed += 7919u;
+    }
+    progress_begin(&st->bar, "screening", st->runs * d->longest);
+    jobs_run(st->runs, st->self->threads, run_one, st);
+    progress_end(&st->bar);
+    for (int k = 0; k < st->runs && !common_interrupted(); k++)
+        if (st->run[k].status != DEM_OK)
+            common_fail("feed %.4g kg/s: %s (grain %llu)", st->run[k].def.flow, dem_status_text(st->run[k].status),
+                        (unsigned long long)st->run[k].deck.world.failed_id);
+}
+
 int main(int argc, char **argv) {
     static study st;
     deck_def def = deck_default(), *d = &def;
@@ -230,7 +244,7 @@ int main(int argc, char **argv) {
                 .apertures = "10",
                 .second = 0.6};
     d->length = 1.2;
-    st.window = 0.5, st.measure = 6.0, st.tolerance = 0.05, st.recovery = 0.9;
+    st.window = 0.5, st.measure = 4.0, st.tolerance = 0.05, st.recovery = 0.9;
     enum { FEED, SECTION, LENGTH, LONGEST, WINDOW, MEASURE, TOLERANCE, STIFFNESS }; /* the first of the options */
     option options[] = {
         option_positive("feed-t-h", "T/H", &in.feed, 1e5, "feed of the whole machine [t/h]"),
@@ -270,6 +284,8 @@ int main(int argc, char **argv) {
         option_double("rolling-mm", "MM", &in.rolling, 0.0, 100.0, "lever arm of rolling resistance [mm]"),
         option_positive("drop-mm", "MM", &in.drop, 5e3, "height from which the feed falls [mm]"),
         option_double("recovery", "X", &st.recovery, 0.01, 0.999, "share of the undersize for which deck areas are compared [-]"),
+        option_double("load-exponent", "N", &st.load_exponent, 0.0, 10.0,
+                      "models 0, 1, 2: passage goes with one over the load to this power; 0: they do not know it [-]"),
         option_flag("short", &in.brief, "under a minute: a deck of 0.8 m, 75 mm of its width, 60 t/h"),
         option_flag("no-frames", &in.no_frames, "no .vtp series"),
         option_flag("no-models", &in.no_models, "no process models"),
@@ -290,17 +306,7 @@ int main(int argc, char **argv) {
     st.frames = !in.no_frames;
     st.runs = in.second > 0.0 ? 2 : 1;
     d->threads = threads_for(d, &self, st.runs);
-    for (int k = 0; k < st.runs; k++) {
-        st.run[k].def = *d;
-        if (k) st.run[k].def.flow *= in.second, st.run[k].def.seed += 7919u;
-    }
-    progress_begin(&st.bar, "screening", st.runs * d->longest);
-    jobs_run(st.runs, self.threads, run_one, &st);
-    progress_end(&st.bar);
-    for (int k = 0; k < st.runs && !common_interrupted(); k++)
-        if (st.run[k].status != DEM_OK)
-            common_fail("feed %.4g kg/s: %s (grain %llu)", st.run[k].def.flow, dem_status_text(st.run[k].status),
-                        (unsigned long long)st.run[k].deck.world.failed_id);
+    simulate(&st, d, in.second);
     if (common_exit_status() == 0) {
         st.models = in.no_models ? 0 : DECK_MODELS;
         if (st.models) fit_models(&st);

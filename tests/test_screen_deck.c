@@ -127,7 +127,7 @@ static void test_motion(void **state) {
     static const double shape[][3] = {{4e-3, 0.0, 0.8}, {3e-3, 3e-3, 0.0}, {4e-3, 1.5e-3, 1.1}, {4e-3, -1.5e-3, 0.4}};
     for (int k = 0; k < 4; k++) {
         deck_def d = small_machine(1);
-        deck m;
+        deck_machine m;
         d.amplitude = shape[k][0], d.minor = shape[k][1], d.direction = shape[k][2];
         assert_null(deck_round(&d));
         assert_int_equal(deck_make(&m, &d), DEM_OK);
@@ -148,7 +148,7 @@ static void test_motion(void **state) {
     assert_true(fabs(deck_toss(&d) - 4e-3 * pow(2.0 * RIDDLE_PI * 16.0, 2.0) / 9.81) < 1e-12);
 }
 
-static void run_machine(deck *m, deck_books *b, const deck_def *d, double time) {
+static void run_machine(deck_machine *m, deck_books *b, const deck_def *d, double time) {
     assert_int_equal(deck_make(m, d), DEM_OK);
     deck_books_open(b, d, 0.1);
     while (m->world.time < time - 1e-9) {
@@ -158,7 +158,7 @@ static void run_machine(deck *m, deck_books *b, const deck_def *d, double time) 
 }
 
 /* Every grain that was fed is in the machine or in one product, by number, class and mass; events tell the same as the products. */
-static void check_books(const deck *m, const deck_books *b) {
+static void check_books(const deck_machine *m, const deck_books *b) {
     ptrdiff_t present[DECK_CLASSES] = {0}, all = 0, noted[DECKS_MAX + 1] = {0};
     double mass = 0.0, fed = 0.0;
     for (ptrdiff_t i = 0; i < m->world.count; i++) {
@@ -188,7 +188,7 @@ static void test_balance(void **state) {
     for (int decks = 1; decks <= DECKS_MAX; decks++)
         for (int mesh = DECK_SQUARE; mesh <= (decks == 1 ? DECK_SLOTS_ACROSS : DECK_SQUARE); mesh++) {
             deck_def d = small_machine(decks);
-            deck m;
+            deck_machine m;
             deck_books b;
             d.mesh = mesh, d.slot_length = 0.03;
             assert_null(deck_round(&d));
@@ -221,7 +221,7 @@ static void test_balance_of_liquid(void **state) {
     (void)state;
     for (int decks = 1; decks <= 2; decks++) {
         deck_def d = small_machine(decks);
-        deck m;
+        deck_machine m;
         deck_books b;
         int bridges;
         d.moisture = 0.03;
@@ -242,7 +242,7 @@ static void test_holes(void **state) {
     (void)state;
     for (int mesh = DECK_SQUARE; mesh <= DECK_SLOTS_ACROSS; mesh++) {
         deck_def d = small_machine(1);
-        deck m;
+        deck_machine m;
         d.mesh = mesh, d.slot_length = 0.03, d.inclination = 0.0, d.amplitude = 0.0, d.flow = 1e-9;
         assert_null(deck_round(&d));
         assert_int_equal(deck_make(&m, &d), DEM_OK);
@@ -269,7 +269,7 @@ static void test_threads(void **state) {
     uint64_t hash[2];
     for (int k = 0; k < 2; k++) {
         deck_def d = small_machine(2);
-        deck m;
+        deck_machine m;
         deck_books b;
         d.threads = 1 + 2 * k;
         assert_null(deck_round(&d));
