@@ -1790,6 +1790,12 @@ typedef struct dem__engine {
     dem__scratch scratch;
 } dem__engine;
 
+/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
+#define DEM__EACH_CONTACT(w, c)                                                                                                            \
+    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
+         in_##c++)                                                                                                                         \
+        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
+
 /* ------------------------------------------------------------------------------------------------ >>memory */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
@@ -2157,7 +2163,63 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
+/* ------------------------------------------------------------------------------------------- >>ledger */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
+
+/* The force, or the torque, of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Books the potential energy [J] that a particle gains where it is put back into the periodic box. */
+DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+}
+
+/* Books a particle at rest that is added, by its potential energy [J]. */
+DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
+
+/* Books a change of a particle's kinetic energy from outside [J]. */
+DEM_INLINE void dem__book_motion(dem_world *w, double change) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
+}
+
+/* Books a particle that is removed: its energy, and the potential part of it [J]. */
+DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
+}
+
+/* Books work of links [J]. */
+DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
+}
+
+/* Books what a contact in slot c has stored at its end: its tangential spring is let go as if it slid. */
+DEM_INLINE void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Books what contacts have dissipated in a step, and the work of walls and loads. */
+static inline void dem__book_losses(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
+    }
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
+    }
+}
+
 /* ------------------------------------------------------------------------------------------------- >>scene */
+
+/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
+DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
@@ -2197,13 +2259,9 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
 
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
-    dem__ledger *ledger = &w->engine->ledger;
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (ledger->on) {
-        const double raised = -p->mass * dem__dot(w->def.gravity, dem__sub(x, p->x));
-        ledger->sums.added += raised, ledger->sums.added_potential += raised;
-    }
+    if (w->engine->ledger.on) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -2220,7 +2278,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
-    return -w->particle[i].mass * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
+    return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
@@ -2233,9 +2291,6 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     }
     return d;
 }
-
-DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
@@ -2266,7 +2321,7 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__sum *sum = &bodies->sum[i];
-    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(bodies->load[i]));
+    w->particle[i].a = dem__plus(dem__free_fall(w), sum->per_mass, dem__first(bodies->load[i]));
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
@@ -2319,10 +2374,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
         w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
         dem__free_acceleration(w, i);
-        if (w->engine->ledger.on) {
-            w->engine->ledger.sums.added += dem__potential(w, i);
-            w->engine->ledger.sums.added_potential += dem__potential(w, i);
-        }
+        dem__book_added(w, dem__potential(w, i));
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -2354,11 +2406,11 @@ static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w &&
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
-    if (w->engine->ledger.on) w->engine->ledger.sums.added -= dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = velocity;
     w->particle[i].spin = spin;
-    if (w->engine->ledger.on) w->engine->ledger.sums.added += dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -3417,12 +3469,6 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
 
-/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
-#define DEM__EACH_CONTACT(w, c)                                                                                                            \
-    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
-         in_##c++)                                                                                                                         \
-        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
-
 /* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
     const dem__chunk *in = w->engine->contacts.chunk;
@@ -3652,7 +3698,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
                                        int found, double others) {
     const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
                  radius = w->particle[i].radius;
-    const dem_vec u = dem__sub(v, wall->velocity), g = w->def.gravity;
+    const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
@@ -3751,7 +3797,7 @@ DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(
 /* Of a particle that has strayed so far from its bound: what its tolerance leaves it beyond this step. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, w->def.gravity));
+        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
 /* A new bound for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
@@ -3763,7 +3809,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
-    const dem_vec g = w->def.gravity, impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem_vec u = dem__add(v, impact);
     const double turn = dem__length(impact), held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];
@@ -4059,6 +4105,8 @@ static inline void dem__compact(dem_world *w) {
     w->engine->bodies.dropped = 0;
 }
 
+/* -------------------------------------------------------------------------------------------- >>grid */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing. */
 /* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* corner, 1 / cell size by axis */
@@ -4142,6 +4190,9 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
+/* ------------------------------------------------------------------------------------------- >>pairs */
+/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
+   listed cannot touch before the next check. */
 /* The near pairs that a thread finds, and room for so many. */
 typedef struct dem__found_pairs {
     dem__near *pair;
@@ -4500,7 +4551,7 @@ static inline void dem__choose_frame(dem_world *w) {
         if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
     }
     pairs->frame_velocity = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
-    pairs->frame_acceleration = flies ? w->def.gravity : dem_vec3(0.0, 0.0, 0.0);
+    pairs->frame_acceleration = flies ? dem__free_fall(w) : dem_vec3(0.0, 0.0, 0.0);
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
@@ -4536,7 +4587,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     pairs->wall_reach = 4.0 * pairs->margin;
     pairs->position_tolerance =
         2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
-    pairs->gravity_size = dem__length(w->def.gravity);
+    pairs->gravity_size = dem__length(dem__free_fall(w));
     dem__choose_frame(w);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
@@ -5465,8 +5516,9 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     DEM__KERNEL(name, dem__kernel(world, first, end, part, &(law), name##_edge, features))
 #define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, part, &(law)))
 
-/* -------------------------------------------------------------------------------------------------- >>step */
-
+/* ----------------------------------------------------------------------------------------- >>removal */
+/* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
+   a particle that is gone stands in no list. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -5553,12 +5605,8 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
 static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
-    dem__ledger *ledger = &w->engine->ledger;
-    if (ledger->on) {
-        ledger->sums.link_work += dem__link_work(w, i);
-        ledger->sums.removed += dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i);
-        ledger->sums.removed_potential += dem__potential(w, i);
-    }
+    dem__book_link_work(w, dem__link_work(w, i));
+    dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
@@ -5644,6 +5692,9 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
+/* ---------------------------------------------------------------------------------------- >>contacts */
+/* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
+   order depends only on the history of the scene, never on threads. */
 /* Order of contacts: by i, the last first, then j (walls last), then element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -5913,7 +5964,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     w->touching[i]--;
     dem__set_mass_share(w, i);
     dem__mark_to_check(w, i);
-    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
+    dem__book_contact_end(w, c);
     if (j >= 0) {
         w->touching[j]--;
         dem__set_mass_share(w, j);
@@ -5973,6 +6024,145 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
 }
 
+/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
+   other. Many in chunks of equal size, with room to grow. */
+static inline int dem__reorder_contacts(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    const int chunks = n < DEM__CHUNKS * 512 ? 1 : DEM__CHUNKS;
+    dem__chunk chunk[DEM__CHUNKS];
+    dem__array list[DEM__ARRAYS_MAX];
+    int32_t *place = w->engine->scratch.index, sum = 0, before = INT32_MAX;
+    ptrdiff_t end = 0, cut = 0;
+    int in_order = chunks == contacts->chunk_count;
+    DEM__EACH_CONTACT(w, c) {
+        in_order &= before >= contacts->i[c];
+        before = contacts->i[c];
+    }
+    if (!in_order) {
+        for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
+        DEM__EACH_CONTACT(w, c) { place[contacts->i[c]]++; }
+        for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
+            const int32_t of = place[i];
+            place[i] = sum;
+            sum += of;
+        }
+        DEM__EACH_CONTACT(w, c) { contacts->slots[place[contacts->i[c]]++] = (int32_t)c; }
+        memset(chunk, 0, sizeof chunk);
+        for (int q = 0; q < chunks; q++) {
+            const ptrdiff_t first = cut;
+            if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
+            while (cut < n && contacts->i[contacts->slots[cut]] == contacts->i[contacts->slots[cut - 1]]) cut++;
+            chunk[q].first_particle = q < chunks - 1 ? contacts->i[contacts->slots[cut - 1]] : 0;
+            chunk[q].first = end;
+            chunk[q].count = cut - first;
+            chunk[q].capacity = chunks > 1 ? chunk[q].count + chunk[q].count / 4 + DEM__BLOCK : 0;
+            end += chunk[q].capacity;
+        }
+        if (!dem__grow_contacts(w, end + 1)) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return 0;
+        }
+        dem__arrange(w, n, chunk, chunks, list, dem__kept_arrays(w, list));
+        contacts->chunk_count = chunks;
+        memcpy(contacts->chunk, chunk, sizeof chunk);
+        dem__list_wall_contacts(w);
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------ >>forces */
+/* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
+   Promises: every sum is added in the order of slots, whatever the number of threads. */
+/* Runs the links' kernel on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)context;
+    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+}
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+/* An evaluation of all contacts by several threads. */
+typedef struct dem__evaluation {
+    dem_kernel_fn kernel;
+    int parts, has_friction;
+} dem__evaluation;
+
+/* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
+static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        dem__postponed *later = contacts->postponed + in->first;
+        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
+        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
+            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the rest has been added */
+            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
+            double *out[9];
+            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
+            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
+        }
+    }
+}
+
+/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
+   all of them itself, so they are in its cache. */
+static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__chunk *chunk = w->engine->contacts.chunk;
+    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
+    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
+    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
+}
+static inline void dem__add_postponed(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem__evaluation e;
+    ptrdiff_t n = 0;
+    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
+    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
+    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
+    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
+}
+
+/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
+   before has the others. */
+static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    dem__chunk *chunk = w->engine->contacts.chunk;
+    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
+    e->kernel(w, first, end, part);
+}
+
+/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
+static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__evaluation e;
+    e.kernel = kernel, e.has_friction = has_friction;
+    e.parts = contacts->postponed
+                  ? dem__parts_of(w, contacts->count,
+                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
+                  : 1;
+    w->engine->run.kernel_dt = h;
+    w->engine->run.keeps_wrenches = keep;
+    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
+    if (e.parts > 1) dem__add_postponed(w, has_friction);
+    for (int k = 0; k < w->walls; k++) {
+        dem_wall *wall = &w->wall[k];
+        wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
+        for (int q = 0; q < contacts->chunk_count; q++) {
+            const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
+            wall->force = dem__add(wall->force, push->force);
+            wall->torque = dem__add(wall->torque, push->torque);
+        }
+        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+    }
+}
+
+/* ----------------------------------------------------------------------------------------- >>advance */
+/* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
+   Promises: a particle whose velocity left its bound has a new one before the next step. */
 /* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
@@ -6004,32 +6194,15 @@ static inline void dem__advance(dem_world *w, double h) {
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, dem__advance_range, &h); /* to move or kick a particle is little work */
 }
 
-static inline void dem__gather_losses(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem_energy_ledger *l = &w->engine->ledger.sums;
-    DEM__EACH_CONTACT(w, k) {
-        l->normal_loss += contacts->loss[0][k];
-        l->sliding_loss += contacts->loss[1][k];
-        l->rolling_loss += contacts->loss[2][k];
-        l->wall_work += contacts->loss[3][k];
-    }
-    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
-        const ptrdiff_t i = bodies->active[k];
-        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
-        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
-    }
-}
-
 /* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
-    return dem__sub(dem__plus(w->particle[i].v, -t, w->def.gravity), dem_vec3(c->ux, c->uy, c->uz));
+    return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
 }
 
 /* The same at the end of the next step: between, it is on the line from one to the other. */
 DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
-    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, w->def.gravity));
+    return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
 /* Is the velocity of a particle, d from that of its bound, within its tolerance to the end of the next step? */
@@ -6056,7 +6229,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     const double half = 0.5 * h;
     const int loads = bodies->loads_on || w->engine->links.on;
     const double dt = w->engine->run.dt;
-    const dem_vec gravity = w->def.gravity;
+    const dem_vec gravity = dem__free_fall(w);
     int32_t *doubtful = w->engine->scratch.index + first;
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     double all = 0.0;
@@ -6260,6 +6433,9 @@ static inline void dem__check_bounds(dem_world *w) {
     if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
 }
 
+/* --------------------------------------------------------------------------------------------- >>due */
+/* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no contact
+   begins unseen; a step that cannot be finished leaves no trace. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6356,139 +6532,9 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     return 0;
 }
 
-/* Runs the links' kernel on blocks first .. end - 1. */
-static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__links *links = &w->engine->links;
-    (void)context;
-    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
-}
-static inline void dem__evaluate_links(dem_world *w) {
-    const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
-}
-
-/* An evaluation of all contacts by several threads. */
-typedef struct dem__evaluation {
-    dem_kernel_fn kernel;
-    int parts, has_friction;
-} dem__evaluation;
-
-/* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
-static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
-        dem__postponed *later = contacts->postponed + in->first;
-        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
-        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
-            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the rest has been added */
-            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
-            double *out[9];
-            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
-            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
-        }
-    }
-}
-
-/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
-   all of them itself, so they are in its cache. */
-static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    const dem__chunk *chunk = w->engine->contacts.chunk;
-    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
-    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
-    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX, e->has_friction);
-}
-static inline void dem__add_postponed(dem_world *w, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    dem__evaluation e;
-    ptrdiff_t n = 0;
-    for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
-    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
-    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
-    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
-}
-
-/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
-   before has the others. */
-static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    dem__chunk *chunk = w->engine->contacts.chunk;
-    for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->kernel(w, first, end, part);
-}
-
-/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
-static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__evaluation e;
-    e.kernel = kernel, e.has_friction = has_friction;
-    e.parts = contacts->postponed
-                  ? dem__parts_of(w, contacts->count,
-                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
-                  : 1;
-    w->engine->run.kernel_dt = h;
-    w->engine->run.keeps_wrenches = keep;
-    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
-    if (e.parts > 1) dem__add_postponed(w, has_friction);
-    for (int k = 0; k < w->walls; k++) {
-        dem_wall *wall = &w->wall[k];
-        wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
-        for (int q = 0; q < contacts->chunk_count; q++) {
-            const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            wall->force = dem__add(wall->force, push->force);
-            wall->torque = dem__add(wall->torque, push->torque);
-        }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
-    }
-}
-
-/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
-   other. Many in chunks of equal size, with room to grow. */
-static inline int dem__reorder_contacts(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t n = contacts->count;
-    const int chunks = n < DEM__CHUNKS * 512 ? 1 : DEM__CHUNKS;
-    dem__chunk chunk[DEM__CHUNKS];
-    dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->engine->scratch.index, sum = 0, before = INT32_MAX;
-    ptrdiff_t end = 0, cut = 0;
-    int in_order = chunks == contacts->chunk_count;
-    DEM__EACH_CONTACT(w, c) {
-        in_order &= before >= contacts->i[c];
-        before = contacts->i[c];
-    }
-    if (!in_order) {
-        for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
-        DEM__EACH_CONTACT(w, c) { place[contacts->i[c]]++; }
-        for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
-            const int32_t of = place[i];
-            place[i] = sum;
-            sum += of;
-        }
-        DEM__EACH_CONTACT(w, c) { contacts->slots[place[contacts->i[c]]++] = (int32_t)c; }
-        memset(chunk, 0, sizeof chunk);
-        for (int q = 0; q < chunks; q++) {
-            const ptrdiff_t first = cut;
-            if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
-            while (cut < n && contacts->i[contacts->slots[cut]] == contacts->i[contacts->slots[cut - 1]]) cut++;
-            chunk[q].first_particle = q < chunks - 1 ? contacts->i[contacts->slots[cut - 1]] : 0;
-            chunk[q].first = end;
-            chunk[q].count = cut - first;
-            chunk[q].capacity = chunks > 1 ? chunk[q].count + chunk[q].count / 4 + DEM__BLOCK : 0;
-            end += chunk[q].capacity;
-        }
-        if (!dem__grow_contacts(w, end + 1)) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return 0;
-        }
-        dem__arrange(w, n, chunk, chunks, list, dem__kept_arrays(w, list));
-        contacts->chunk_count = chunks;
-        memcpy(contacts->chunk, chunk, sizeof chunk);
-        dem__list_wall_contacts(w);
-    }
-    return 1;
-}
-
+/* -------------------------------------------------------------------------------------------- >>step */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved and
+   freed. */
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem__run *run = &w->engine->run;
@@ -6569,7 +6615,7 @@ static inline void dem__step_links(dem_world *w) {
         if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
         dem__set_origin(w, i);
         dem__wrap(w, i);
-        if (ledger->on) ledger->sums.link_work += dem__link_work(w, i) - dem__motion_energy(w, i);
+        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - dem__motion_energy(w, i));
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
@@ -6586,7 +6632,7 @@ static inline void dem__step_links(dem_world *w) {
         p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
         p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
         if (ledger->on) {
-            ledger->sums.link_work += dem__motion_energy(w, i);
+            dem__book_link_work(w, dem__motion_energy(w, i));
             for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         }
         for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
@@ -6605,43 +6651,61 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
-static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
-    dem__run *run = &w->engine->run;
-    dem__contacts *contacts = &w->engine->contacts;
-    const int has_friction = (features & DEM_FRICTION) != 0;
-    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
-    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+/* Finds the contacts that begin in a step, with the walls where they are at its end. */
+static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__detect(w, w->step + 1);
-    if (w->status != DEM_OK) return dem__undo_detection(w);
-    if (contacts->begun) {
-        const ptrdiff_t born = contacts->begun;
-        dem__commit_begun(w, 1.0);
-        dem__advance(w, run->dt);
-        for (ptrdiff_t k = 0; k < born; k++) dem__set_constants(w, contacts->slots[k], law, features);
-        dem__report_begun(w, law, born);
-    } else dem__advance(w, run->dt);
-    dem__evaluate(w, kernel, run->dt, has_friction, keep);
-    if (features & DEM_ENERGY) dem__gather_losses(w);
-    const int finite = dem__kick(w, run->dt);
-    dem__kick_walls(w, run->dt);
-    dem__apply_corrections(w, has_friction);
+    return w->status == DEM_OK;
+}
+
+/* Gives the contacts that begin their constants, and tells the law of them. */
+static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
+    for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
+    dem__report_begun(w, law, begun);
+}
+
+static inline void dem__count_step(dem_world *w) {
+    const dem__run *run = &w->engine->run;
     w->particle_steps += w->count - w->engine->bodies.dropped;
-    w->contact_steps += contacts->count;
+    w->contact_steps += w->engine->contacts.count;
     w->step++;
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
-    if (!finite) return dem__fail(w, DEM_NOT_FINITE);
-    const int leaving = run->leaving;
-    if (leaving) {
-        DEM__EACH_CONTACT(w, c) {
-            const ptrdiff_t j = contacts->j[c];
-            if (w->alive[contacts->i[c]] < 0 || (j >= 0 && w->alive[j] < 0)) contacts->ended[c] = 1;
-        }
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            if (w->alive[i] < 0) dem__detach_particle(w, i);
-        }
-        run->leaving = 0;
+}
+
+/* Takes particles that passed an exit out of the lists, and marks their contacts as ended. Did any? */
+static inline int dem__remove_leaving(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.leaving) return 0;
+    DEM__EACH_CONTACT(w, c) {
+        const ptrdiff_t j = contacts->j[c];
+        if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
     }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] == DEM_LEAVING) dem__detach_particle(w, i);
+    }
+    w->engine->run.leaving = 0;
+    return 1;
+}
+
+/* Advances the world by one step; `keep`: forces of contacts are kept for readers. Returns 0 after a failure. */
+static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
+    const int has_friction = (features & DEM_FRICTION) != 0;
+    const double h = w->engine->run.dt;
+    if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
+    if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
+    const ptrdiff_t begun = w->engine->contacts.begun;
+    dem__commit_begun(w, 1.0);
+    dem__advance(w, h);
+    dem__prepare_begun(w, law, begun, features);
+    dem__evaluate(w, kernel, h, has_friction, keep);
+    if (features & DEM_ENERGY) dem__book_losses(w);
+    const int finite = dem__kick(w, h);
+    dem__kick_walls(w, h);
+    dem__apply_corrections(w, has_friction);
+    dem__count_step(w);
+    if (!finite) return dem__fail(w, DEM_NOT_FINITE);
+    const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);

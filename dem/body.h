@@ -1,5 +1,8 @@
 /* ------------------------------------------------------------------------------------------------- >>scene */
 
+/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
+DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
+
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
@@ -38,13 +41,9 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
 
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
-    dem__ledger *ledger = &w->engine->ledger;
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (ledger->on) {
-        const double raised = -p->mass * dem__dot(w->def.gravity, dem__sub(x, p->x));
-        ledger->sums.added += raised, ledger->sums.added_potential += raised;
-    }
+    if (w->engine->ledger.on) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -61,7 +60,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
-    return -w->particle[i].mass * dem__dot(w->def.gravity, dem__at(w, i, dem__now(w, i)));
+    return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
 DEM_INLINE double dem__nearest(double d, double length) { return fabs(d) < 0.499999 * length ? d : d - length * floor(d / length + 0.5); }
@@ -74,9 +73,6 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     }
     return d;
 }
-
-DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
@@ -107,7 +103,7 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__sum *sum = &bodies->sum[i];
-    w->particle[i].a = dem__plus(w->def.gravity, sum->per_mass, dem__first(bodies->load[i]));
+    w->particle[i].a = dem__plus(dem__free_fall(w), sum->per_mass, dem__first(bodies->load[i]));
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
 }
 
@@ -160,10 +156,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
         w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
         dem__free_acceleration(w, i);
-        if (w->engine->ledger.on) {
-            w->engine->ledger.sums.added += dem__potential(w, i);
-            w->engine->ledger.sums.added_potential += dem__potential(w, i);
-        }
+        dem__book_added(w, dem__potential(w, i));
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -195,11 +188,11 @@ static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w &&
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
-    if (w->engine->ledger.on) w->engine->ledger.sums.added -= dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = velocity;
     w->particle[i].spin = spin;
-    if (w->engine->ledger.on) w->engine->ledger.sums.added += dem__kinetic(w, i) + dem__rotational(w, i);
+    dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

@@ -9,7 +9,7 @@ DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(
 /* Of a particle that has strayed so far from its bound: what its tolerance leaves it beyond this step. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, w->def.gravity));
+        w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
 /* A new bound for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
@@ -21,7 +21,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
-    const dem_vec g = w->def.gravity, impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem_vec u = dem__add(v, impact);
     const double turn = dem__length(impact), held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];

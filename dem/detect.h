@@ -1,9 +1,3 @@
-/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
-#define DEM__EACH_CONTACT(w, c)                                                                                                            \
-    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
-         in_##c++)                                                                                                                         \
-        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
-
 /* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
     const dem__chunk *in = w->engine->contacts.chunk;
@@ -233,7 +227,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
                                        int found, double others) {
     const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
                  radius = w->particle[i].radius;
-    const dem_vec u = dem__sub(v, wall->velocity), g = w->def.gravity;
+    const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
     if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);

@@ -203,3 +203,9 @@ typedef struct dem__engine {
     dem__ledger ledger;
     dem__scratch scratch;
 } dem__engine;
+
+/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
+#define DEM__EACH_CONTACT(w, c)                                                                                                            \
+    for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
+         in_##c++)                                                                                                                         \
+        for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)

@@ -1,0 +1,52 @@
+/* ------------------------------------------------------------------------------------------- >>ledger */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
+
+/* The force, or the torque, of a wrench. */
+DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
+
+/* Books the potential energy [J] that a particle gains where it is put back into the periodic box. */
+DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+}
+
+/* Books a particle at rest that is added, by its potential energy [J]. */
+DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
+
+/* Books a change of a particle's kinetic energy from outside [J]. */
+DEM_INLINE void dem__book_motion(dem_world *w, double change) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
+}
+
+/* Books a particle that is removed: its energy, and the potential part of it [J]. */
+DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
+}
+
+/* Books work of links [J]. */
+DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
+}
+
+/* Books what a contact in slot c has stored at its end: its tangential spring is let go as if it slid. */
+DEM_INLINE void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Books what contacts have dissipated in a step, and the work of walls and loads. */
+static inline void dem__book_losses(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem_energy_ledger *l = &w->engine->ledger.sums;
+    DEM__EACH_CONTACT(w, k) {
+        l->normal_loss += contacts->loss[0][k];
+        l->sliding_loss += contacts->loss[1][k];
+        l->rolling_loss += contacts->loss[2][k];
+        l->wall_work += contacts->loss[3][k];
+    }
+    for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
+        l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
+    }
+}

@@ -1,0 +1,175 @@
+/* ----------------------------------------------------------------------------------------- >>removal */
+/* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
+   a particle that is gone stands in no list. */
+static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
+    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
+        ptrdiff_t k = w->passed_count - 1;
+        while (w->passed[k].id != w->id[i]) k--;
+        if (wall < w->passed[k].exit) w->passed[k].exit = wall;
+        return;
+    }
+    if (w->passed_count >= bodies->passed_capacity) {
+        ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
+            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        if (!fresh) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return;
+        }
+        w->passed = fresh;
+        bodies->passed_capacity = larger;
+    }
+    /* in the order of ids, whatever the order of the looks in this step */
+    double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
+    ptrdiff_t at = w->passed_count++;
+    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
+    dem_passed *p = &w->passed[at];
+    p->time = time;
+    p->diameter = 2.0 * w->particle[i].radius;
+    p->position = x;
+    p->velocity = v;
+    p->id = w->id[i];
+    p->group = w->group[i];
+    p->exit = wall;
+    w->alive[i] = -1; /* leaves at the end of the step */
+    run->leaving = 1;
+}
+
+static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
+    dem__links *links = &w->engine->links;
+    int32_t *at = &links->first_link[i];
+    while (*at != k) at = links->i[*at] == i ? &links->next_i[*at] : &links->next_j[*at];
+    *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
+}
+
+/* The last of a particle's links by slot: the order of its list depends on what has happened. */
+static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
+    int32_t last = -1;
+    for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
+    return last;
+}
+
+/* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
+static inline void dem__cut_link(dem_world *w, int32_t k) {
+    const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
+    if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
+    dem__unlist_link(w, k, i, -1);
+    if (j >= 0) {
+        const int32_t p = dem__near_pair(w, i, j);
+        dem__mark_link(w, p, 0);
+        dem__unlist_link(w, k, j, -1);
+    }
+    w->engine->links.count = last;
+    if (k == last) return;
+    dem__unlist_link(w, last, w->engine->links.i[last], k);
+    if (w->engine->links.j[last] >= 0) dem__unlist_link(w, last, w->engine->links.j[last], k);
+    dem__array list[DEM__ARRAYS_MAX];
+    const int n = dem__link_arrays(w, list);
+    for (int a = 0; a < n; a++) {
+        char *base;
+        memcpy(&base, list[a].address, sizeof base);
+        memcpy(base + (size_t)k * list[a].size, base + (size_t)last * list[a].size, list[a].size);
+    }
+}
+
+/* An active particle that dem__check_bounds shall see to. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i] != 1) return;
+    bodies->activity[i] = 2;
+    bodies->to_check[bodies->to_check_count++] = (int32_t)i;
+}
+
+/* Takes particle i out of all lists; its slot goes with the next rebuild. */
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    dem__pairs *pairs = &w->engine->pairs;
+    dem__book_link_work(w, dem__link_work(w, i));
+    dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
+    while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->alive[i] = 0;
+    w->engine->bodies.dropped++;
+    dem__mark_to_check(w, i);
+    if (w->engine->run.needs_lists) return;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
+    }
+    for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
+}
+
+static inline void dem__remove_ended(dem_world *w, int64_t step, int all);
+
+/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
+static inline void dem__free_untouched(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
+        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
+    }
+}
+
+/* Ends the contacts of those who have been taken out. */
+static inline void dem__end_contacts_of_removed(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t j = contacts->j[c];
+        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
+    }
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    dem__remove_ended(w, w->step, 1);
+    dem__free_untouched(w);
+}
+
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    dem__detach_particle(w, i);
+    dem__end_contacts_of_removed(w);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
+        return DEM_BAD_ARGUMENT;
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+        return DEM_BAD_ARGUMENT;
+    if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
+    w->engine->links.on = 1;
+    w->engine->links.law = law;
+    w->engine->links.kernel = kernel;
+    w->engine->links.interval = interval;
+    if (w->engine->links.near != near) w->engine->run.needs_lists = 1;
+    w->engine->links.near = near;
+    if (law->states != w->engine->links.states) { /* other arrays: a new block when there is a link */
+        if (w->engine->links.block) w->def.allocator.fn(w->def.allocator.user, w->engine->links.block, w->engine->links.bytes, 0);
+        w->engine->links.block = NULL;
+        w->engine->links.capacity = 0;
+        w->engine->links.states = law->states;
+    }
+    dem__set_stride(w);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+    if (w->engine->links.count + 1 > w->engine->links.capacity) {
+        dem__array list[DEM__ARRAYS_MAX];
+        if (w->engine->links.count > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                             &w->engine->links.capacity, w->engine->links.count + 1))
+            return DEM_OUT_OF_MEMORY;
+    }
+    const int32_t k = (int32_t)w->engine->links.count++;
+    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
+    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
+    w->engine->links.gap[k] = 0.0;
+    w->engine->links.ended[k] = 0;
+    dem__list_link(w, k);
+    return DEM_OK;
+}
