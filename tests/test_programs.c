@@ -11,6 +11,7 @@
 #include <ctype.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <math.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -22,7 +23,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 10, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 11, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -412,6 +413,70 @@ static void test_screening_studies(void **state) {
     free(report);
 }
 
+/* What only wet_screen_designer does: from test curves of one's own, in three manners of writing them, to a prediction. */
+static void test_own_screen(void **state) {
+    char *at = strstr(*state, "/wet_screen_designer");
+    if (!at) skip();
+    char fitter[LONGEST_PATH + 20], place[LONGEST_PATH + 20], json[LONGEST_PATH + 20];
+    snprintf(fitter, sizeof fitter, "%.*s/screen_fit", (int)(at - (char *)*state), (char *)*state);
+    snprintf(place, sizeof place, "%s/lab.csv", folder);
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    static const char *const headers[3] = {
+        "case,amplitude_mm,frequency_hz,moisture,aperture_mm,time_s,size_mm,retained",
+        "Case,Amplitude [mm],Frequency [rpm],Moisture [%],Aperture [mm],Time [min],Size [um],Retained [%]",
+        "case,amplitude,frequency,moisture,aperture,time,size,retained"};
+    static const double unit[3][7] = {
+        {1e3, 1.0, 1.0, 1e3, 1.0, 1e3, 1.0}, {1e3, 60.0, 100.0, 1e3, 1.0 / 60.0, 1e6, 100.0}, {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}};
+    double seconds[3];
+    for (int f = 0; f < 3; f++) {
+        FILE *file = fopen(place, "w");
+        assert_non_null(file);
+        fprintf(file, "%s\n", headers[f]);
+        for (int k = 0; k < 5; k++)
+            for (int c = 0; c < 3; c++)
+                for (int j = 1; j <= 6; j++) {
+                    double A = 0.001 + 0.0002 * (k % 3), hz = 45.0 + 5.0 * (k % 2), M = 0.025 * (k % 4), d = 0.003 + 0.002 * c, t = 1.5 * j;
+                    double y = exp(-0.5 * (A * hz / 0.05) * (1.0 - M) * (0.006 / d) * t) + 0.02 * sin(17.0 * k + 5.0 * c + 3.0 * j);
+                    double row[7] = {A, hz, M, 0.008, t, d, y < 0.0 ? 0.0 : y > 1.0 ? 1.0 : y};
+                    fprintf(file, "%d", k + 1);
+                    for (int i = 0; i < 7; i++) fprintf(file, ",%.12g", row[i] * unit[f][i]);
+                    fprintf(file, "\n");
+                }
+        fclose(file);
+        const char *fit[] = {"--quick", "--quiet", "--data", "lab.csv", "--out", "lab", NULL};
+        result r = run_program(fitter, fit, 0, 0.0);
+        if (r.status != 0 || r.err[0]) fail_msg("screen_fit, file %d: %d, '%s'", f, r.status, r.err);
+        forget(&r);
+        const char *predict[] = {
+            "--quiet", "--parameters", "lab/parameters.json", "--rosin-rammler", "6,2.5", "--classes", "3", "--out", "lab", "--json", json,
+            NULL};
+        r = run_program(*state, predict, 0, 0.0);
+        if (r.status != 0 || r.err[0]) fail_msg("wet_screen_designer, file %d: %d, '%s'", f, r.status, r.err);
+        forget(&r);
+        char *text = file_text(json);
+        assert_true(text && is_json(text));
+        char *found = strstr(text, "\"subasinghe\"");
+        assert_non_null(found);
+        found = strstr(found, "\"time_s\":");
+        assert_non_null(found);
+        seconds[f] = strtod(found + 9, NULL);
+        free(text);
+    }
+    assert_true(seconds[0] > 1.0 && seconds[0] < 20.0); /* the same screen, however it is written */
+    assert_true(fabs(seconds[1] / seconds[0] - 1.0) < 1e-3 && fabs(seconds[2] / seconds[0] - 1.0) < 1e-3);
+    const char *bad[] = {"--parameters", "lab.csv", NULL}, *percent[] = {"--quick", "--data", "lab.csv", "--out", "lab", NULL};
+    result r = run_program(*state, bad, 0, 0.0);
+    if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "parameters")) fail_msg("%d, '%s'", r.status, r.err);
+    forget(&r);
+    FILE *file = fopen(place, "w");
+    assert_non_null(file);
+    fprintf(file, "%s\n1,1,50,2.5,8,1,5,0.5\n", headers[0]);
+    fclose(file);
+    r = run_program(fitter, percent, 0, 0.0);
+    if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "percent")) fail_msg("%d, '%s'", r.status, r.err);
+    forget(&r);
+}
+
 /* What only sieve_blocking does: a simulation in place of readings. */
 static void test_simulation(void **state) {
     if (!strstr(*state, "/sieve_blocking")) skip();
@@ -486,6 +551,7 @@ int main(void) {
                     {"threads", test_threads},
                     {"screening studies", test_screening_studies},
                     {"simulation", test_simulation},
+                    {"own screen", test_own_screen},
                     {"funnels", test_funnels}};
     static struct CMUnitTest tests[EACH * MOST_PROGRAMS + 1];
     static char names[EACH * MOST_PROGRAMS][120];
