@@ -245,7 +245,7 @@ RIDDLE_IO_API double riddle_io_seconds(void);                                   
 #include <direct.h>
 #include <io.h>
 #include <process.h>
-#include <time.h>
+#include <sys/timeb.h>
 #else
 #include <sys/time.h>
 #include <unistd.h>
@@ -2255,9 +2255,9 @@ RIDDLE_IO_API void riddle_io_table_end(riddle_io_table *t, FILE *stream) {
 
 RIDDLE_IO_API double riddle_io_seconds(void) {
 #ifdef _WIN32
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    struct _timeb now;
+    _ftime(&now);
+    return (double)now.time + 1e-3 * (double)now.millitm;
 #else
     struct timeval now;
     gettimeofday(&now, NULL);
