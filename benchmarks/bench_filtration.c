@@ -31,7 +31,7 @@ static const variant variants[VARIANTS] = {
     {"D3Q19 double, half-way, tau 1", "q19_double_half_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 1.0},
     {"D3Q19 double, half-way, tau 3.5", "q19_double_half_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 3.5},
 };
-static const int sizes[SIZES] = {16, 24, 32};
+static const int sizes[SIZES] = {12, 16, 24};
 static const double places[4][3] = {{0, 0, 0}, {0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}, {0.1, 0.3, 0.45}};
 
 static int array_drag(const variant *v, int n, const double place[3], double *drag, double *seconds) {
@@ -57,7 +57,7 @@ static int array_drag(const variant *v, int n, const double place[3], double *dr
 
 static void drag_errors(const program *self, json *report) {
     double error[VARIANTS][SIZES], time[VARIANTS][SIZES];
-    const int count = self->quick ? 1 : SIZES, last = self->quick ? 1 : 4;
+    const int count = self->quick ? 2 : SIZES, last = self->quick ? 1 : 4;
     table out = table_begin("method|cells a diameter|largest error [%]|time [s]");
     csv *file = csv_open(self->out, "drag.csv", "method,cells_per_diameter,largest_error,seconds");
     json_array_begin(report, "drag");
