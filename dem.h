@@ -176,10 +176,11 @@ extern "C" {
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
-    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
+    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
-    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
+    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -297,11 +298,15 @@ typedef struct dem_mesh {
 
 /* What dem_read_stl() found in a file. A closed, well made surface has zeros from `missing` to `wrong_normals`. */
 typedef struct dem_stl_report {
-    int binary;              /* 1: binary, 0: ASCII */
-    ptrdiff_t facets;        /* present in the file and whole */
-    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that an ASCII file breaks off or garbles */
+    int binary;              /* 1: binary, 0: text */
+    ptrdiff_t facets;        /* triangles present in the file and whole; a facet of n corners counts as the n - 2 it is cut into */
+    ptrdiff_t polygons;      /* facets of more than three corners */
+    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that a text breaks off or garbles, or whose
+                                corners no fan of triangles covers; 1 more if a text that begins with "solid" ends without "endsolid" */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count, read as they end with the file */
+    ptrdiff_t surplus;       /* bytes of a binary file behind its facets, not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
-    ptrdiff_t degenerate;    /* left out: without area, after welding */
+    ptrdiff_t degenerate;    /* left out: without area, after welding; where one closes a T-junction there is no hole */
     ptrdiff_t duplicate;     /* left out: the corners of an earlier one */
     ptrdiff_t open_edges;    /* of one triangle only: the rims of holes */
     ptrdiff_t nonmanifold;   /* edges of more than two triangles */
@@ -453,7 +458,8 @@ typedef struct dem_energy_ledger {
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
-    double added, removed; /* carried in and out by particles */
+    double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
+                              whose constants are changed by it, gravity */
     double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
     double released;                                                   /* potential energy given up so far, at least 0 */
     double error;                                                      /* what does not add up: the integration error */
@@ -483,12 +489,15 @@ typedef struct dem_world {
     void *user;      /* yours: handed to the law's hooks; not saved */
     int64_t step;    /* steps done */
     double time;     /* [s] */
+    double owed;     /* asked for and not yet run, at most half a step [s]: the next run makes up for it. A run that fails owes nothing:
+                        ask for the rest again */
     ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
     dem_wall *wall;
-    ptrdiff_t passed_count;
+    ptrdiff_t passed_count; /* records kept: until dem_take_passed() takes them */
+    int64_t passed_total;   /* particles that ever passed an exit */
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
     int64_t contact_steps;  /* sum over steps of live contacts */
@@ -577,7 +586,8 @@ typedef struct dem_sizes {
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
     double scale;                                         /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* where all but the list are cut off [m] > 0, largest <= 1e6 smallest */
+    double smallest, largest; /* where all but the list are cut off [m] > 0, largest <= 1e6 smallest; refused if the share per ln d
+                                 nowhere between reaches 1e-20 of its peak */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
@@ -586,7 +596,8 @@ DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
 /* Rosin & Rammler 1933: share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* One diameter [m]; *random is the generator's state, any number to begin with. NaN if the sizes are out of range. */
+/* One diameter [m]; *random is the generator's state, any number to begin with. NaN if the sizes are out of range. Takes 12 tries
+   on average at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
 /* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: a copy of it beside the saved world makes a
@@ -602,7 +613,7 @@ typedef struct dem_feed {
     /* written by the functions below */
     ptrdiff_t placed, missed;        /* spheres in all; those that dem_fill found no place for */
     double placed_mass, missed_mass; /* [kg] */
-    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg] */
+    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; down to half a sphere ahead */
     double waiting;                  /* diameter of the sphere that is next, 0: none drawn yet [m] */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin: to be edited */
@@ -617,6 +628,10 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
    tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* Hands over the records of what passed exits, the oldest first, at most `capacity`, and takes them out of the world; returns how many, or
+   minus a dem_status. records: [capacity], or NULL to drop them. Without it world->passed keeps 88 bytes of every particle that ever
+   passed; world->passed_total counts them whatever is taken. dem_residence() reads the records: call it first. */
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
 /* Takes out the spheres whose centres lie in the region; returns how many, or minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
@@ -662,10 +677,10 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), binary or ASCII, whatever its first word says. bytes: [size]; scale [m per unit of the
-   file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may be NULL;
-   report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if no triangle is left;
-   DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
+/* Reads an STL file from memory (3D Systems 1988), text or binary by what the bytes are (docs/dem_walls.md). bytes: [size]; scale [m per
+   unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may
+   be NULL; report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if it is no STL file or no
+   triangle is left; DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
                                 dem_stl_report *report);
 DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
@@ -680,6 +695,10 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features);
    DEM_FRICTION or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or another law's kernel: DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
 
+/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, for what flies and touches already, too. Between runs. The
+   ledger books the energy that this makes with what is added. DEM_BAD_ARGUMENT; nothing has changed then. */
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
 /* Changes the time step [s] > 0 from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
@@ -1287,7 +1306,16 @@ typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
+    int32_t face; /* mesh: the triangle above whose inside the centre is, -1 beyond its edges */
 } dem__touch;
+
+/* The face on which a contact with a mesh rests: it stays the one place that is touched while the centre is within `slack` of `at` and what
+   a contact opens by in a step is less than that. */
+typedef struct dem__footing {
+    dem_vec at;   /* in the wall's own frame */
+    double slack; /* [m]; 0: search */
+    int32_t face;
+} dem__footing;
 
 enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a particle with a mesh, those that end this step included */
 #define DEM__SMOOTH 0.9 /* cosine of the angle, 26 degrees, up to which facets are one surface: a drum of 16 sides is round */
@@ -1387,23 +1415,31 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), and its length. */
-static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+/* From the plane of a triangle to p, the same for all faces of a plane. */
+DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
+    *distance = fabs(up);
+    return dem__scale(up, t->normal[k]);
+}
+
+/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), its length, and whether it is inside. */
+static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
     const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
     const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp), c1 = dem__dot(ab, cp),
                  c2 = dem__dot(ac, cp);
     const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
     dem_vec v;
+    *inside = 0;
     if (a1 <= 0.0 && a2 <= 0.0) v = ap;
     else if (b1 >= 0.0 && b2 <= b1) v = bp;
     else if (c2 >= 0.0 && c1 <= c2) v = cp;
     else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
     else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
     else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2) v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
-    else { /* above the face: along its normal, the same for all faces of a plane */ const double up = dem__dot(ap, t->normal[k]);
-        *distance = fabs(up);
-        return dem__scale(up, t->normal[k]);
+    else {
+        *inside = 1;
+        return dem__above_face(t, k, p, distance);
     }
     *distance = dem__length(v);
     return v;
@@ -1424,17 +1460,26 @@ DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *nea
 
 static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
     double distance;
-    const dem_vec v = dem__from_triangle(t, k, p, &distance);
+    int inside;
+    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
     touch->gap = distance - radius;
     touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
     touch->curvature = 0.0;
+    touch->face = inside ? k : -1;
+}
+
+DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
+    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+}
+DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
+    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
 /* The nearest place of a mesh, if its gap is below limit; and with a gap below deep, the others that are none's shadow: the nearest
    DEM__TOUCHES, nearest first. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
-    const dem_vec p = dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+    const dem_vec p = dem__to_frame(w, d);
     dem__touch here;
     int n = 0;
     *least = limit;
@@ -1473,11 +1518,71 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         }
     }
     for (int q = 0; q < n; q++) {
-        const dem_vec v = out[q].normal;
-        out[q].normal = dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+        out[q].normal = dem__from_frame(w, out[q].normal);
         out[q].element = q;
     }
     return n;
+}
+
+/* How far a projection q into the plane of triangle k is inside its edges. */
+static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
+    double least = HUGE_VAL;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]], along = dem__sub(v, u);
+        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
+        least = in < least ? in : least;
+    }
+    return least;
+}
+
+/* The footing of a sphere whose one touch is on a face. A triangle that rises above that plane may be touched, or become the nearest: from
+   half its gap on; one that does not is in the face's shadow, and is nearer only where the centre leaves the face for it. */
+static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+    const dem__tree *t = w->tree;
+    const int32_t face = touch->face;
+    dem__footing f;
+    double height;
+    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
+    if (face < 0 || !(touch->gap <= 0.0)) return f;
+    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
+    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
+    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
+    if (!(slack > 0.0 && height > 0.1 * radius)) return f;
+    const dem_vec out = dem__scale(1.0 / height, up);
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            double distance, rise = 0.0;
+            int inner;
+            if (k == face) continue;
+            dem__from_triangle(t, k, f.at, &distance, &inner);
+            for (int c = 0; c < 3; c++) {
+                const double above = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
+                rise = above > rise ? above : rise;
+            }
+            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
+            slack = reach < slack ? reach : slack;
+        }
+    }
+    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
+    return f;
+}
+
+/* The touch of a sphere that has not left its footing; 0: search. `opens`: the most that a contact opens in a step. */
+DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens, dem__touch *out) {
+    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
+    double distance;
+    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
+    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
+    out->gap = distance - radius;
+    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
+    return 1;
 }
 
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
@@ -1572,6 +1677,41 @@ static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t
     return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
 }
 
+/* How the normal turns at a cone, which is a ring's at a rim. */
+static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, double radius, dem_vec n, dem_vec u) {
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    dem__touch touch;
+    double least;
+    const double from_axis = dem__length(radial);
+    if (!dem__touch_cone(w, d, dem__dot(d, w->axis[2]), radius, HUGE_VAL, &touch, &least) || !(from_axis > 0.0))
+        return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
+    const dem_vec round = dem__cross(w->axis[2], outward);
+    const double about = dem__dot(u, round);
+    dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
+    if (touch.curvature != 0.0) return rate;
+    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
+    return dem__plus(rate, 1.0 / (radius + touch.gap), up);
+}
+
+/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis of
+   a round one, with the sign of the side. */
+static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
+                                       dem_vec u) {
+    const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
+    if (w->kind == DEM_SPHERE) return dem__scale(inverse, side);
+    if (w->kind == DEM_CYLINDER) return dem__scale(inverse, dem__plus(side, -dem__dot(side, w->axis[2]), w->axis[2]));
+    if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
+    if (w->kind == DEM_SCREEN) {
+        const dem_vec along = w->axis[(uint32_t)element & 1u];
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);              /* at a bar's end */
+        if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
+            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
+    }
+    return dem_vec3(0.0, 0.0, 0.0);
+}
+
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
@@ -1635,6 +1775,8 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
+enum { DEM__PLACES = 12 }; /* numbers that a contact with a mesh keeps of its place */
+
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
     int32_t i, j;    /* i < j */
@@ -1659,7 +1801,7 @@ enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 /* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
 typedef struct dem__run {
     double dt, kernel_dt;      /* [s]; the kernel's: 0 where forces are found but no time passes */
-    double start_time, target; /* time of start_step; time that runs have been asked for [s] */
+    double start_time;         /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
@@ -1667,6 +1809,7 @@ typedef struct dem__run {
     int needs_forces; /* forces must be found before the first step */
     int needs_lists;  /* near pairs and timers must be made anew */
     int leaving;      /* a particle passed an exit in this step */
+    int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
@@ -1739,7 +1882,8 @@ typedef struct dem__contacts {
     uint8_t *edge, *ended;                       /* begins or ends in this step; is over */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[4];  /* with a mesh: normal and gap of the place that it follows; with a cone: its curvature */
+    double *touch[DEM__PLACES]; /* with a mesh: normal and gap of the place that it follows, then its footing: place, slack, face, and
+                                   the normal before; with a cone: its curvature */
     double *wrench[9]; /* force on i, torques on i and j: of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
@@ -1863,7 +2007,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
     for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
-    for (int k = 0; w->engine->walls.touch_keepers && k < 4; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     if (w->engine->ledger.on) {
         list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
@@ -1894,7 +2038,7 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
-    ptrdiff_t larger = *capacity + *capacity / 2 + 64;
+    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* other arrays alone need no more room */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -2037,6 +2181,10 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
+/* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
+static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
+static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
@@ -2056,7 +2204,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
     if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
-    if (!dem__finite_vec(def->gravity)) return "gravity";
+    if (!dem__moderate_vec(def->gravity)) return "gravity";
     for (int a = 0; a < 3; a++) {
         const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
         if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
@@ -2137,12 +2285,15 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
+/* Is a run of the world under way, so that this is a law's hook? */
+static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
+
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
     if (block) a->fn(a->user, block, bytes, 0);
 }
 
 DEM_API void dem_free(dem_world *world) {
-    if (!world || !world->def.allocator.fn) return;
+    if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
     dem__release(&a, e->bodies.block, e->bodies.bytes);
@@ -2193,9 +2344,27 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
 }
 
-/* Books what a contact in slot c has stored at its end: its tangential spring is let go as if it slid. */
-DEM_INLINE void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
-    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
+/* Books what a contact in slot c has stored at its end: with what is taken out if the caller or an exit ended it; else its tangential spring
+   is let go as if it slid. */
+static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    dem_energy_ledger *sums = &w->engine->ledger.sums;
+    if (!w->engine->ledger.on) return;
+    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
+    else sums->sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Energy stored in all contacts, 0 without a ledger. */
+static inline double dem__stored_energy(const dem_world *w) {
+    double sum = 0.0;
+    if (!w->engine->ledger.on) return sum;
+    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
+    return sum;
+}
+
+/* Books the change of stored energy that the caller has made between runs: contacts made, constants changed. */
+static inline void dem__book_callers_contacts(dem_world *w, double before) {
+    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
 /* Books what contacts have dissipated in a step, and the work of walls and loads. */
@@ -2336,6 +2505,7 @@ static inline int dem__is_size(const dem_world *w, int material, double d) {
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
         return DEM_BAD_ARGUMENT;
@@ -2385,6 +2555,7 @@ static inline void dem__set_stride(dem_world *w) {
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
@@ -2392,6 +2563,40 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
     dem__set_stride(w);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
+    const dem_vec change = dem__sub(gravity, w->def.gravity);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        dem__set_origin(w, i);
+        w->particle[i].a = dem__add(w->particle[i].a, change);
+    }
+    if (w->engine->ledger.on) {
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            const double raised = w->alive[i] ? -w->particle[i].mass * dem__dot(change, w->particle[i].x) : 0.0;
+            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+        }
+    }
+    w->def.gravity = gravity;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] && !w->touching[i]) dem__free_acceleration(w, i);
+    }
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
+        return DEM_BAD_ARGUMENT;
+    *dem_pair(&w->def, a, b) = *pair;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -2404,8 +2609,9 @@ DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
 
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = velocity;
@@ -2416,6 +2622,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 }
 
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
     dem__set_origin(w, i);
@@ -2439,7 +2646,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
-    if (!dem__positive(length)) return 0;
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
     *unit = dem__scale(1.0 / length, v);
     return 1;
 }
@@ -2472,6 +2679,7 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
 }
 
 static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal))
@@ -2489,6 +2697,7 @@ DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
 
 static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius))
@@ -2530,6 +2739,7 @@ DEM_API dem_cone dem_default_cone(void) {
 }
 
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) ||
@@ -2568,6 +2778,7 @@ static inline int dem__is_deck(const dem_wall *w) {
 }
 
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||
@@ -2725,6 +2936,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_world *w = world;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
@@ -2812,18 +3024,57 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* Binary: 80 bytes, a count, 50 bytes a facet. facets may be NULL, to count. Returns the whole ones. */
-static inline ptrdiff_t dem__read_binary(const unsigned char *bytes, size_t size, dem__facet *facets, ptrdiff_t *missing) {
-    const uint32_t announced = (uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24;
-    const size_t present = (size - 84) / 50, n = present < announced ? present : announced;
-    for (size_t k = 0; facets && k < n; k++) {
-        for (int a = 0; a < 12; a++) {
-            dem_vec *to = a < 3 ? &facets[k].normal : &facets[k].corner[a / 3 - 1];
-            *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
-        }
+/* The count in a binary file's head, and how many facets have room behind it. */
+typedef struct dem__binary_size {
+    size_t announced, present, rest; /* rest: bytes behind the last facet that has room */
+} dem__binary_size;
+static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
+    dem__binary_size s;
+    s.announced = (size_t)((uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24);
+    s.present = (size - 84) / 50, s.rest = (size - 84) % 50;
+    return s;
+}
+
+/* The facets that are read: where count and length disagree, those that end with the file, else those that the count announces. */
+static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
+    return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
+}
+
+/* Counts what a binary file holds and misses. */
+static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
+    report->facets = (ptrdiff_t)n;
+    report->missing = missing < PTRDIFF_MAX ? (ptrdiff_t)missing : PTRDIFF_MAX;
+    report->unannounced = n > s.announced ? (ptrdiff_t)(n - s.announced) : 0;
+    report->surplus = missing > 0 ? 0 : (ptrdiff_t)(size - 84 - 50 * n);
+}
+
+/* Reads facet k of a binary file: normal, three corners, two bytes. */
+static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__facet *facet) {
+    for (int a = 0; a < 12; a++) {
+        dem_vec *to = a < 3 ? &facet->normal : &facet->corner[a / 3 - 1];
+        *dem_axis_of(to, a % 3) = dem__little_float(bytes + 84 + 50 * k + 4 * a);
     }
-    *missing = (ptrdiff_t)(announced - n);
-    return (ptrdiff_t)n;
+}
+
+/* Tells whether numbers are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. Of other bytes (compressed,
+   with the other byte order, two bytes a letter) nearly none have. */
+static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
+    const dem__binary_size s = dem__size_of_binary(bytes, size);
+    const size_t n = dem__facets_of_binary(&s);
+    size_t good = 0;
+    for (size_t k = 0; k < n; k++) {
+        dem__facet f;
+        int fits = 1;
+        dem__read_facet(bytes, k, &f);
+        for (int c = 0; c < 9; c++) {
+            const double x = fabs(dem_axis(f.corner[c / 3], c % 3));
+            fits &= x == 0.0 || (x > 1e-15 && x < 1e15);
+        }
+        good += (size_t)fits;
+    }
+    return good > 0 && good >= n - n / 4;
 }
 
 /* The next word of a text: blanks of any kind part them. Returns its length, 0 at the end. */
@@ -2859,7 +3110,7 @@ static inline double dem__number(const unsigned char *text, size_t length) {
         else exponent += !point;
         digits++;
     }
-    if (digits && k < length && (text[k] == 'e' || text[k] == 'E')) {
+    if (digits && k < length && (text[k] == 'e' || text[k] == 'E' || text[k] == 'd' || text[k] == 'D')) { /* d: Fortran's */
         int power = 0, any = 0;
         k++;
         if (k < length && (text[k] == '-' || text[k] == '+')) down = text[k++] == '-';
@@ -2875,157 +3126,335 @@ static inline double dem__number(const unsigned char *text, size_t length) {
     return minus ? -value : value;
 }
 
-/* ASCII: facets are where "facet" stands with its three vertices before the next one; whatever else there is does not matter. */
-static inline ptrdiff_t dem__read_ascii(const unsigned char *bytes, size_t size, dem__facet *facets, ptrdiff_t *missing) {
-    ptrdiff_t n = 0, begun = 0;
-    dem__facet facet;
-    int corners = 3, wanted = 0; /* numbers of the present triple still to come */
-    dem_vec *to = NULL;
-    memset(&facet, 0, sizeof facet);
-    for (size_t at = 0, length; (length = dem__word(bytes, size, &at)) > 0; at += length) {
-        if (dem__is_word(bytes, at, length, "facet")) {
-            begun++;
-            corners = 0, wanted = 0;
-            facet.normal = dem_vec3(0.0, 0.0, 0.0);
-        } else if (dem__is_word(bytes, at, length, "normal")) {
-            wanted = 3, to = &facet.normal;
-        } else if (dem__is_word(bytes, at, length, "vertex") && corners < 3) {
-            wanted = 3, to = &facet.corner[corners];
-        } else if (wanted > 0) {
-            *dem_axis_of(to, 3 - wanted) = dem__number(bytes + at, length);
-            if (--wanted > 0 || to == &facet.normal) continue;
-            if (++corners < 3) continue;
-            if (facets) facets[n] = facet;
-            n++;
+/* ---- text ---- */
+
+enum { DEM__CORNERS_MAX = 64 }; /* of one facet; with more it counts as missing */
+
+/* A text that is being read, and the facet that the reading is in. */
+typedef struct dem__stl_text {
+    const unsigned char *bytes;
+    size_t size, at;
+    dem__facet *out; /* where triangles go; NULL: they are counted only */
+    ptrdiff_t triangles, polygons, missing;
+    int begun, ended;                        /* the lines "solid" and "endsolid" */
+    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, is it garbled */
+    dem_vec normal, corner[DEM__CORNERS_MAX], number;
+} dem__stl_text;
+
+/* Does a word begin with a name, as solid_name does? */
+static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
+    const size_t n = strlen(name);
+    return length >= n && dem__is_word(bytes, at, n, name);
+}
+
+/* Goes to the end of a line, whose words are a name or a comment; not if a facet ends there: then all stands in one line. */
+static inline void dem__skip_line(dem__stl_text *t, size_t length) {
+    size_t end = t->at + length, word;
+    while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
+    for (size_t at = t->at + length; (word = dem__word(t->bytes, end, &at)) > 0; at += word) {
+        if (!dem__is_word(t->bytes, at, word, "endfacet")) continue;
+        t->at += length;
+        return;
+    }
+    t->at = end;
+}
+
+/* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
+static inline int dem__fan_start(const dem_vec *corner, int n) {
+    dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 1; k + 1 < n; k++)
+        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    const double size = dem__dot(whole, whole);
+    if (n == 3 || size != size) return 0; /* what is not a number is counted as such */
+    for (int start = 0; start < n; start++) {
+        int covers = 1;
+        for (int k = 1; k + 1 < n && covers; k++) {
+            const dem_vec a = corner[start], b = corner[(start + k) % n], c = corner[(start + k + 1) % n];
+            covers = dem__dot(dem__cross(dem__sub(b, a), dem__sub(c, a)), whole) >= -1e-9 * size;
         }
+        if (covers) return start;
     }
-    *missing = begun > n ? begun - n : 0;
-    return n;
+    return -1;
 }
 
-/* Many binary files begin with "solid" too: the size decides, then whether there is a facet in the text. */
-static inline int dem__is_binary(const unsigned char *bytes, size_t size) {
-    ptrdiff_t missing;
-    size_t at = 0;
-    if (size < 84) return 0;
-    dem__read_binary(bytes, size, NULL, &missing);
-    if (missing == 0 && (size - 84) / 50 > 0) {
-        const uint32_t n = (uint32_t)bytes[80] | (uint32_t)bytes[81] << 8 | (uint32_t)bytes[82] << 16 | (uint32_t)bytes[83] << 24;
-        if (size == 84 + 50 * (size_t)n) return 1;
+/* Ends the facet that the reading is in; its triangles are kept if it is whole. */
+static inline void dem__end_facet(dem__stl_text *t) {
+    const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
+    if (!t->inside) return;
+    t->inside = 0;
+    if (start < 0) {
+        t->missing++;
+        return;
     }
-    if (!dem__is_word(bytes, at, dem__word(bytes, size, &at), "solid")) return 1;
-    return dem__read_ascii(bytes, size, NULL, &missing) == 0;
+    for (int k = 1; k + 1 < n; k++, t->triangles++) {
+        if (!t->out) continue;
+        dem__facet *f = &t->out[t->triangles];
+        f->normal = t->normal;
+        f->corner[0] = t->corner[start], f->corner[1] = t->corner[(start + k) % n], f->corner[2] = t->corner[(start + k + 1) % n];
+    }
+    t->polygons += n > 3;
 }
 
-/* The vertex at a place, an earlier one if that is within `weld`. Vertices hang in chains from the cells of a grid. */
-static inline int32_t dem__weld(dem__slot *cells, size_t capacity, int32_t *next, dem_vec *vertex, ptrdiff_t *count, dem_vec p, dem_vec low,
-                                double weld, double cell) {
-    double from[3], to[3];
+static inline void dem__begin_facet(dem__stl_text *t) {
+    dem__end_facet(t);
+    t->inside = 1;
+    t->loops = t->corners = t->wanted = t->bad = 0;
+    t->normal = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Reads one word of a facet, which may be the last of three numbers. */
+static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
+    const unsigned char *b = t->bytes;
+    if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
+    else if (dem__is_word(b, t->at, length, "vertex")) t->bad |= t->wanted > 0 || t->corners == DEM__CORNERS_MAX, t->wanted = 3;
+    else if (dem__is_word(b, t->at, length, "outer")) t->bad |= ++t->loops > 1; /* a hole in a face */
+    else if (dem__is_word(b, t->at, length, "loop") || dem__is_word(b, t->at, length, "endloop")) t->bad |= t->wanted > 0;
+    else if (t->wanted > 0) {
+        *dem_axis_of(&t->number, (6 - t->wanted) % 3) = dem__number(b + t->at, length);
+        t->wanted--;
+        if (t->wanted == 3) t->normal = t->number, t->wanted = 0;
+        else if (t->wanted == 0 && !t->bad) t->corner[t->corners++] = t->number;
+    } else t->bad = 1;
+}
+
+/* Reads a text: facets stand between "facet" and "endfacet", or the next "facet"; names and comments do not matter. */
+static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
+    dem__stl_text t;
+    memset(&t, 0, sizeof t);
+    t.bytes = bytes, t.size = size, t.out = facets;
+    t.at = size >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0; /* byte-order mark */
+    for (size_t length; (length = dem__word(bytes, size, &t.at)) > 0;) {
+        const size_t at = t.at;
+        if (bytes[at] == '#' || dem__begins_with(bytes, at, length, "//")) dem__skip_line(&t, length);
+        else if (dem__is_word(bytes, at, length, "facet")) dem__begin_facet(&t), t.ended = 0, t.at += length;
+        else if (dem__is_word(bytes, at, length, "endfacet")) t.missing += !t.inside, dem__end_facet(&t), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "endsolid") || (!t.inside && dem__is_word(bytes, at, length, "end")))
+            dem__end_facet(&t), t.ended = 1, dem__skip_line(&t, length);
+        else if (t.inside) dem__read_word_of_facet(&t, length), t.at += length;
+        else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
+        else t.at += length;
+    }
+    if (t.inside || (t.begun && !t.ended)) t.missing++; /* it breaks off */
+    report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
+}
+
+/* ---- what a file is ---- */
+
+enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
+
+/* Tells by what the bytes are, as heads lie: a text has nearly no control characters, a binary file the length that its count says. Where
+   the two disagree, what is read must look like coordinates. */
+static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
+    dem_stl_report found;
+    size_t controls = 0;
+    int whole = 0;
+    memset(&found, 0, sizeof found);
+    for (size_t k = 0; k < size; k++) controls += bytes[k] < ' ' && !(bytes[k] >= '\t' && bytes[k] <= '\r');
+    const int is_text = controls <= size / 20;
+    if (size >= 84) {
+        const dem__binary_size s = dem__size_of_binary(bytes, size);
+        whole = s.present > 0 && s.present == s.announced && s.rest == 0;
+    }
+    if (is_text && !whole) return DEM__STL_TEXT;
+    if (whole || is_text || (size >= 84 && dem__has_coordinates(bytes, size))) {
+        if (is_text) dem__read_text(bytes, size, NULL, &found);
+        return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_BINARY;
+    }
+    dem__read_text(bytes, size, NULL, &found); /* padded with zeros, or damaged */
+    return found.facets > 0 ? DEM__STL_TEXT : DEM__STL_UNKNOWN;
+}
+
+static inline void dem__count_facets(const unsigned char *bytes, size_t size, dem_stl_report *report) {
+    const int kind = dem__kind_of_stl(bytes, size);
+    report->binary = kind == DEM__STL_BINARY;
+    if (kind == DEM__STL_BINARY) dem__count_binary(bytes, size, report);
+    if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
+}
+
+/* ---- from facets to a mesh ---- */
+
+/* What a mesh is made in. */
+typedef struct dem__workshop {
+    dem__facet *facets;
+    ptrdiff_t n;
+    dem__slot *slots; /* `capacity` of them */
+    size_t capacity;
+    int32_t *next; /* 3 n: the next vertex of a cell; then the corners of triangles without area */
+    ptrdiff_t slivers;
+    double weld, cell; /* cell: 0 to tell vertices by their very coordinates */
+} dem__workshop;
+
+static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+    uint64_t key = 0, bits;
     for (int a = 0; a < 3; a++) {
-        const double x = dem_axis(p, a) - dem_axis(low, a);
-        from[a] = floor((x - weld) / cell), to[a] = floor((x + weld) / cell);
+        const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
+        memcpy(&bits, &v, sizeof bits);
+        key = dem__scramble(key * 3 + bits + 1);
     }
-    for (double i = from[0]; i <= to[0]; i++) {
-        for (double j = from[1]; j <= to[1]; j++) {
-            for (double k = from[2]; k <= to[2]; k++) {
-                const uint64_t key = dem__interleave((uint64_t)(i + 2.0)) | dem__interleave((uint64_t)(j + 2.0)) << 1 |
-                                     dem__interleave((uint64_t)(k + 2.0)) << 2;
-                const dem__slot *slot = dem__find_slot(cells, capacity, key);
-                for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = next[v]) {
-                    if (dem__length(dem__sub(vertex[v], p)) <= weld) return v;
-                }
-            }
+    return key | 1;
+}
+
+/* Returns the vertex at a place, an earlier one if that is within `weld`. Vertices hang in chains from the cells of a grid, which are four
+   times as wide as that: few have room in one, wherever the others are. */
+static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+    for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
+        double place[3];
+        int seen = 0;
+        for (int a = 0; a < 3; a++) {
+            const double low = dem_axis(p, a) - s->weld, high = dem_axis(p, a) + s->weld;
+            place[a] = side >> a & 1 ? high : low;
+            seen |= (side >> a & 1) && s->cell > 0.0 && floor(low / s->cell) == floor(high / s->cell); /* one cell for both sides */
+        }
+        if (seen) continue;
+        const dem__slot *slot = dem__find_slot(s->slots, s->capacity, dem__key_of_cell(s, place));
+        for (int32_t v = slot->key ? slot->value : -1; v >= 0; v = s->next[v]) {
+            if (dem__length(dem__sub(vertex[v], p)) <= s->weld) return v;
         }
     }
     const int32_t fresh = (int32_t)(*count)++;
-    uint64_t key = 0;
-    for (int a = 0; a < 3; a++) key |= dem__interleave((uint64_t)(floor((dem_axis(p, a) - dem_axis(low, a)) / cell) + 2.0)) << a;
-    dem__slot *slot = dem__find_slot(cells, capacity, key);
+    const double own[3] = {p.x, p.y, p.z};
+    const uint64_t key = dem__key_of_cell(s, own);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
     vertex[fresh] = p;
-    next[fresh] = slot->key ? slot->value : -1;
+    s->next[fresh] = slot->key ? slot->value : -1;
     slot->key = key;
     slot->value = fresh;
     return fresh;
 }
 
-/* Edge (a, b) of a triangle. */
-static inline void dem__count_edge(dem__slot *edges, size_t capacity, int32_t a, int32_t b) {
+static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
     const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
-    dem__slot *slot = dem__find_slot(edges, capacity, low << 32 | high);
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
     slot->key = low << 32 | high; /* never 0, as a < b */
-    if (a < b) slot->forward++;
-    else slot->backward++;
+    return slot;
 }
 
-/* Fills an empty mesh, whose arrays have room, from n facets, and the report. slots has room for `capacity` slots, next for 3 n. */
-static inline void dem__make_mesh(dem_mesh *m, dem__facet *facets, ptrdiff_t n, double scale, double weld, dem__slot *slots,
-                                  size_t capacity, int32_t *next, dem_stl_report *report) {
-    dem_vec *vertex = (dem_vec *)(void *)m->vertex, low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
+/* Counts the three edges of a triangle. */
+static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+    for (int e = 0; e < 3; e++) {
+        const int32_t a = t[e], b = t[(e + 1) % 3];
+        dem__slot *slot = dem__stl_edge(s, a, b);
+        if (a < b) slot->forward++;
+        else slot->backward++;
+    }
+}
+
+/* Tells how many edges of a triangle have one other, which runs the other way. */
+static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+    int closed = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
+        const int32_t along = t[e] < t[(e + 1) % 3] ? slot->forward : slot->backward;
+        closed += along == 0 && slot->forward + slot->backward == 1;
+    }
+    return closed;
+}
+
+/* Triangles without area close what is open where one long edge lies on two short ones: there is no hole. A fan of them closes one after
+   the other; sixteen passes to and fro are enough for any order that a program writes. */
+static inline void dem__close_junctions(dem__workshop *s) {
+    int changed = 1;
+    for (int pass = 0; pass < 16 && changed; pass++) {
+        changed = 0;
+        for (ptrdiff_t k = 0; k < s->slivers; k++) {
+            int32_t *t = &s->next[3 * (pass % 2 ? s->slivers - 1 - k : k)];
+            if (t[0] < 0 || dem__closes(s, t) < 2) continue;
+            dem__count_edges_of(s, t);
+            t[0] = -1;
+            changed = 1;
+        }
+    }
+}
+
+/* Scales the facets and leaves out those that are not finite. Returns how many are left, and the box that holds them. */
+static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+    dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
-    for (ptrdiff_t k = 0; k < n; k++) {
+    for (ptrdiff_t k = 0; k < s->n; k++) {
+        dem__facet f = s->facets[k];
         int finite = 1;
         for (int c = 0; c < 9; c++) {
-            double *x = dem_axis_of(&facets[k].corner[c / 3], c % 3);
+            double *x = dem_axis_of(&f.corner[c / 3], c % 3);
             *x *= scale;
             finite &= fabs(*x) < 1e50;
         }
-        if (!finite) {
-            report->not_finite++;
-            continue;
-        }
-        facets[kept++] = facets[k];
+        report->not_finite += !finite;
+        if (!finite) continue;
+        s->facets[kept++] = f;
         for (int c = 0; c < 9; c++) {
-            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(facets[k].corner[c / 3], c % 3);
+            double *l = dem_axis_of(&low, c % 3), *h = dem_axis_of(&high, c % 3), x = dem_axis(f.corner[c / 3], c % 3);
             *l = x < *l ? x : *l;
             *h = x > *h ? x : *h;
         }
     }
-    if (kept == 0) return;
-    /* cells: some times the welding distance, and few enough to be numbered by 21 bits an axis */
-    const double size = dem__length(dem__sub(high, low)), least = size / 1048576.0;
-    weld = weld < size ? weld : size;
-    const double cell = 4.0 * weld > least ? 4.0 * weld : (least > 0.0 ? least : 1.0);
-    for (ptrdiff_t k = 0; k < kept; k++) {
-        int32_t *to = &m->triangle[3 * k];
-        for (int c = 0; c < 3; c++) to[c] = dem__weld(slots, capacity, next, vertex, &m->vertices, facets[k].corner[c], low, weld, cell);
-    }
-    report->low = low, report->high = high;
-    memset(slots, 0, capacity * sizeof *slots);
-    for (ptrdiff_t k = 0; k < kept; k++) {
+    if (kept > 0) report->low = low, report->high = high;
+    return kept;
+}
+
+/* Have the three corners been seen before, in whatever order? */
+static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+    const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
+    const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
+    const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
+    /* three numbers to a key that others share only by a chance of 2^-64 a pair */
+    const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
+    dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
+    if (slot->key) return 1;
+    slot->key = key;
+    return 0;
+}
+
+/* Keeps the triangles that have an area and are new; measures them. */
+static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+    const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
+    for (ptrdiff_t k = 0; k < n; k++) {
         const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
-        dem_vec normal;
         const dem_vec a = vertex[t[0]], b = vertex[t[1]], c = vertex[t[2]];
-        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !dem__has_area(a, b, c, &normal)) {
+        const int corners = t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        dem_vec normal;
+        if (!corners || !dem__has_area(a, b, c, &normal)) {
             report->degenerate++;
+            if (corners) memcpy(&s->next[3 * s->slivers++], t, sizeof t);
             continue;
         }
-        const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
-        const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
-        const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
-        /* three numbers to a key that others share only by a chance of 2^-64 a pair */
-        const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
-        dem__slot *slot = dem__find_slot(slots, capacity, key);
-        if (slot->key) {
+        if (dem__is_duplicate(s, t)) {
             report->duplicate++;
             continue;
         }
-        slot->key = key;
-        const dem_vec twice = dem__area(a, b, c), given = facets[k].normal;
+        const dem_vec twice = dem__area(a, b, c), given = s->facets[k].normal;
         const double length = dem__length(given);
         if (dem__positive(length) && dem__dot(given, normal) < 0.5 * length) report->wrong_normals++;
         report->area += 0.5 * dem__length(twice);
-        report->volume += dem__dot(dem__sub(a, low), twice) / 6.0;
+        report->volume += dem__dot(dem__sub(a, report->low), twice) / 6.0;
         memcpy(&m->triangle[3 * m->triangles++], t, sizeof t);
     }
-    memset(slots, 0, capacity * sizeof *slots);
-    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++)
-        dem__count_edge(slots, capacity, m->triangle[k], m->triangle[k % 3 == 2 ? k - 2 : k + 1]);
-    for (size_t k = 0; k < capacity; k++) {
-        const int32_t f = slots[k].forward, b = slots[k].backward;
+}
+
+static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+    for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
+    dem__close_junctions(s);
+    for (size_t k = 0; k < s->capacity; k++) {
+        const int32_t f = s->slots[k].forward, b = s->slots[k].backward;
         report->open_edges += f + b == 1;
         report->nonmanifold += f + b > 2;
         report->inconsistent += f + b == 2 && f != b;
     }
+}
+
+/* Fills an empty mesh, whose arrays have room, and the report. */
+static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+    const ptrdiff_t n = dem__keep_finite(s, scale, report);
+    if (n == 0) return;
+    const double size = dem__length(dem__sub(report->high, report->low));
+    s->weld = weld < size ? weld : size;
+    s->cell = 4.0 * s->weld;
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    for (ptrdiff_t k = 0; k < 3 * n; k++)
+        m->triangle[k] = dem__weld(s, (dem_vec *)(void *)m->vertex, &m->vertices, s->facets[k / 3].corner[k % 3]);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__keep_triangles(s, m, n, report);
+    memset(s->slots, 0, s->capacity * sizeof *s->slots);
+    dem__count_edges(s, m, report);
 }
 
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
@@ -3033,41 +3462,42 @@ DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, do
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
+    dem__workshop shop;
     if (!mesh) return DEM_BAD_ARGUMENT;
     memset(mesh, 0, sizeof *mesh);
     memset(&found, 0, sizeof found);
+    memset(&shop, 0, sizeof shop);
     if (report) *report = found;
     if ((size > 0 && !bytes) || !dem__positive(scale) || !dem__not_negative(weld)) return DEM_BAD_ARGUMENT;
     memory.fn = dem__default_allocator;
     memory.user = NULL;
     if (allocator) memory = *allocator;
+    if (!memory.fn) return DEM_BAD_ARGUMENT;
 
-    found.binary = dem__is_binary(text, size);
-    found.facets = found.binary ? dem__read_binary(text, size, NULL, &found.missing) : dem__read_ascii(text, size, NULL, &found.missing);
+    dem__count_facets(text, size, &found);
     if (report) *report = found;
     if (found.facets == 0) return DEM_BAD_DATA;
     if (found.facets > INT32_MAX / 12) return DEM_TOO_MANY;
     const size_t n = (size_t)found.facets;
-    size_t capacity = 64;
-    while (capacity < 6 * n) capacity *= 2;
-    const size_t scratch = n * sizeof(dem__facet) + capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
+    shop.n = found.facets;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t scratch = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(int32_t);
     mesh->bytes = 3 * n * sizeof(dem_vec) + 3 * n * sizeof(int32_t);
     mesh->allocator = memory;
     mesh->block = memory.fn(memory.user, NULL, 0, mesh->bytes);
-    dem__facet *facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
-    if (!facets) {
+    shop.facets = mesh->block ? (dem__facet *)memory.fn(memory.user, NULL, 0, scratch) : NULL;
+    if (!shop.facets) {
         dem_free_mesh(mesh);
         return DEM_OUT_OF_MEMORY;
     }
-    dem__slot *slots = (dem__slot *)(void *)(facets + n);
-    int32_t *next = (int32_t *)(void *)(slots + capacity);
-    memset(slots, 0, capacity * sizeof *slots);
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    shop.next = (int32_t *)(void *)(shop.slots + shop.capacity);
     mesh->vertex = (double *)mesh->block;
     mesh->triangle = (int32_t *)(void *)(mesh->vertex + 9 * n);
-    if (found.binary) dem__read_binary(text, size, facets, &found.missing);
-    else dem__read_ascii(text, size, facets, &found.missing);
-    dem__make_mesh(mesh, facets, found.facets, scale, weld, slots, capacity, next, &found);
-    memory.fn(memory.user, facets, scratch, 0);
+    if (!found.binary) dem__read_text(text, size, shop.facets, &found);
+    for (size_t k = 0; k < n && found.binary; k++) dem__read_facet(text, k, &shop.facets[k]);
+    dem__make_mesh(mesh, &shop, scale, weld, &found);
+    memory.fn(memory.user, shop.facets, scratch, 0);
     if (report) *report = found;
     if (mesh->triangles > 0) return DEM_OK;
     dem_free_mesh(mesh);
@@ -3107,8 +3537,9 @@ static inline void dem__bound_speed(dem_wall *a) {
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) ||
-        !dem__not_negative(frequency))
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
+        !(frequency >= 0.0 && dem__moderate(frequency)))
         return DEM_BAD_ARGUMENT;
     if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
@@ -3120,7 +3551,8 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
 }
 
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->drift = velocity;
     dem__bound_speed(a);
@@ -3128,8 +3560,9 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 }
 
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) ||
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
         !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
@@ -3158,6 +3591,7 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 }
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
@@ -3176,6 +3610,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
 
 static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
                                       double damping) {
+    if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
     if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
         !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
@@ -3203,7 +3638,8 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 }
 
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].belt = velocity;
     world->wall[wall].slides = 1;
     return DEM_OK;
@@ -3236,6 +3672,7 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 }
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
@@ -3373,7 +3810,8 @@ DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
 /* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
-    return n < (double)(DEM__STEPS_MAX - 2) ? 1 + (int)n : DEM__STEPS_MAX - 1;
+    if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
+    return n > 0.0 ? 1 + (int)n : 1; /* for NaN at once */
 }
 
 /* Time in which something at speed s, falling besides with g, covers a distance. */
@@ -3416,8 +3854,9 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
         const double n = c / (below > 0.0 ? below : 1.0) * pace,
-                     later = n < (double)(DEM__STEPS_MAX - 2) ? n : (double)(DEM__STEPS_MAX - 2);
-        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : 0.0;
+                     later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2) : n > 0.0 ? n : 0.0;
+        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
+        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
@@ -3587,7 +4026,20 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (w->wall[wall].kind != DEM_MESH) return 1;
     contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
     contacts->touch[3][c] = touch->gap;
+    contacts->touch[7][c] = 0.0; /* no footing yet */
+    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
     return 1;
+}
+
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* The contacts of particle i with wall k, by element; how many. */
@@ -3614,9 +4066,19 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     double **place = contacts->touch, least;
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
-    const double leaves = 2.0 * w->engine->run.dt * speed; /* as far as a contact can open in a step */
-    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->engine->links.near ? leaves : w->engine->links.near,
-                        w->particle[i].radius, touch, &least);
+    const double radius = w->particle[i].radius, near = w->engine->links.near,
+                 leaves = 2.0 * w->engine->run.dt * speed, /* as far as a contact can open in a step */
+        deep = leaves > near ? leaves : near;
+    dem__footing footing = dem__footing_of(w, slot[0]);
+    for (int m = 0; m < slots && !bear; m++) { /* the second time in a step it is there already */
+        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+    }
+    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
+        const int32_t c = slot[0];
+        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
+        return 0;
+    }
+    n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
@@ -3634,6 +4096,9 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
         place[3][c] = touch[q].gap;
     }
+    footing.slack = 0.0;
+    if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);
+    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
     for (int q = 0; q < n; q++) {
         int32_t free_number = 0;
         if ((taken >> q & 1) || !(touch[q].gap < 0.0)) continue;
@@ -4660,6 +5125,7 @@ typedef struct dem__rows {
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
+    dem__row tx, ty, tz; /* by how much the normal has turned since the middle of the step */
 } dem__rows;
 
 /* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
@@ -4682,23 +5148,27 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    q->translation[0] = b->vx[k] - along * nx, q->translation[1] = b->vy[k] - along * ny, q->translation[2] = b->vz[k] - along * nz;
-    q->slip[0] = q->translation[0] + (ny * sz - nz * sy);
-    q->slip[1] = q->translation[1] + (nz * sx - nx * sz);
-    q->slip[2] = q->translation[2] + (nx * sy - ny * sx);
+    /* velocities and spins are those of the middle of the step, and so is the normal n - t that the slip is seen by: else a rolling contact
+       whose normal turns gains energy. What is of second order in t is left out. */
+    const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
+    const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
+    q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
+    q->translation[2] = b->vz[k] - along * (nz - tz);
+    q->slip[0] = q->translation[0] + (ny * lz - nz * ly);
+    q->slip[1] = q->translation[1] + (nz * lx - nx * lz);
+    q->slip[2] = q->translation[2] + (nx * ly - ny * lx);
     q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
 /* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
    connects, to second order without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
-    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = 0.5 * h * b->inverse[k];
-    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
     const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
-    s[0] = x - out * (nx - by * (b->vx[k] - along * nx)) + twist * (ny * z - nz * y);
-    s[1] = y - out * (ny - by * (b->vy[k] - along * ny)) + twist * (nz * x - nx * z);
-    s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
+    s[0] = x - out * (nx - b->tx[k]) + twist * (ny * z - nz * y);
+    s[1] = y - out * (ny - b->ty[k]) + twist * (nz * x - nx * z);
+    s[2] = z - out * (nz - b->tz[k]) + twist * (nx * y - ny * x);
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */
@@ -4832,6 +5302,8 @@ typedef struct dem__wall_row {
     const dem_wall *wall;
     int row;
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
+    ptrdiff_t slot;         /* of the contact; -1: a link's */
+    int32_t element;
     double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
 } dem__wall_row;
@@ -4842,7 +5314,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
                                            int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
-    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
+    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
     at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner);
     if (at->outside == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -4904,6 +5376,36 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
         b->gap[k] = at->outside * (b->gap[k] + radius - at->inner) - radius;
     }
     if (at->wall->slides) dem__slide(b, half, at);
+}
+
+/* Turn of the normal at a wall: it follows the sphere over the wall's shape, and the wall where that turns. */
+static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn, const dem__wall_row *at) {
+    const int k = at->row;
+    const dem_wall *wall = at->wall;
+    const dem_particle *s = at->particle;
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
+    dem_vec t;
+    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces only the contact knows */
+        double *const *touch = w->engine->contacts.touch;
+        const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
+        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    } else {
+        const dem_vec carried = dem__add(dem__plus(wall->velocity, -half, wall->acceleration),
+                                         dem__cross(spin, dem__sub(s->x, wall->position)));
+        const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
+    }
+    b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
+}
+
+/* Turns of the normals in the time `turn` before the end of the step; of links in half the time since the last evaluation. */
+DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
+    for (int k = 0; k < n; k++) {
+        const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
+        const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
+    }
+    for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
 }
 
 /* Nearest images, normals and gaps of a block with some rows at walls. */
@@ -5288,6 +5790,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
+    if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
 }
 
 /* Calls the law for n contacts of a block, and stores its answers. */
@@ -5456,6 +5959,7 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
         x->types.part[k] = w->particle[i].radius / x->types.sum[k];
     }
     dem__complete_rows(w, &x->rows, &x->types, n, 0.0, x->wall, x->walls);
+    dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
 }
 
 /* Calls the links' law for a block. Of a contact type links have sizes only. */
@@ -5544,6 +6048,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     /* in the order of ids, whatever the order of the looks in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
+    w->passed_total++;
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
@@ -5608,6 +6113,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->engine->links.is_loaded[i] = 0; /* the work of its links is in the books */
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
     dem__mark_to_check(w, i);
@@ -5641,6 +6147,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
 }
 
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
     dem__detach_particle(w, i);
@@ -5649,10 +6156,11 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
         return DEM_BAD_ARGUMENT;
     if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
     w->engine->links.on = 1;
@@ -5894,12 +6402,12 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t born = contacts->begun, old = dem__next_slot(w) - born;
-    dem__array list[8] = {{&contacts->i, sizeof(int32_t)},
+    dem__array list[4 + DEM__PLACES] = {{&contacts->i, sizeof(int32_t)},
                           {&contacts->j, sizeof(int32_t)},
                           {&contacts->element, sizeof(int32_t)},
                           {&contacts->near, sizeof(int32_t)}};
     int arrays = 4;
-    for (int a = 0; walls->touch_keepers && a < 4; a++, arrays++)
+    for (int a = 0; walls->touch_keepers && a < DEM__PLACES; a++, arrays++)
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
     if (!born) return;
     for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = (int32_t)(old + k);
@@ -6525,7 +7033,7 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
+        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
@@ -6582,9 +7090,11 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_
     run->law = law;
     if (run->needs_forces) {
         dem__report_begun(w, law, born);
+        dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
         if (!dem__reorder_contacts(w)) return 0;
-        dem__advance(w, 0.0);
+        const double stored = dem__stored_energy(w);
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
+        dem__book_callers_contacts(w, stored);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
         dem__remove_ended(w, w->step, 0);
@@ -6730,12 +7240,15 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
         return DEM_BAD_ARGUMENT;
     if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
-    double remaining = (w->engine->run.target + duration - w->time) / w->engine->run.dt;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double owed = w->owed + duration, remaining = owed / w->engine->run.dt;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
-    if (w->status != DEM_OK) return w->status;
+    if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
+    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
     if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
     if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
@@ -6764,11 +7277,14 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
         }
         for (int a = w->engine->contacts.states; a < DEM_STATE_MAX; a++) w->engine->contacts.state[a] = NULL; /* not in the block */
     }
-    if (!dem__prepare_run(w, law, kernel, features)) return w->status;
-    w->engine->run.target += duration;
-    for (int64_t n = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0; n > 0; n--) {
-        if (!dem__step(w, law, kernel, features, n == 1)) return w->status;
-    }
+    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
+    w->owed = 0.0; /* of a run that fails */
+    w->engine->run.running = 1;
+    int going = dem__prepare_run(w, law, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, law, kernel, features, n == 1);
+    w->engine->run.running = 0;
+    if (!going) return w->status;
+    w->owed = owed - (double)steps * w->engine->run.dt;
     return DEM_OK;
 }
 
@@ -6975,14 +7491,18 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
+/* A length of a region: none, or enough for a volume that is a number. */
+static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
+
 static inline int dem__is_region(const dem_region *r) {
     dem_vec unit;
     if (!r || !dem__finite_vec(r->low)) return 0;
     if (r->kind == DEM_REGION_BOX)
-        return dem__finite_vec(r->high) && r->low.x <= r->high.x && r->low.y <= r->high.y && r->low.z <= r->high.z;
-    if (!dem__not_negative(r->radius)) return 0;
+        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) && dem__is_extent(r->high.y - r->low.y) &&
+               dem__is_extent(r->high.z - r->low.z);
+    if (!dem__is_extent(r->radius)) return 0;
     if (r->kind == DEM_REGION_SPHERE) return 1;
-    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__not_negative(r->length);
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__is_extent(r->length);
 }
 
 DEM_API double dem_region_volume(const dem_region *region) {
@@ -7057,6 +7577,31 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
+/* Logarithm of the share per ln d at d = scale e^y, but for a constant. All are concave in y. */
+static inline double dem__log_share(const dem_sizes *s, double y) {
+    if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
+    return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
+}
+/* The same of the number of spheres. */
+static inline double dem__log_number(const dem_sizes *s, double y) {
+    const double f = dem__log_share(s, y);
+    return s->by_mass ? f - 3.0 * y : f;
+}
+
+/* The end of ln d, from a cut towards the peak, up to which the density is below e^-60 of that at the peak: nothing is drawn there, and
+   the pieces of the rest are fine enough for a draw in ten to count. */
+static inline double dem__tail(const dem_sizes *s, double end, double peak) {
+    const double least = dem__log_number(s, peak) - 60.0;
+    double inside = peak;
+    if (!(dem__log_number(s, end) < least)) return end;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (end + inside);
+        if (dem__log_number(s, middle) < least) end = middle;
+        else inside = middle;
+    }
+    return end;
+}
+
 /* Also tells the smallest diameter and the largest. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
@@ -7076,34 +7621,31 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
         return 0;
     if (s->kind == DEM_SIZES_UNIFORM) return 1;
     if (!dem__positive(s->scale)) return 0;
-    if (s->kind == DEM_SIZES_LOGNORMAL) return s->spread >= 1e-3 && s->spread <= 5.0;
-    return s->kind == DEM_SIZES_ROSIN_RAMMLER && s->spread >= 0.1 && s->spread <= 100.0;
+    if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
+                                       : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
+        return 0;
+    /* somewhere between the cuts there is 1e-20 of the peak, which is at the scale: else a unit is wrong */
+    const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
+    return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Logarithm of the number of spheres per ln d at d = scale e^y, but for a constant. All are concave in y. */
-static inline double dem__log_number(const dem_sizes *s, double y) {
-    double f = y; /* uniform */
-    if (s->kind == DEM_SIZES_LOGNORMAL) f = -0.5 * y * y / (s->spread * s->spread);
-    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) f = s->spread * y - riddle_exp(s->spread * y);
-    return s->by_mass ? f - 3.0 * y : f;
-}
-
-/* Exact: the interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density
-   count. Where the density has its peak is known in closed form. */
+/* The interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density count.
+   Where the density has its peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
-    enum { PIECES = 32 };
-    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale;
-    const double low = riddle_log(s->smallest / scale), width = (riddle_log(s->largest / scale) - low) / (double)PIECES,
-                 lost = s->by_mass ? 3.0 : 0.0;
+    enum { PIECES = 32, TRIES = 10000 };
+    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
+    double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
     double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
     if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
     if (s->kind == DEM_SIZES_ROSIN_RAMMLER) peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
-    const double top = dem__log_number(s, dem__clamp(peak, low, low + (double)PIECES * width));
+    peak = dem__clamp(peak, low, high);
+    low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
+    const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);
     for (int k = 0; k < PIECES; k++) {
         bound[k] = riddle_exp(dem__log_number(s, dem__clamp(peak, low + k * width, low + (k + 1) * width)) - top);
         total += bound[k];
     }
-    for (int tries = 0; tries < 1000000; tries++) {
+    for (int tries = 0; tries < TRIES; tries++) {
         double place = total * dem__uniform(random);
         int k = 0;
         while (k < PIECES - 1 && place >= bound[k]) place -= bound[k++];
@@ -7111,7 +7653,7 @@ static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) 
         if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
             return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
     }
-    return s->smallest; /* never seen: the ranges of the parameters leave at least 1 draw in 500 */
+    return (double)NAN; /* with a chance below 1e-400 */
 }
 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
@@ -7258,13 +7800,14 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     const double room = r->radius - radius, length = r->length - 2.0 * radius;
     double u[3], square;
     if (!(room >= 0.0) || (cylinder && r->length > 0.0 && !(length >= 0.0))) return 0;
+    int tries = 0;
     do {
         square = 0.0;
         for (int a = 0; a < 3 - cylinder; a++) {
             u[a] = 2.0 * dem__uniform(random) - 1.0;
             square += u[a] * u[a];
         }
-    } while (square > 1.0);
+    } while (square > 1.0 && ++tries < 1000);
     if (!cylinder) {
         *x = dem__add(r->low, dem__scale(room, dem_vec3(u[0], u[1], u[2])));
         return 1;
@@ -7304,7 +7847,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     for (ptrdiff_t n = 0; n < most; n++) {
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)(n + 1) <= number) || !(0.5 * m <= mass)) return n;
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source owes, or is ahead by, half a sphere at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -7315,6 +7858,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
 /* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
     dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
@@ -7391,10 +7935,11 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__finite_vec(f->velocity) || !dem__not_negative(f->scatter.x) || !dem__not_negative(f->scatter.y) ||
-        !dem__not_negative(f->scatter.z))
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
+        !(f->scatter.z >= 0.0))
         return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass);
+    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass);
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
@@ -7425,7 +7970,20 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     return status;
 }
 
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
     dem_world *w = world;
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
@@ -8041,9 +8599,9 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__u64(s, &magic), dem__u64(s, &version);
     if (magic != 0x0a1a64656d52u || version != DEM__FORMAT) s->failed = 1;
     dem__stream_def(s, &w->def);
-    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &run->target);
+    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &w->owed);
     dem__u64(s, &w->engine->bodies.next_id);
-    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    dem__i64(s, &w->passed_total), dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
     const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
     int *flags[] = {&w->walls,

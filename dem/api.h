@@ -70,7 +70,8 @@ typedef struct dem_sizes {
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
     double scale;                                         /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* where all but the list are cut off [m] > 0, largest <= 1e6 smallest */
+    double smallest, largest; /* where all but the list are cut off [m] > 0, largest <= 1e6 smallest; refused if the share per ln d
+                                 nowhere between reaches 1e-20 of its peak */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
@@ -79,7 +80,8 @@ DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
 /* Rosin & Rammler 1933: share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* One diameter [m]; *random is the generator's state, any number to begin with. NaN if the sizes are out of range. */
+/* One diameter [m]; *random is the generator's state, any number to begin with. NaN if the sizes are out of range. Takes 12 tries
+   on average at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
 /* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: a copy of it beside the saved world makes a
@@ -95,7 +97,7 @@ typedef struct dem_feed {
     /* written by the functions below */
     ptrdiff_t placed, missed;        /* spheres in all; those that dem_fill found no place for */
     double placed_mass, missed_mass; /* [kg] */
-    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg] */
+    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; down to half a sphere ahead */
     double waiting;                  /* diameter of the sphere that is next, 0: none drawn yet [m] */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin: to be edited */
@@ -110,6 +112,10 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
    tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
+/* Hands over the records of what passed exits, the oldest first, at most `capacity`, and takes them out of the world; returns how many, or
+   minus a dem_status. records: [capacity], or NULL to drop them. Without it world->passed keeps 88 bytes of every particle that ever
+   passed; world->passed_total counts them whatever is taken. dem_residence() reads the records: call it first. */
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
 /* Takes out the spheres whose centres lie in the region; returns how many, or minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
@@ -155,10 +161,10 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), binary or ASCII, whatever its first word says. bytes: [size]; scale [m per unit of the
-   file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may be NULL;
-   report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if no triangle is left;
-   DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
+/* Reads an STL file from memory (3D Systems 1988), text or binary by what the bytes are (docs/dem_walls.md). bytes: [size]; scale [m per
+   unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may
+   be NULL; report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if it is no STL file or no
+   triangle is left; DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
                                 dem_stl_report *report);
 DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
@@ -173,6 +179,10 @@ DEM_API dem_status dem_run(dem_world *world, double duration, int features);
    DEM_FRICTION or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or another law's kernel: DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
 
+/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, for what flies and touches already, too. Between runs. The
+   ledger books the energy that this makes with what is added. DEM_BAD_ARGUMENT; nothing has changed then. */
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
 /* Changes the time step [s] > 0 from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 

@@ -118,6 +118,7 @@ static inline int dem__is_size(const dem_world *w, int material, double d) {
 }
 
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 || material >= w->def.materials)
         return DEM_BAD_ARGUMENT;
@@ -167,6 +168,7 @@ static inline void dem__set_stride(dem_world *w) {
 }
 
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
@@ -174,6 +176,40 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
     dem__set_stride(w);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
+    const dem_vec change = dem__sub(gravity, w->def.gravity);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        dem__set_origin(w, i);
+        w->particle[i].a = dem__add(w->particle[i].a, change);
+    }
+    if (w->engine->ledger.on) {
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            const double raised = w->alive[i] ? -w->particle[i].mass * dem__dot(change, w->particle[i].x) : 0.0;
+            w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
+        }
+    }
+    w->def.gravity = gravity;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] && !w->touching[i]) dem__free_acceleration(w, i);
+    }
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
+        return DEM_BAD_ARGUMENT;
+    *dem_pair(&w->def, a, b) = *pair;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -186,8 +222,9 @@ DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
 
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__finite_vec(velocity) || !dem__finite_vec(spin)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = velocity;
@@ -198,6 +235,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 }
 
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
     dem__set_origin(w, i);

@@ -200,12 +200,12 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t born = contacts->begun, old = dem__next_slot(w) - born;
-    dem__array list[8] = {{&contacts->i, sizeof(int32_t)},
+    dem__array list[4 + DEM__PLACES] = {{&contacts->i, sizeof(int32_t)},
                           {&contacts->j, sizeof(int32_t)},
                           {&contacts->element, sizeof(int32_t)},
                           {&contacts->near, sizeof(int32_t)}};
     int arrays = 4;
-    for (int a = 0; walls->touch_keepers && a < 4; a++, arrays++)
+    for (int a = 0; walls->touch_keepers && a < DEM__PLACES; a++, arrays++)
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
     if (!born) return;
     for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = (int32_t)(old + k);

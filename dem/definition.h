@@ -59,6 +59,10 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
+/* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
+static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
+static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
@@ -78,7 +82,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
     if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
-    if (!dem__finite_vec(def->gravity)) return "gravity";
+    if (!dem__moderate_vec(def->gravity)) return "gravity";
     for (int a = 0; a < 3; a++) {
         const double low = dem_axis(def->low, a), high = dem_axis(def->high, a);
         if (def->periodic[a] != 0 && def->periodic[a] != 1) return "periodic";
@@ -159,12 +163,15 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
+/* Is a run of the world under way, so that this is a law's hook? */
+static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
+
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
     if (block) a->fn(a->user, block, bytes, 0);
 }
 
 DEM_API void dem_free(dem_world *world) {
-    if (!world || !world->def.allocator.fn) return;
+    if (!world || !world->def.allocator.fn || dem__is_running(world)) return;
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
     dem__release(&a, e->bodies.block, e->bodies.bytes);

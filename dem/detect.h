@@ -116,7 +116,20 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (w->wall[wall].kind != DEM_MESH) return 1;
     contacts->touch[0][c] = touch->normal.x, contacts->touch[1][c] = touch->normal.y, contacts->touch[2][c] = touch->normal.z;
     contacts->touch[3][c] = touch->gap;
+    contacts->touch[7][c] = 0.0; /* no footing yet */
+    contacts->touch[9][c] = touch->normal.x, contacts->touch[10][c] = touch->normal.y, contacts->touch[11][c] = touch->normal.z;
     return 1;
+}
+
+DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    dem__footing f;
+    f.at = dem_vec3(place[4][c], place[5][c], place[6][c]), f.slack = place[7][c], f.face = (int32_t)place[8][c];
+    return f;
+}
+DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+    double *const *place = w->engine->contacts.touch;
+    place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
 /* The contacts of particle i with wall k, by element; how many. */
@@ -143,9 +156,19 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     double **place = contacts->touch, least;
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
-    const double leaves = 2.0 * w->engine->run.dt * speed; /* as far as a contact can open in a step */
-    n = dem__touch_mesh(wall, d, w->particle[i].radius, leaves > w->engine->links.near ? leaves : w->engine->links.near,
-                        w->particle[i].radius, touch, &least);
+    const double radius = w->particle[i].radius, near = w->engine->links.near,
+                 leaves = 2.0 * w->engine->run.dt * speed, /* as far as a contact can open in a step */
+        deep = leaves > near ? leaves : near;
+    dem__footing footing = dem__footing_of(w, slot[0]);
+    for (int m = 0; m < slots && !bear; m++) { /* the second time in a step it is there already */
+        for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
+    }
+    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
+        const int32_t c = slot[0];
+        place[0][c] = touch->normal.x, place[1][c] = touch->normal.y, place[2][c] = touch->normal.z, place[3][c] = touch->gap;
+        return 0;
+    }
+    n = dem__touch_mesh(wall, d, radius, deep, radius, touch, &least);
     for (int m = 0; m < slots; m++) {
         const int32_t c = slot[m];
         int q = 0;
@@ -163,6 +186,9 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
         place[0][c] = touch[q].normal.x, place[1][c] = touch[q].normal.y, place[2][c] = touch[q].normal.z;
         place[3][c] = touch[q].gap;
     }
+    footing.slack = 0.0;
+    if (slots == 1 && n == 1 && taken) footing = dem__find_footing(wall, d, radius, touch);
+    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
     for (int q = 0; q < n; q++) {
         int32_t free_number = 0;
         if ((taken >> q & 1) || !(touch[q].gap < 0.0)) continue;

@@ -90,7 +90,7 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--;
+        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);

@@ -49,6 +49,8 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
+enum { DEM__PLACES = 12 }; /* numbers that a contact with a mesh keeps of its place */
+
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
     int32_t i, j;    /* i < j */
@@ -73,7 +75,7 @@ enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 /* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
 typedef struct dem__run {
     double dt, kernel_dt;      /* [s]; the kernel's: 0 where forces are found but no time passes */
-    double start_time, target; /* time of start_step; time that runs have been asked for [s] */
+    double start_time;         /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
@@ -81,6 +83,7 @@ typedef struct dem__run {
     int needs_forces; /* forces must be found before the first step */
     int needs_lists;  /* near pairs and timers must be made anew */
     int leaving;      /* a particle passed an exit in this step */
+    int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
@@ -153,7 +156,8 @@ typedef struct dem__contacts {
     uint8_t *edge, *ended;                       /* begins or ends in this step; is over */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[4];  /* with a mesh: normal and gap of the place that it follows; with a cone: its curvature */
+    double *touch[DEM__PLACES]; /* with a mesh: normal and gap of the place that it follows, then its footing: place, slack, face, and
+                                   the normal before; with a cone: its curvature */
     double *wrench[9]; /* force on i, torques on i and j: of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */

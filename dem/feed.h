@@ -27,14 +27,18 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
+/* A length of a region: none, or enough for a volume that is a number. */
+static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
+
 static inline int dem__is_region(const dem_region *r) {
     dem_vec unit;
     if (!r || !dem__finite_vec(r->low)) return 0;
     if (r->kind == DEM_REGION_BOX)
-        return dem__finite_vec(r->high) && r->low.x <= r->high.x && r->low.y <= r->high.y && r->low.z <= r->high.z;
-    if (!dem__not_negative(r->radius)) return 0;
+        return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) && dem__is_extent(r->high.y - r->low.y) &&
+               dem__is_extent(r->high.z - r->low.z);
+    if (!dem__is_extent(r->radius)) return 0;
     if (r->kind == DEM_REGION_SPHERE) return 1;
-    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__not_negative(r->length);
+    return r->kind == DEM_REGION_CYLINDER && dem__finite_vec(r->axis) && dem__unit(r->axis, &unit) && dem__is_extent(r->length);
 }
 
 DEM_API double dem_region_volume(const dem_region *region) {
@@ -109,6 +113,31 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
+/* Logarithm of the share per ln d at d = scale e^y, but for a constant. All are concave in y. */
+static inline double dem__log_share(const dem_sizes *s, double y) {
+    if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
+    return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
+}
+/* The same of the number of spheres. */
+static inline double dem__log_number(const dem_sizes *s, double y) {
+    const double f = dem__log_share(s, y);
+    return s->by_mass ? f - 3.0 * y : f;
+}
+
+/* The end of ln d, from a cut towards the peak, up to which the density is below e^-60 of that at the peak: nothing is drawn there, and
+   the pieces of the rest are fine enough for a draw in ten to count. */
+static inline double dem__tail(const dem_sizes *s, double end, double peak) {
+    const double least = dem__log_number(s, peak) - 60.0;
+    double inside = peak;
+    if (!(dem__log_number(s, end) < least)) return end;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (end + inside);
+        if (dem__log_number(s, middle) < least) end = middle;
+        else inside = middle;
+    }
+    return end;
+}
+
 /* Also tells the smallest diameter and the largest. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
@@ -128,34 +157,31 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
         return 0;
     if (s->kind == DEM_SIZES_UNIFORM) return 1;
     if (!dem__positive(s->scale)) return 0;
-    if (s->kind == DEM_SIZES_LOGNORMAL) return s->spread >= 1e-3 && s->spread <= 5.0;
-    return s->kind == DEM_SIZES_ROSIN_RAMMLER && s->spread >= 0.1 && s->spread <= 100.0;
+    if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
+                                       : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
+        return 0;
+    /* somewhere between the cuts there is 1e-20 of the peak, which is at the scale: else a unit is wrong */
+    const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
+    return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Logarithm of the number of spheres per ln d at d = scale e^y, but for a constant. All are concave in y. */
-static inline double dem__log_number(const dem_sizes *s, double y) {
-    double f = y; /* uniform */
-    if (s->kind == DEM_SIZES_LOGNORMAL) f = -0.5 * y * y / (s->spread * s->spread);
-    if (s->kind == DEM_SIZES_ROSIN_RAMMLER) f = s->spread * y - riddle_exp(s->spread * y);
-    return s->by_mass ? f - 3.0 * y : f;
-}
-
-/* Exact: the interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density
-   count. Where the density has its peak is known in closed form. */
+/* The interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density count.
+   Where the density has its peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
-    enum { PIECES = 32 };
-    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale;
-    const double low = riddle_log(s->smallest / scale), width = (riddle_log(s->largest / scale) - low) / (double)PIECES,
-                 lost = s->by_mass ? 3.0 : 0.0;
+    enum { PIECES = 32, TRIES = 10000 };
+    const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
+    double low = riddle_log(s->smallest / scale), high = riddle_log(s->largest / scale);
     double peak = s->by_mass ? -HUGE_VAL : HUGE_VAL, bound[PIECES], total = 0.0;
     if (s->kind == DEM_SIZES_LOGNORMAL) peak = -lost * s->spread * s->spread;
     if (s->kind == DEM_SIZES_ROSIN_RAMMLER) peak = s->spread > lost ? riddle_log1p(-lost / s->spread) / s->spread : -HUGE_VAL;
-    const double top = dem__log_number(s, dem__clamp(peak, low, low + (double)PIECES * width));
+    peak = dem__clamp(peak, low, high);
+    low = dem__tail(s, low, peak), high = dem__tail(s, high, peak);
+    const double width = (high - low) / (double)PIECES, top = dem__log_number(s, peak);
     for (int k = 0; k < PIECES; k++) {
         bound[k] = riddle_exp(dem__log_number(s, dem__clamp(peak, low + k * width, low + (k + 1) * width)) - top);
         total += bound[k];
     }
-    for (int tries = 0; tries < 1000000; tries++) {
+    for (int tries = 0; tries < TRIES; tries++) {
         double place = total * dem__uniform(random);
         int k = 0;
         while (k < PIECES - 1 && place >= bound[k]) place -= bound[k++];
@@ -163,7 +189,7 @@ static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) 
         if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
             return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
     }
-    return s->smallest; /* never seen: the ranges of the parameters leave at least 1 draw in 500 */
+    return (double)NAN; /* with a chance below 1e-400 */
 }
 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
@@ -310,13 +336,14 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     const double room = r->radius - radius, length = r->length - 2.0 * radius;
     double u[3], square;
     if (!(room >= 0.0) || (cylinder && r->length > 0.0 && !(length >= 0.0))) return 0;
+    int tries = 0;
     do {
         square = 0.0;
         for (int a = 0; a < 3 - cylinder; a++) {
             u[a] = 2.0 * dem__uniform(random) - 1.0;
             square += u[a] * u[a];
         }
-    } while (square > 1.0);
+    } while (square > 1.0 && ++tries < 1000);
     if (!cylinder) {
         *x = dem__add(r->low, dem__scale(room, dem_vec3(u[0], u[1], u[2])));
         return 1;
@@ -356,7 +383,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     for (ptrdiff_t n = 0; n < most; n++) {
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)(n + 1) <= number) || !(0.5 * m <= mass)) return n;
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source owes, or is ahead by, half a sphere at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -367,6 +394,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
 /* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
     dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
@@ -443,10 +471,11 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__finite_vec(f->velocity) || !dem__not_negative(f->scatter.x) || !dem__not_negative(f->scatter.y) ||
-        !dem__not_negative(f->scatter.z))
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
+        !(f->scatter.z >= 0.0))
         return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass);
+    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass);
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
@@ -477,7 +506,20 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     return status;
 }
 
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
     dem_world *w = world;
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;

@@ -134,6 +134,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
+    if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
 }
 
 /* Calls the law for n contacts of a block, and stores its answers. */
@@ -302,6 +303,7 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
         x->types.part[k] = w->particle[i].radius / x->types.sum[k];
     }
     dem__complete_rows(w, &x->rows, &x->types, n, 0.0, x->wall, x->walls);
+    dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
 }
 
 /* Calls the links' law for a block. Of a contact type links have sizes only. */

@@ -28,9 +28,27 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
 }
 
-/* Books what a contact in slot c has stored at its end: its tangential spring is let go as if it slid. */
-DEM_INLINE void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
-    if (w->engine->ledger.on) w->engine->ledger.sums.sliding_loss += w->engine->contacts.elastic[c];
+/* Books what a contact in slot c has stored at its end: with what is taken out if the caller or an exit ended it; else its tangential spring
+   is let go as if it slid. */
+static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    dem_energy_ledger *sums = &w->engine->ledger.sums;
+    if (!w->engine->ledger.on) return;
+    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
+    else sums->sliding_loss += w->engine->contacts.elastic[c];
+}
+
+/* Energy stored in all contacts, 0 without a ledger. */
+static inline double dem__stored_energy(const dem_world *w) {
+    double sum = 0.0;
+    if (!w->engine->ledger.on) return sum;
+    DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
+    return sum;
+}
+
+/* Books the change of stored energy that the caller has made between runs: contacts made, constants changed. */
+static inline void dem__book_callers_contacts(dem_world *w, double before) {
+    if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
 /* Books what contacts have dissipated in a step, and the work of walls and loads. */

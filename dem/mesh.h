@@ -135,6 +135,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_world *w = world;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);

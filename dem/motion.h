@@ -25,8 +25,9 @@ static inline void dem__bound_speed(dem_wall *a) {
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(amplitude) || !dem__finite_vec(phase) ||
-        !dem__not_negative(frequency))
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
+        !(frequency >= 0.0 && dem__moderate(frequency)))
         return DEM_BAD_ARGUMENT;
     if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
@@ -38,7 +39,8 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
 }
 
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
     a->drift = velocity;
     dem__bound_speed(a);
@@ -46,8 +48,9 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 }
 
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__finite(spin) ||
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) || !dem__moderate(spin) ||
         !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
@@ -76,6 +79,7 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 }
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
+    if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
@@ -94,6 +98,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
 
 static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
                                       double damping) {
+    if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
     if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
         !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
@@ -121,7 +126,8 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 }
 
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].belt = velocity;
     world->wall[wall].slides = 1;
     return DEM_OK;
@@ -154,6 +160,7 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
 }
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
+    if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;

@@ -26,6 +26,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     /* in the order of ids, whatever the order of the looks in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
+    w->passed_total++;
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
@@ -90,6 +91,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
+    w->engine->links.is_loaded[i] = 0; /* the work of its links is in the books */
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
     dem__mark_to_check(w, i);
@@ -123,6 +125,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
 }
 
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
     dem__detach_particle(w, i);
@@ -131,10 +134,11 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+    if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
         return DEM_BAD_ARGUMENT;
     if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
     w->engine->links.on = 1;

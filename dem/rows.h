@@ -7,6 +7,7 @@ typedef struct dem__rows {
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
+    dem__row tx, ty, tz; /* by how much the normal has turned since the middle of the step */
 } dem__rows;
 
 /* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
@@ -29,23 +30,27 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    q->translation[0] = b->vx[k] - along * nx, q->translation[1] = b->vy[k] - along * ny, q->translation[2] = b->vz[k] - along * nz;
-    q->slip[0] = q->translation[0] + (ny * sz - nz * sy);
-    q->slip[1] = q->translation[1] + (nz * sx - nx * sz);
-    q->slip[2] = q->translation[2] + (nx * sy - ny * sx);
+    /* velocities and spins are those of the middle of the step, and so is the normal n - t that the slip is seen by: else a rolling contact
+       whose normal turns gains energy. What is of second order in t is left out. */
+    const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
+    const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
+    q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
+    q->translation[2] = b->vz[k] - along * (nz - tz);
+    q->slip[0] = q->translation[0] + (ny * lz - nz * ly);
+    q->slip[1] = q->translation[1] + (nz * lx - nx * lz);
+    q->slip[2] = q->translation[2] + (nx * ly - ny * lx);
     q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
 /* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
    connects, to second order without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
-    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = 0.5 * h * b->inverse[k];
-    const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+    const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
     const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
-    s[0] = x - out * (nx - by * (b->vx[k] - along * nx)) + twist * (ny * z - nz * y);
-    s[1] = y - out * (ny - by * (b->vy[k] - along * ny)) + twist * (nz * x - nx * z);
-    s[2] = z - out * (nz - by * (b->vz[k] - along * nz)) + twist * (nx * y - ny * x);
+    s[0] = x - out * (nx - b->tx[k]) + twist * (ny * z - nz * y);
+    s[1] = y - out * (ny - b->ty[k]) + twist * (nz * x - nx * z);
+    s[2] = z - out * (nz - b->tz[k]) + twist * (nx * y - ny * x);
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */
@@ -179,6 +184,8 @@ typedef struct dem__wall_row {
     const dem_wall *wall;
     int row;
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
+    ptrdiff_t slot;         /* of the contact; -1: a link's */
+    int32_t element;
     double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
 } dem__wall_row;
@@ -189,7 +196,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
                                            int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
-    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity;
+    at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
     at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner);
     if (at->outside == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -251,6 +258,36 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
         b->gap[k] = at->outside * (b->gap[k] + radius - at->inner) - radius;
     }
     if (at->wall->slides) dem__slide(b, half, at);
+}
+
+/* Turn of the normal at a wall: it follows the sphere over the wall's shape, and the wall where that turns. */
+static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn, const dem__wall_row *at) {
+    const int k = at->row;
+    const dem_wall *wall = at->wall;
+    const dem_particle *s = at->particle;
+    const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
+    dem_vec t;
+    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces only the contact knows */
+        double *const *touch = w->engine->contacts.touch;
+        const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
+        t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    } else {
+        const dem_vec carried = dem__add(dem__plus(wall->velocity, -half, wall->acceleration),
+                                         dem__cross(spin, dem__sub(s->x, wall->position)));
+        const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
+        t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
+    }
+    b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
+}
+
+/* Turns of the normals in the time `turn` before the end of the step; of links in half the time since the last evaluation. */
+DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
+    for (int k = 0; k < n; k++) {
+        const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
+        const double along = b->vx[k] * nx + b->vy[k] * ny + b->vz[k] * nz;
+        b->tx[k] = by * (b->vx[k] - along * nx), b->ty[k] = by * (b->vy[k] - along * ny), b->tz[k] = by * (b->vz[k] - along * nz);
+    }
+    for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
 }
 
 /* Nearest images, normals and gaps of a block with some rows at walls. */

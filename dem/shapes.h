@@ -137,7 +137,16 @@ typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
+    int32_t face; /* mesh: the triangle above whose inside the centre is, -1 beyond its edges */
 } dem__touch;
+
+/* The face on which a contact with a mesh rests: it stays the one place that is touched while the centre is within `slack` of `at` and what
+   a contact opens by in a step is less than that. */
+typedef struct dem__footing {
+    dem_vec at;   /* in the wall's own frame */
+    double slack; /* [m]; 0: search */
+    int32_t face;
+} dem__footing;
 
 enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a particle with a mesh, those that end this step included */
 #define DEM__SMOOTH 0.9 /* cosine of the angle, 26 degrees, up to which facets are one surface: a drum of 16 sides is round */
@@ -237,23 +246,31 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), and its length. */
-static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+/* From the plane of a triangle to p, the same for all faces of a plane. */
+DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
+    const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
+    *distance = fabs(up);
+    return dem__scale(up, t->normal[k]);
+}
+
+/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), its length, and whether it is inside. */
+static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
     const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
     const double a1 = dem__dot(ab, ap), a2 = dem__dot(ac, ap), b1 = dem__dot(ab, bp), b2 = dem__dot(ac, bp), c1 = dem__dot(ab, cp),
                  c2 = dem__dot(ac, cp);
     const double to_ab = a1 * b2 - b1 * a2, to_ac = c1 * a2 - a1 * c2, to_bc = b1 * c2 - c1 * b2;
     dem_vec v;
+    *inside = 0;
     if (a1 <= 0.0 && a2 <= 0.0) v = ap;
     else if (b1 >= 0.0 && b2 <= b1) v = bp;
     else if (c2 >= 0.0 && c1 <= c2) v = cp;
     else if (to_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) v = dem__sub(ap, dem__scale(a1 / (a1 - b1), ab));
     else if (to_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) v = dem__sub(ap, dem__scale(a2 / (a2 - c2), ac));
     else if (to_bc <= 0.0 && b2 >= b1 && c1 >= c2) v = dem__sub(bp, dem__scale((b2 - b1) / ((b2 - b1) + (c1 - c2)), dem__sub(c, b)));
-    else { /* above the face: along its normal, the same for all faces of a plane */ const double up = dem__dot(ap, t->normal[k]);
-        *distance = fabs(up);
-        return dem__scale(up, t->normal[k]);
+    else {
+        *inside = 1;
+        return dem__above_face(t, k, p, distance);
     }
     *distance = dem__length(v);
     return v;
@@ -274,17 +291,26 @@ DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *nea
 
 static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, double radius, dem__touch *touch) {
     double distance;
-    const dem_vec v = dem__from_triangle(t, k, p, &distance);
+    int inside;
+    const dem_vec v = dem__from_triangle(t, k, p, &distance, &inside);
     touch->gap = distance - radius;
     touch->normal = distance > 0.0 ? dem__scale(1.0 / distance, v) : t->normal[k];
     touch->curvature = 0.0;
+    touch->face = inside ? k : -1;
+}
+
+DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
+    return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+}
+DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
+    return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
 /* The nearest place of a mesh, if its gap is below limit; and with a gap below deep, the others that are none's shadow: the nearest
    DEM__TOUCHES, nearest first. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
-    const dem_vec p = dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
+    const dem_vec p = dem__to_frame(w, d);
     dem__touch here;
     int n = 0;
     *least = limit;
@@ -323,11 +349,71 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
         }
     }
     for (int q = 0; q < n; q++) {
-        const dem_vec v = out[q].normal;
-        out[q].normal = dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
+        out[q].normal = dem__from_frame(w, out[q].normal);
         out[q].element = q;
     }
     return n;
+}
+
+/* How far a projection q into the plane of triangle k is inside its edges. */
+static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
+    double least = HUGE_VAL;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = t->vertex[t->corner[3 * k + e]], v = t->vertex[t->corner[3 * k + (e + 1) % 3]], along = dem__sub(v, u);
+        const double in = dem__dot(dem__sub(q, u), dem__cross(t->normal[k], along)) / dem__length(along);
+        least = in < least ? in : least;
+    }
+    return least;
+}
+
+/* The footing of a sphere whose one touch is on a face. A triangle that rises above that plane may be touched, or become the nearest: from
+   half its gap on; one that does not is in the face's shadow, and is nearer only where the centre leaves the face for it. */
+static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+    const dem__tree *t = w->tree;
+    const int32_t face = touch->face;
+    dem__footing f;
+    double height;
+    f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
+    if (face < 0 || !(touch->gap <= 0.0)) return f;
+    const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
+    const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
+    double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
+    if (!(slack > 0.0 && height > 0.1 * radius)) return f;
+    const dem_vec out = dem__scale(1.0 / height, up);
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, f.at, radius + 2.0 * slack)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            double distance, rise = 0.0;
+            int inner;
+            if (k == face) continue;
+            dem__from_triangle(t, k, f.at, &distance, &inner);
+            for (int c = 0; c < 3; c++) {
+                const double above = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
+                rise = above > rise ? above : rise;
+            }
+            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+                reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
+            slack = reach < slack ? reach : slack;
+        }
+    }
+    f.slack = slack > 0.0 ? 0.999 * slack : 0.0;
+    return f;
+}
+
+/* The touch of a sphere that has not left its footing; 0: search. `opens`: the most that a contact opens in a step. */
+DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens, dem__touch *out) {
+    const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
+    double distance;
+    if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
+    const dem_vec v = dem__above_face(w->tree, f->face, p, &distance);
+    out->gap = distance - radius;
+    out->normal = dem__from_frame(w, dem__scale(1.0 / distance, v));
+    return 1;
 }
 
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
@@ -420,6 +506,41 @@ static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t
     *from = w->kind == DEM_SPHERE ? d : dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
     *inner = w->radius;
     return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
+}
+
+/* How the normal turns at a cone, which is a ring's at a rim. */
+static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, double radius, dem_vec n, dem_vec u) {
+    const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    dem__touch touch;
+    double least;
+    const double from_axis = dem__length(radial);
+    if (!dem__touch_cone(w, d, dem__dot(d, w->axis[2]), radius, HUGE_VAL, &touch, &least) || !(from_axis > 0.0))
+        return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec outward = dem__scale(1.0 / from_axis, radial);
+    const dem_vec round = dem__cross(w->axis[2], outward);
+    const double about = dem__dot(u, round);
+    dem_vec rate = dem__scale(dem__dot(n, outward) * about / from_axis, round);
+    if (touch.curvature != 0.0) return rate;
+    const dem_vec up = dem__sub(u, dem__add(dem__scale(dem__dot(u, n), n), dem__scale(about, round)));
+    return dem__plus(rate, 1.0 / (radius + touch.gap), up);
+}
+
+/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis of
+   a round one, with the sign of the side. */
+static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
+                                       dem_vec u) {
+    const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
+    if (w->kind == DEM_SPHERE) return dem__scale(inverse, side);
+    if (w->kind == DEM_CYLINDER) return dem__scale(inverse, dem__plus(side, -dem__dot(side, w->axis[2]), w->axis[2]));
+    if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
+    if (w->kind == DEM_SCREEN) {
+        const dem_vec along = w->axis[(uint32_t)element & 1u];
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);              /* at a bar's end */
+        if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
+            return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
+        return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
+    }
+    return dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */

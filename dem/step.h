@@ -48,9 +48,11 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_
     run->law = law;
     if (run->needs_forces) {
         dem__report_begun(w, law, born);
+        dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
         if (!dem__reorder_contacts(w)) return 0;
-        dem__advance(w, 0.0);
+        const double stored = dem__stored_energy(w);
         dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
+        dem__book_callers_contacts(w, stored);
         if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
         dem__kick_walls(w, 0.0);
         dem__remove_ended(w, w->step, 0);
@@ -196,12 +198,15 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || 3 * law->vectors > law->history || law->history > law->states)
+    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
         return DEM_BAD_ARGUMENT;
     if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
-    double remaining = (w->engine->run.target + duration - w->time) / w->engine->run.dt;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double owed = w->owed + duration, remaining = owed / w->engine->run.dt;
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
-    if (w->status != DEM_OK) return w->status;
+    if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
+    if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
+    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
     if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
     if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
@@ -230,11 +235,14 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law 
         }
         for (int a = w->engine->contacts.states; a < DEM_STATE_MAX; a++) w->engine->contacts.state[a] = NULL; /* not in the block */
     }
-    if (!dem__prepare_run(w, law, kernel, features)) return w->status;
-    w->engine->run.target += duration;
-    for (int64_t n = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0; n > 0; n--) {
-        if (!dem__step(w, law, kernel, features, n == 1)) return w->status;
-    }
+    const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
+    w->owed = 0.0; /* of a run that fails */
+    w->engine->run.running = 1;
+    int going = dem__prepare_run(w, law, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, law, kernel, features, n == 1);
+    w->engine->run.running = 0;
+    if (!going) return w->status;
+    w->owed = owed - (double)steps * w->engine->run.dt;
     return DEM_OK;
 }
 

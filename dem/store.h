@@ -65,7 +65,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
     for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
-    for (int k = 0; w->engine->walls.touch_keepers && k < 4; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
     if (w->engine->ledger.on) {
         list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
@@ -96,7 +96,7 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
 /* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
-    ptrdiff_t larger = *capacity + *capacity / 2 + 64;
+    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* other arrays alone need no more room */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {

@@ -69,7 +69,8 @@ DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
 /* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
-    return n < (double)(DEM__STEPS_MAX - 2) ? 1 + (int)n : DEM__STEPS_MAX - 1;
+    if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
+    return n > 0.0 ? 1 + (int)n : 1; /* for NaN at once */
 }
 
 /* Time in which something at speed s, falling besides with g, covers a distance. */
@@ -112,8 +113,9 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
         const double n = c / (below > 0.0 ? below : 1.0) * pace,
-                     later = n < (double)(DEM__STEPS_MAX - 2) ? n : (double)(DEM__STEPS_MAX - 2);
-        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : 0.0;
+                     later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2) : n > 0.0 ? n : 0.0;
+        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
+        const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }

@@ -27,10 +27,11 @@
     X(DEM_NOT_FINITE, "a particle's force or position is not finite")                                                                      \
     X(DEM_TOO_FAST, "a particle moves more than half its radius in one step")                                                              \
     X(DEM_TOO_MANY, "more walls, materials or particles than this header counts")                                                          \
-    X(DEM_BAD_DATA, "saved data are damaged, of another version or of another byte count")                                                 \
+    X(DEM_BAD_DATA, "neither a whole saved world of this version nor an STL file with triangles")                                          \
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
-    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")
+    X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
+    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -148,11 +149,15 @@ typedef struct dem_mesh {
 
 /* What dem_read_stl() found in a file. A closed, well made surface has zeros from `missing` to `wrong_normals`. */
 typedef struct dem_stl_report {
-    int binary;              /* 1: binary, 0: ASCII */
-    ptrdiff_t facets;        /* present in the file and whole */
-    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that an ASCII file breaks off or garbles */
+    int binary;              /* 1: binary, 0: text */
+    ptrdiff_t facets;        /* triangles present in the file and whole; a facet of n corners counts as the n - 2 it is cut into */
+    ptrdiff_t polygons;      /* facets of more than three corners */
+    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that a text breaks off or garbles, or whose
+                                corners no fan of triangles covers; 1 more if a text that begins with "solid" ends without "endsolid" */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count, read as they end with the file */
+    ptrdiff_t surplus;       /* bytes of a binary file behind its facets, not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
-    ptrdiff_t degenerate;    /* left out: without area, after welding */
+    ptrdiff_t degenerate;    /* left out: without area, after welding; where one closes a T-junction there is no hole */
     ptrdiff_t duplicate;     /* left out: the corners of an earlier one */
     ptrdiff_t open_edges;    /* of one triangle only: the rims of holes */
     ptrdiff_t nonmanifold;   /* edges of more than two triangles */
@@ -304,7 +309,8 @@ typedef struct dem_energy_ledger {
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
-    double added, removed; /* carried in and out by particles */
+    double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
+                              whose constants are changed by it, gravity */
     double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
     double released;                                                   /* potential energy given up so far, at least 0 */
     double error;                                                      /* what does not add up: the integration error */
@@ -334,12 +340,15 @@ typedef struct dem_world {
     void *user;      /* yours: handed to the law's hooks; not saved */
     int64_t step;    /* steps done */
     double time;     /* [s] */
+    double owed;     /* asked for and not yet run, at most half a step [s]: the next run makes up for it. A run that fails owes nothing:
+                        ask for the rest again */
     ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
     int walls;
     dem_wall *wall;
-    ptrdiff_t passed_count;
+    ptrdiff_t passed_count; /* records kept: until dem_take_passed() takes them */
+    int64_t passed_total;   /* particles that ever passed an exit */
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
     int64_t contact_steps;  /* sum over steps of live contacts */

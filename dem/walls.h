@@ -1,6 +1,6 @@
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
-    if (!dem__positive(length)) return 0;
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
     *unit = dem__scale(1.0 / length, v);
     return 1;
 }
@@ -33,6 +33,7 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
 }
 
 static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec point, dem_vec normal) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal))
@@ -50,6 +51,7 @@ DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) { return dem__add_flat(world, DEM_EXIT, 0, point, normal); }
 
 static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec point, dem_vec axis, double radius, int inside) {
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius))
@@ -91,6 +93,7 @@ DEM_API dem_cone dem_default_cone(void) {
 }
 
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) ||
@@ -129,6 +132,7 @@ static inline int dem__is_deck(const dem_wall *w) {
 }
 
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen) {
+    if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
     if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||

@@ -257,7 +257,7 @@ int main(int argc, char **argv) {
     const dem_status status = dem_read_stl(bytes, size, scale, 1e-4 * d, NULL, &funnel, &found);
     free(bytes);
     if (status != DEM_OK)
-        program_refuse(&self, "stl", stl, status == DEM_BAD_DATA ? "an STL file that holds a triangle" : dem_status_text(status));
+        program_refuse(&self, "stl", stl, status == DEM_BAD_DATA ? "an STL file with triangles" : dem_status_text(status));
     dem_vec low, high;
     corners_of(&funnel, &low, &high);
     const double narrow = fmin(high.x - low.x, high.y - low.y) / d, tall = (high.z - low.z) / d;
@@ -266,9 +266,10 @@ int main(int argc, char **argv) {
                  "5 to 1000 sphere diameters wide, no more high; with --stl-scale %.3g it is %.3g wide and %.3g high", scale, narrow, tall);
         program_refuse(&self, "stl", stl, allowed);
     }
-    common_print("%s: %ld triangles, %ld open edges, %ld degenerate, %ld duplicate, %ld wrong normals, %ld missing\n", stl,
-                 (long)funnel.triangles, (long)found.open_edges, (long)found.degenerate, (long)found.duplicate, (long)found.wrong_normals,
-                 (long)found.missing);
+    common_print("%s: %ld triangles, %ld open edges, %ld degenerate, %ld duplicate, %ld wrong normals, %ld not finite, %ld missing, "
+                 "%ld beyond the count, %ld bytes not read\n",
+                 stl, (long)funnel.triangles, (long)found.open_edges, (long)found.degenerate, (long)found.duplicate,
+                 (long)found.wrong_normals, (long)found.not_finite, (long)found.missing, (long)found.unannounced, (long)found.surplus);
 
     heap heaps[CASES];
     progress bar;

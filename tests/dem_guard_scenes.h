@@ -116,7 +116,7 @@ static inline dem_status guard_links_begin(dem_world *w, int threads, double int
 static inline dem_status guard_links(dem_world *w, int threads, uint64_t *hash) {
     dem_status status = guard_links_begin(w, threads, 4e-5);
     for (int part = 0; part < 3 && status == DEM_OK; part++) {
-        status = dem_run(w, 0.00313, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY);
+        status = dem_run(w, 0.003132, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY);
         guard_mix_world(hash, w, 1);
     }
     return status;

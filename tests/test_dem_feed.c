@@ -400,6 +400,66 @@ static void test_feed_in_time(void **state) {
 }
 
 /* What cannot be placed stays due, and the sizes keep their shares: the large ones are not passed over. */
+/* A source owes half a sphere at most, or is ahead by that much; a hundred short times place what one long one does. */
+static void test_feed_owes_half_a_sphere(void **state) {
+    (void)state;
+    dem_world w = plain_world();
+    dem_feed feed = dem_default_feed();
+    double wanted = 0.0;
+    feed.sizes = dem_one_size(1e-3);
+    for (int k = 0; k < 100; k++) {
+        assert_int_equal(dem_feed_number(&w, &feed, 37.3, 0.01), DEM_OK);
+        wanted += 0.373;
+        assert_true(fabs((double)feed.placed - wanted) <= 0.5 + 1e-9 && fabs(feed.due - (wanted - (double)feed.placed)) < 1e-9);
+    }
+    assert_int_equal(feed.placed, 37);
+    feed.placed = PTRDIFF_MAX; /* a count that can't grow is refused */
+    assert_int_equal(dem_feed_number(&w, &feed, 1e3, 0.01), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    feed.placed = 0, feed.missed = -1;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
+/* A distribution cut off far from its bulk: refused where the cuts leave nothing of it; else drawn in a bounded number of tries (the
+   generator's state tells them), and as it is within the cuts. */
+static void test_sizes_cut_far_out(void **state) {
+    (void)state;
+    const dem_sizes none[] = {
+        dem_rosin_rammler_sizes(2e-5, 4.0, 1e-3, 4e-3, 1), dem_rosin_rammler_sizes(2e-4, 10.0, 1e-3, 4e-3, 1),
+        dem_rosin_rammler_sizes(2.0, 20.0, 1e-3, 4e-3, 1), dem_lognormal_sizes(1.0, 0.3, 1e-3, 4e-3, 0),
+        dem_lognormal_sizes(1e-6, 0.3, 1e-3, 4e-3, 1),     dem_rosin_rammler_sizes(1e-9, 100.0, 1e-3, 4e-3, 0)};
+    uint64_t random = 5;
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
+        dem_world w = plain_world();
+        dem_feed feed = dem_default_feed();
+        const double d = dem_draw_size(&none[k], &random);
+        assert_true(d != d);
+        feed.sizes = none[k];
+        assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+        dem_free(&w);
+    }
+    /* the tail of an exponential is one again: its mean lies a scale past the cut */
+    const dem_sizes tails[] = {dem_rosin_rammler_sizes(1e-3, 1.0, 3e-2, 1e3, 0), dem_rosin_rammler_sizes(1e-3, 8.0, 1.4e-3, 1.0, 0),
+                               dem_lognormal_sizes(1e-3, 1e-3, 1.005e-3, 9e2, 0), dem_lognormal_sizes(1e-3, 1e-3, 1e-6, 0.9, 1),
+                               dem_lognormal_sizes(1e-3, 5.0, 1e-6, 0.9, 1)};
+    for (size_t k = 0; k < sizeof tails / sizeof *tails; k++) {
+        const int n = 20000;
+        double mean = 0.0;
+        random = 0;
+        for (int q = 0; q < n; q++) {
+            const double d = dem_draw_size(&tails[k], &random);
+            assert_true(d >= tails[k].smallest && d <= tails[k].largest);
+            mean += d / n;
+        }
+        uint64_t tries = 0; /* each takes three numbers */
+        for (uint64_t at = 0; at != random && tries < 100u * (uint64_t)n; tries++) at += 3u * 0x9e3779b97f4a7c15u;
+        assert_true(tries < 12u * (uint64_t)n);
+        if (k == 0) near_relative(mean, 3.1e-2, 1e-3, "mean beyond the cut"); /* exp(-d/scale): memoryless */
+        if (k == 3) near_relative(mean, 1e-3, 1e-4, "mean of a narrow distribution between wide cuts");
+    }
+}
+
 static void test_feed_waits(void **state) {
     (void)state;
     dem_world w;
@@ -712,6 +772,8 @@ int main(void) {
         cmocka_unit_test(test_fill_tells_what_it_missed),
         cmocka_unit_test(test_fill_outside_a_box),
         cmocka_unit_test(test_feed_in_time),
+        cmocka_unit_test(test_feed_owes_half_a_sphere),
+        cmocka_unit_test(test_sizes_cut_far_out),
         cmocka_unit_test(test_feed_waits),
         cmocka_unit_test(test_feed_restarts),
         cmocka_unit_test(test_remove_and_ledger),

@@ -962,6 +962,68 @@ static void test_bad_arguments(void **state) {
     dem_free(&w);
 }
 
+/* ---- rolling where the normal turns ---- */
+
+/* Rolls a ball that spins about its normal, too, and returns what the ledger misses over the energy at the start. */
+static double missed_energy(dem_world *w, dem_vec x, dem_vec v, dem_vec spin, double ball, double time) {
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
+    add(w, x, ball);
+    assert_int_equal(dem_set_time_step(w, dem_advise(w, DEM_LINEAR, 1.0).advised), DEM_OK);
+    assert_int_equal(dem_set_motion(w, w->count - 1, v, spin), DEM_OK);
+    assert_int_equal(dem_run(w, 0.02 * time, features), DEM_OK);
+    const dem_energy_ledger before = dem_energy(w);
+    assert_int_equal(dem_run(w, time, features), DEM_OK);
+    const dem_energy_ledger after = dem_energy(w);
+    return (after.error - before.error) / (before.kinetic + before.rotational);
+}
+
+static dem_def rolling_material(void) {
+    dem_def def = one_material(0.5, 1.0);
+    dem_pair(&def, 0, 0)->stiffness = 1e6;
+    return def;
+}
+
+static void test_rolling_keeps_its_energy(void **state) {
+    (void)state;
+    const double r = 0.01, round = 0.06, omega = 60.0, b = round - r, bob = 2.0 * RIDDLE_PI / (sqrt(2.0 / 7.0) * omega);
+    dem_def def = rolling_material();
+    const double mass = def.material[0].density * 4.0 / 3.0 * RIDDLE_PI * r * r * r, out = b + mass * omega * omega * b / 1e6;
+    dem_world w;
+    double drift;
+    start(&w, &def); /* bobbing up and down in a vertical cylinder, ten times */
+    dem_add_cylinder(&w, 0, zero, v3(0, 0, 1), round, 1);
+    drift = missed_energy(&w, v3(out, 0, 0), v3(0, omega * out, 0), v3(0, 0, -omega * out / r), 2.0 * r, 10.0 * bob);
+    print_message("bobbing in a cylinder: %.1e of the energy missed in 10 bobs\n", drift);
+    assert_true(fabs(drift) < 2e-5), dem_free(&w);
+
+    start(&w, &def); /* in a cylinder that turns about its axis: the normal does not turn with it */
+    const int drum = dem_add_cylinder(&w, 0, zero, v3(0, 0, 1), round, 1);
+    assert_int_equal(dem_rotate(&w, drum, zero, v3(0, 0, 1), 50.0), DEM_OK);
+    drift = missed_energy(&w, v3(out, 0, 0), v3(0, omega * out, 0), v3(0, 0, (50.0 * round - omega * out) / r), 2.0 * r, 10.0 * bob);
+    print_message("in a drum that turns: %.1e\n", drift);
+    assert_true(fabs(drift) < 2e-5), dem_free(&w);
+
+    start(&w, &def); /* in a bowl, with spin about the normal */
+    dem_add_sphere_wall(&w, 0, zero, round, 1);
+    drift = missed_energy(&w, v3(0, 0, -b - 3e-5), v3(1.0, 0, 0), v3(0, 100.0, 300.0), 2.0 * r, 1.0);
+    print_message("in a bowl: %.1e\n", drift);
+    assert_true(fabs(drift) < 2e-5), dem_free(&w);
+
+    dem_cone cone = dem_default_cone(); /* in a funnel, round and round */
+    cone.low_radius = 0.02, cone.high_radius = 0.1;
+    start(&w, &def);
+    dem_add_cone(&w, 0, &cone);
+    drift = missed_energy(&w, v3(0.042, 0, 0.05), v3(0, 1.2, 0), v3(80.0, 0, -60.0), 2.0 * r, 0.5);
+    print_message("in a funnel: %.1e\n", drift);
+    assert_true(fabs(drift) < 2e-5), dem_free(&w);
+
+    start(&w, &def); /* over the edge of a box of triangles, aslant */
+    dem_add_box(&w, 0, v3(-0.1, -0.1, -0.1), v3(0.0, 0.1, 0.0));
+    drift = missed_energy(&w, v3(-0.004, 0, r - 1e-6), v3(0.1, 0.08, 0), v3(-8.0, 10.0, 200.0), 2.0 * r, 0.06);
+    print_message("over an edge of triangles: %.1e\n", drift);
+    assert_true(fabs(drift) < 1e-6), dem_free(&w);
+}
+
 /* ---- STL ---- */
 
 typedef struct text {
@@ -1215,6 +1277,241 @@ static void test_vibrating_together(void **state) {
     dem_free(&w);
 }
 
+/* ---- STL as programs write it: the same geometry, or a status or report that says what is wrong ---- */
+
+static const double tetra[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const int tetra_face[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+/* A tetrahedron of volume 1/6 as text. */
+static void write_tetra(text *t, const char *head, const char *facet_, const char *vertex_, const char *ends, const char *tail) {
+    t->size = (size_t)sprintf(t->bytes, "%s%s", head, ends);
+    for (int k = 0; k < 4; k++) {
+        t->size += (size_t)sprintf(t->bytes + t->size, "%s 0 0 0%souter loop%s", facet_, ends, ends);
+        for (int c = 0; c < 3; c++) {
+            const double *x = tetra[tetra_face[k][c]];
+            t->size += (size_t)sprintf(t->bytes + t->size, "  %s %g %g %g%s", vertex_, x[0], x[1], x[2], ends);
+        }
+        t->size += (size_t)sprintf(t->bytes + t->size, "endloop%sendfacet%s", ends, ends);
+    }
+    t->size += (size_t)sprintf(t->bytes + t->size, "%s%s", tail, ends);
+}
+static void write_tetra_binary(text *t, const char *head, uint32_t count, int facets, size_t behind) {
+    memset(t->bytes, 0, 400);
+    memcpy(t->bytes, head, strlen(head));
+    for (int k = 0; k < 4; k++) t->bytes[80 + k] = (char)(unsigned char)(count >> (8 * k) & 255u);
+    t->size = 84;
+    for (int k = 0; k < facets; k++) {
+        t->size += 12;
+        for (int c = 0; c < 9; c++) put_float(t, tetra[tetra_face[k % 4][c / 3]][c % 3]);
+        t->size += 2;
+    }
+    memset(t->bytes + t->size, 7, behind);
+    t->size += behind;
+}
+
+/* 1: the tetrahedron and nothing told; 2: the tetrahedron, and something told; 3: other geometry, which is told; 4: refused; 0: wrong */
+static int outcome(const text *t) {
+    dem_mesh m;
+    dem_stl_report r;
+    const dem_status status = dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r);
+    const int right = status == DEM_OK && m.triangles == 4 && fabs(r.volume - 1.0 / 6.0) < 1e-9 && r.open_edges == 0;
+    const int told = r.missing > 0 || r.not_finite > 0 || r.unannounced > 0 || r.surplus > 0;
+    dem_free_mesh(&m);
+    if (status != DEM_OK) {
+        assert_int_equal(status, DEM_BAD_DATA);
+        assert_non_null(strstr(dem_status_text(status), "STL"));
+        return 4;
+    }
+    return right ? 1 + told : told ? 3 : 0;
+}
+
+static void test_stl_variants(void **state) {
+    (void)state;
+    text *t = (text *)malloc(sizeof *t);
+    assert_non_null(t);
+    static const struct {
+        const char *head, *facet, *vertex, *ends, *tail;
+        int outcome;
+    } texts[] = {
+        {"solid t", "facet normal", "vertex", "\n", "endsolid t", 1},
+        {"\xEF\xBB\xBFsolid t", "facet normal", "vertex", "\n", "endsolid t", 1},
+        {"# facet normal 1 2 3\nsolid", "facet normal", "vertex", "\n", "endsolid", 1},
+        {"\n \n\tsolid t", "facet normal", "vertex", "\r\n", "endsolid t", 1},
+        {"", "facet normal", "vertex", "\n", "", 1},
+        {"solid_part1", "facet normal", "vertex", "\n", "endsolid_part1", 1},
+        {"SOLID T", "FACET NORMAL", "VERTEX", "\r", "ENDSOLID T", 1},
+        {"solid facet normal vertex 1 2 3", "facet normal", "vertex", "\n", "endsolid facet normal vertex 1 2 3", 1},
+        {"solid in one line", "facet normal", "vertex", " ", "endsolid in one line", 1},
+        {"solid Gef\xE4\xDF", "facet normal", "vertex", "\n", "endsolid Gef\xE4\xDF\n\x1a", 1},
+        {"solid t", "facet normal", "vertex", "\n", "end solid", 1},
+        {"solid t", "facet normal", "vertex", "\n", "", 2},            /* broken off between two facets */
+        {"solid t", "facet normal", "vertex 0.5", "\n", "endsolid", 4}, /* four numbers */
+        {"solid t", "facet normal", "vertex,", "\n", "endsolid", 4},
+        {"<html><body>solid t<br>", "facet normal", "<b>vertex</b>", "<br>\n", "</html>", 4},
+        {"<html><body>not found</body></html>", "f", "v", "\n", "", 4},
+    };
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        write_tetra(t, texts[k].head, texts[k].facet, texts[k].vertex, texts[k].ends, texts[k].tail);
+        if (outcome(t) != texts[k].outcome) fail_msg("text %d: outcome %d", (int)k, outcome(t));
+    }
+    static const struct {
+        const char *head;
+        uint32_t count;
+        int facets, behind, outcome;
+    } binaries[] = {{"solid made binary", 4, 4, 0, 1},
+                    {"COLOR=", 4, 4, 0, 1},
+                    {"solid facet normal vertex 1 2 3", 4, 4, 0, 1},
+                    {"", 0, 4, 0, 2},
+                    {"", 0xffffffffu, 4, 0, 2},
+                    {"", 2, 4, 0, 2},
+                    {"", 4, 4, 13, 2},
+                    {"", 4, 4, 230, 2},
+                    {"", 4, 3, 0, 3},
+                    {"", 4, 3, 49, 3},
+                    {"", 4u << 24, 0, 200, 4},
+                    {"", 4, 0, 0, 4}};
+    for (size_t k = 0; k < sizeof binaries / sizeof *binaries; k++) {
+        write_tetra_binary(t, binaries[k].head, binaries[k].count, binaries[k].facets, (size_t)binaries[k].behind);
+        if (outcome(t) != binaries[k].outcome) fail_msg("binary %d: outcome %d", (int)k, outcome(t));
+    }
+    for (int little = 0; little < 2; little++) { /* UTF-16, with and without its mark */
+        for (int mark = 0; mark < 2; mark++) {
+            text *wide = (text *)malloc(sizeof *wide);
+            assert_non_null(wide);
+            write_tetra(t, "solid t", "facet normal", "vertex", "\r\n", "endsolid t");
+            wide->size = 0;
+            if (mark) wide->bytes[wide->size++] = (char)(little ? 0xff : 0xfe), wide->bytes[wide->size++] = (char)(little ? 0xfe : 0xff);
+            for (size_t k = 0; k < t->size; k++)
+                wide->bytes[wide->size++] = little ? t->bytes[k] : 0, wide->bytes[wide->size++] = little ? 0 : t->bytes[k];
+            assert_int_equal(outcome(wide), 4);
+            free(wide);
+        }
+    }
+    scene_random r = {5};
+    for (int k = 0; k < 2000; k++) { /* a zip, a picture: noise behind any head */
+        t->size = (size_t)scene_between(&r, 90.0, 3000.0);
+        for (size_t b = 0; b < t->size; b++) t->bytes[b] = (char)(unsigned char)(256.0 * scene_uniform(&r));
+        memcpy(t->bytes, "PK\3\4", 4);
+        assert_int_equal(outcome(t), 4);
+    }
+    write_tetra(t, "solid t", "facet normal", "vertex", "\n", "endsolid t");
+    for (size_t size = 0; size < t->size - 1; size++) { /* cut off anywhere: never another geometry without a word */
+        text cut = *t;
+        cut.size = size;
+        const int of = outcome(&cut);
+        if (!(of == 2 || of == 3 || of == 4 || (of == 1 && size > t->size - 12))) /* within the last line */
+            fail_msg("cut to %d of %d: outcome %d", (int)size, (int)t->size, of);
+    }
+    free(t);
+}
+
+static void put_polygon(text *t, int n, double (*x)[3]) {
+    t->size += (size_t)sprintf(t->bytes + t->size, "facet normal 0 0 0\nouter loop\n");
+    for (int k = 0; k < n; k++) t->size += (size_t)sprintf(t->bytes + t->size, "vertex %g %g %g\n", x[k][0], x[k][1], x[k][2]);
+    t->size += (size_t)sprintf(t->bytes + t->size, "endloop\nendfacet\n");
+}
+
+/* Prisms over polygons: right volume and area, and closed; a polygon that no fan covers is counted as missing. */
+static void test_stl_polygons(void **state) {
+    (void)state;
+    text *t = (text *)malloc(sizeof *t);
+    assert_non_null(t);
+    static const double quad[4][2] = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, arrow[4][2] = {{0, 0}, {2, 2}, {0, 1}, {-2, 2}},
+                        ell[6][2] = {{1, 2}, {0, 2}, {0, 0}, {2, 0}, {2, 1}, {1, 1}},
+                        comb[8][2] = {{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {1, 1}, {1, 3}, {0, 3}};
+    static const struct {
+        const double (*x)[2];
+        int n, missing;
+        double area;
+    } shapes[] = {{quad, 4, 0, 2.0}, {arrow, 4, 0, 2.0}, {ell, 6, 0, 3.0}, {comb, 8, 2, 9.0}};
+    for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
+        double floor_[8][3], roof[8][3];
+        const int n = shapes[s].n;
+        dem_mesh m;
+        dem_stl_report r;
+        t->size = (size_t)sprintf(t->bytes, "solid\n");
+        for (int k = 0; k < n; k++) {
+            const double *low = shapes[s].x[n - 1 - k], *high = shapes[s].x[k], *next = shapes[s].x[(k + 1) % n];
+            double side[4][3] = {{high[0], high[1], 0}, {next[0], next[1], 0}, {next[0], next[1], 1}, {high[0], high[1], 1}};
+            floor_[k][0] = low[0], floor_[k][1] = low[1], floor_[k][2] = 0;
+            roof[k][0] = high[0], roof[k][1] = high[1], roof[k][2] = 1;
+            put_polygon(t, 4, side);
+        }
+        put_polygon(t, n, floor_), put_polygon(t, n, roof);
+        t->size += (size_t)sprintf(t->bytes + t->size, "endsolid\n");
+        assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
+        assert_int_equal(r.missing, shapes[s].missing), assert_int_equal(r.polygons, n + 2 - shapes[s].missing);
+        if (!shapes[s].missing) {
+            assert_int_equal(r.open_edges, 0), assert_int_equal(r.inconsistent, 0), assert_int_equal(m.triangles, 2 * n + 2 * (n - 2));
+            near_relative(r.volume, shapes[s].area, 1e-12, "volume of a prism");
+        } else assert_true(r.open_edges > 0);
+        dem_free_mesh(&m);
+    }
+    free(t);
+}
+
+/* A cube one of whose edges is cut by corners of its neighbours: facets without area close it, however many, in whatever order. */
+static void test_stl_junctions(void **state) {
+    (void)state;
+    text *t = (text *)malloc(sizeof *t);
+    assert_non_null(t);
+    for (int cuts = 1; cuts < 6; cuts++) {
+        for (int closed = 0; closed < 3; closed++) { /* without those facets; with; with, the other way round */
+            soup *s = new_soup();
+            int32_t before = 0;
+            dem_mesh m;
+            dem_stl_report r;
+            cube(s, 1.0);
+            s->mesh.triangles = 12;
+            /* the floor's triangle (0, 3, 1) becomes a fan from 3 over points of the edge 0-1; that of the side stays */
+            s->triangle[4] = 3, s->triangle[5] = corner(s, v3(1.0 / (cuts + 1), 0, 0));
+            before = s->triangle[5];
+            const int32_t first = before;
+            for (int k = 2; k <= cuts + 1; k++) {
+                const int32_t next = k == cuts + 1 ? 1 : corner(s, v3((double)k / (cuts + 1), 0, 0));
+                facet(s, before, 3, next);
+                if (closed == 1) facet(s, 0, before, next);
+                before = next;
+            }
+            for (int k = cuts + 1; k >= 2 && closed == 2; k--) facet(s, 0, first + k - 2, k == cuts + 1 ? 1 : first + k - 1);
+            write_stl(t, soup_mesh(s), 1, 1.0, "", "");
+            assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
+            assert_int_equal(r.degenerate, closed ? cuts : 0);
+            assert_int_equal(r.open_edges, closed ? 0 : cuts + 2);
+            assert_int_equal(r.nonmanifold + r.inconsistent, 0);
+            near_relative(r.volume, 1.0, 1e-6, "volume");
+            dem_free_mesh(&m), free(s);
+        }
+    }
+    free(t);
+}
+
+/* One corner far out: the others are welded as before, and not each compared with all, which would take minutes. */
+static void test_stl_stray_vertex(void **state) {
+    (void)state;
+    const int n = 200000;
+    const size_t size = 84 + 50 * (size_t)n;
+    unsigned char *bytes = (unsigned char *)calloc(size, 1);
+    assert_non_null(bytes);
+    const uint32_t count = (uint32_t)n;
+    memcpy(bytes + 80, &count, 4);
+    for (int k = 0; k < n; k++) {
+        for (int c = 0; c < 9; c++) {
+            float v = (float)(c % 3 == 0 ? k / 2 + (c / 3 + k % 2) / 2 : c % 3 == 1 ? (c / 3 + k) % 2 : 0); /* a strip */
+            if (k == n - 1 && c == 8) v = 1e30f;
+            memcpy(bytes + 84 + 50 * (size_t)k + 12 + 4 * c, &v, 4);
+        }
+    }
+    for (int weld = 0; weld < 2; weld++) {
+        dem_mesh m;
+        dem_stl_report r;
+        assert_int_equal(dem_read_stl(bytes, size, 1e-3, weld ? 1e-6 : 0.0, NULL, &m, &r), DEM_OK);
+        assert_true(m.vertices > n && m.vertices < n + 4), assert_true(r.high.z > 1e26);
+        dem_free_mesh(&m);
+    }
+    free(bytes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_distance),
@@ -1239,9 +1536,14 @@ int main(void) {
         cmocka_unit_test(test_rim),
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_rolling_keeps_its_energy),
         cmocka_unit_test(test_stl_of_a_cube),
         cmocka_unit_test(test_stl_with_faults),
         cmocka_unit_test(test_hostile_stl),
+        cmocka_unit_test(test_stl_variants),
+        cmocka_unit_test(test_stl_polygons),
+        cmocka_unit_test(test_stl_junctions),
+        cmocka_unit_test(test_stl_stray_vertex),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
