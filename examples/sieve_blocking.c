@@ -10,6 +10,7 @@
                                                              spheres, and fits those; --sweep: five K and three x_h beside Table 3
    Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows of one time are
                                                              added up) or time_s,free_fraction
+   Your own tests:    sieve_blocking --tests tests.csv       columns test,time_s,K,x_h,moisture and counts: laws for k1 and k2
    Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h for --opening-mm
    Your own machine:  --frequency-hz 23.3 --amplitude-mm 0.7 --slope-deg 15, or --k 1.5 */
 #include <math.h>
@@ -244,6 +245,79 @@ static int three_points(json *report, const readings *r, double *first, double *
     json_array_end(report);
     table_end(&t);
     return found;
+}
+
+/* ---- many tests ---- */
+
+enum { MOST_TESTS = 200, MOST_ROWS = 20000 };
+static const char *const tests_file =
+    "a file with the columns test,time_s,K,x_h,moisture and free_holes,holes or free_fraction; x_h and moisture may be missing";
+
+/* k1 and k2 as laws of K, x_h and moisture from the curves of a file, and what they say at K and x_h. */
+static void fit_tests(const program *self, json *report, const char *path, double K, double x_h) {
+    static blocking_test tests[MOST_TESTS];
+    static double t[MOST_ROWS], f[MOST_ROWS], sigma[MOST_ROWS];
+    csv_data data;
+    char message[400];
+    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "tests", path, tests_file, message);
+    const bool counted = csv_column(&data, "free_holes") >= 0 && csv_column(&data, "holes") >= 0;
+    if (csv_column(&data, "test") < 0 || csv_column(&data, "time_s") < 0 || csv_column(&data, "K") < 0 ||
+        !(counted || csv_column(&data, "free_fraction") >= 0))
+        program_refuse(self, "tests", path, tests_file);
+    if (data.rows > MOST_ROWS) program_refuse(self, "tests", path, "a file with at most 20000 readings");
+    const int label = csv_column(&data, "test");
+    int n = 0;
+    for (int i = 0; i < data.rows; i++) { /* rows of a test stand together, by time */
+        const char *name = data.cells[(size_t)i * (size_t)data.columns + (size_t)label];
+        if (i == 0 || strcmp(name, data.cells[(size_t)(i - 1) * (size_t)data.columns + (size_t)label]) != 0) {
+            if (n == MOST_TESTS) program_refuse(self, "tests", path, "a file with at most 200 tests");
+            tests[n].t = t + i, tests[n].f = f + i, tests[n].sigma = counted ? sigma + i : NULL;
+            tests[n].n = 0;
+            tests[n].K = csv_value(&data, i, "K");
+            tests[n].x_h = csv_column(&data, "x_h") >= 0 ? csv_value(&data, i, "x_h") : 0.5;
+            tests[n].moisture = csv_column(&data, "moisture") >= 0 ? csv_value(&data, i, "moisture") : 0.0;
+            n++;
+        }
+        const double holes = counted ? csv_value(&data, i, "holes") : 1.0,
+                     free_holes = csv_value(&data, i, counted ? "free_holes" : "free_fraction");
+        t[i] = csv_value(&data, i, "time_s");
+        f[i] = free_holes / holes;
+        sigma[i] = counted ? counting_error(free_holes, holes) : 0.0;
+        tests[n - 1].n++;
+    }
+    blocking_law law;
+    size_t bad;
+    blocking_status status = blocking_fit_law(tests, (size_t)n, &law, &bad);
+    if (status != BLOCKING_OK) {
+        snprintf(message, sizeof message, "test %d: %s", (int)bad + 1, blocking_status_text(status));
+        refuse_file(self, "tests", path, tests_file, message);
+    }
+    csv_free(&data);
+    blocking_law_value at_yours;
+    blocking_law_at(&law, K, x_h, 0.0, &at_yours);
+    common_print("%s: %d tests, %d readings; the form with the lowest AICc (%.1f; constant k1 and k2: %.1f)\n", path, n, (int)law.readings,
+                 law.aicc, law.aicc_constant);
+    common_print("  ln k1 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n  ln k2 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n", law.a[0],
+                 law.a[1], law.a[2], law.a[3], law.b[0], law.b[1], law.b[2], law.b[3]);
+    common_print(
+        "At K %.3g, x_h %.3g, dry%s: k1 %.4g (95 %% range %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s, f_inf %.3f (%.3f .. %.3f)\n", K,
+        x_h, at_yours.outside ? ", OUTSIDE the tests" : "", at_yours.k1, at_yours.k1_low95, at_yours.k1_high95, at_yours.k2,
+        at_yours.k2_low95, at_yours.k2_high95, at_yours.f_inf, at_yours.f_inf_low95, at_yours.f_inf_high95);
+    json_object_begin(report, "law");
+    json_integer(report, "tests", n);
+    json_number(report, "aicc", law.aicc);
+    json_number(report, "aicc_constant", law.aicc_constant);
+    json_array(report, "ln_k1_of_1_K_x_h_moisture", law.a, BLOCKING_LAW_TERMS);
+    json_array(report, "ln_k2_of_1_K_x_h_moisture", law.b, BLOCKING_LAW_TERMS);
+    json_number(report, "K", K);
+    json_number(report, "x_h", x_h);
+    json_number(report, "k1_per_s", at_yours.k1);
+    json_number(report, "k2_per_s", at_yours.k2);
+    json_number(report, "f_inf", at_yours.f_inf);
+    json_number(report, "f_inf_low95", at_yours.f_inf_low95);
+    json_number(report, "f_inf_high95", at_yours.f_inf_high95);
+    json_bool(report, "extrapolated", at_yours.outside != 0);
+    json_object_end(report);
 }
 
 /* ---- simulation ---- */
@@ -652,7 +726,7 @@ static bool is_given(const option *options, const char *name) {
 }
 
 int main(int argc, char **argv) {
-    const char *data = NULL, *sizes = NULL;
+    const char *data = NULL, *sizes = NULL, *many = NULL;
     bool simulated = false, swept = false, compared = false;
     int seeds = 2;
     int which = 1, holes = 400, shape = 0;
@@ -688,6 +762,7 @@ int main(int argc, char **argv) {
         option_double("friction", "MU", &patch_def.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
         option_double("overlap", "S", &patch_def.overlap, 1e-4, 0.1,
                       "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
+        option_string("tests", "FILE", &many, "many tests: k1 and k2 as laws of K, x_h, moisture, and their values at --k, --xh"),
     };
     program self = program_start(
         "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
@@ -698,6 +773,7 @@ int main(int argc, char **argv) {
         program_refuse(&self, "k", NULL, "either --k or the motion of the deck");
     if (sizes && options[4].given) program_refuse(&self, "xh", NULL, "either --xh or --sizes");
     if (sizes) x_h = hard_content(&self, sizes, 1e-3 * opening);
+    if (many && (data || simulated || swept || compared)) program_refuse(&self, "tests", many, "without --data and without a simulation");
     if ((simulated || swept || compared) && data) program_refuse(&self, "data", data, "either --data or a simulation");
     if ((simulated || swept || compared) && !(wire > 0.0)) program_refuse(&self, "wire-mm", NULL, "above 0 for a simulation");
     if (self.quick && !is_given(options, "patch")) patch_def.across = swept || compared ? 6 : 8;
@@ -708,6 +784,10 @@ int main(int argc, char **argv) {
     patch_def.K = K, patch_def.frequency = n, patch_def.x_h = x_h;
     patch_def.seed = self.seed; /* one thread: too few contacts for more */
     json *report = json_open(self.json);
+    if (many) {
+        fit_tests(&self, report, many, K, x_h);
+        return finish(report, &self);
+    }
     if (swept) {
         sweep(&self, report, &patch_def, vibrated);
         return finish(report, &self);
