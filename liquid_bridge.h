@@ -68,6 +68,7 @@ extern "C" {
    angles to 45 degrees). */
 #define BRIDGE_SERIES 7
 #define BRIDGE_NODES 10 /* volumes solved per pair kind: five decades of V* to 0.01 % */
+#define BRIDGE_PIECES 4 /* parts of the table about a jump of the neck; 1 where there is none */
 
 /* >>status ------------------------------------------------------------------------------------------------------------------------- */
 
@@ -120,12 +121,15 @@ typedef struct bridge_pair {
     double radius;            /* harmonic radius R_h of the def [m] */
     double pendular_volume;   /* V/R_h^3 at which the larger half-filling angle in contact reaches 30 degrees, so that the bridges of
                                         three touching spheres meet [-]; INFINITY if it stays below in the table's range */
-    double deviation;         /* largest |series/Young-Laplace - 1| of the force found while preparing, gaps to 0.9 of rupture [-] */
-    double rupture_deviation; /* the same for the rupture gap [-]. Solids of very different wetting have a volume (plate, 15 and
-                                          45 degrees: V/R_h^3 = 0.025) at which the neck moves from one to the other; a table across it errs
-                                          by 2 to 4 % in the rupture gap there, one that ends below (volume_max 0.02) by 0.01 % */
+    double deviation;         /* largest |series/Young-Laplace - 1| of the force at gaps to 0.9 of rupture [-]: the largest found while
+                                 preparing, at three volumes between each two nodes, and a quarter more */
+    double rupture_deviation; /* the same for the rupture gap [-] */
     double ln_min, ln_max;    /* range of ln(V/R_h^3) */
-    double table[BRIDGE_SERIES + 2][BRIDGE_NODES]; /* Chebyshev coefficients in ln V: force series, ln(S_rup/V^(1/3)), neck split */
+    int pieces;               /* 1, or BRIDGE_PIECES: solids of very different wetting have a volume (plate, 15 and 45 degrees: V/R_h^3 =
+                                 0.026) at which the neck moves from one to the other; the table is cut there */
+    double ln_edge[BRIDGE_PIECES + 1];                            /* ends of the pieces in ln(V/R_h^3), ln_edge[pieces] the last */
+    double table[BRIDGE_PIECES][BRIDGE_SERIES + 2][BRIDGE_NODES]; /* Chebyshev coefficients in ln V: force series, ln(S_rup/V^(1/3)),
+                                                                     neck split */
     unsigned cookie;
 } bridge_pair;
 
@@ -277,7 +281,7 @@ static inline double bridge_printed_drag_spin(double viscous_gap, double reduced
 BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
 /* BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
-/* Solves and tabulates one kind of pair (a few milliseconds; nearly equal spheres with angles over 30 degrees up to a hundred).
+/* Solves and tabulates one kind of pair (10 to 20 milliseconds; with a jump of the neck, or nearly equal spheres over 30 degrees, 150).
    BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact; *pair is then unusable. */
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
 
@@ -1123,7 +1127,7 @@ static inline int bridge__follow_by_steps(const bridge__problem *problem, const 
    again in smaller steps, which stay in *problem. */
 static inline int bridge__follow(bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
                                  bridge__meniscus *fold) {
-    for (int attempt = 0; attempt < 3; attempt++, problem->step *= 0.2)
+    for (int attempt = 0; attempt < 5; attempt++, problem->step *= 0.2)
         if (bridge__follow_by_steps(problem, contact, rupture, fold)) return 1;
     return 0;
 }
@@ -1341,15 +1345,19 @@ static inline int bridge__curve_fit(const bridge__problem *problem, const bridge
 /* Series of b for its volume, from the table. */
 static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
     double R = b->radius, reduced = b->volume / R / R / R, value[BRIDGE_SERIES + 2];
-    double u = (2.0 * riddle_log(reduced) - pair->ln_min - pair->ln_max) / (pair->ln_max - pair->ln_min);
+    double ln_volume = riddle_log(reduced);
+    int piece = 0;
+    while (piece + 1 < pair->pieces && ln_volume > pair->ln_edge[piece + 1]) piece++;
+    double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1], u = (2.0 * ln_volume - low - high) / (high - low);
+    const double(*table)[BRIDGE_NODES] = pair->table[piece];
     for (int r = 0; r < BRIDGE_SERIES + 2; r++) { /* Clenshaw */
         double next = 0.0, after = 0.0;
         for (int k = BRIDGE_NODES - 1; k > 0; k--) {
-            double now = pair->table[r][k] + 2.0 * u * next - after;
+            double now = table[r][k] + 2.0 * u * next - after;
             after = next;
             next = now;
         }
-        value[r] = pair->table[r][0] + u * next - after;
+        value[r] = table[r][0] + u * next - after;
     }
     b->width = sqrt(bridge_neck_area(b->volume, R));
     b->rupture_gap = riddle_cbrt(b->volume) * riddle_exp(value[BRIDGE_SERIES]);
@@ -1379,49 +1387,134 @@ static inline double bridge__pendular_limit(const bridge_pair_def *def) {
     return hi;
 }
 
-BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def) {
-    if (!pair) return BRIDGE_INVALID;
-    pair->cookie = 0;
-    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK) return BRIDGE_INVALID;
-    pair->def = *def;
-    pair->radius = bridge_harmonic_radius(def->radius_i, def->radius_j);
-    pair->ln_min = riddle_log(def->volume_min);
-    pair->ln_max = riddle_log(def->volume_max);
+/* Tabulates the volumes of one piece. */
+static inline bridge_status bridge__tabulate(bridge_pair *pair, int piece) {
+    double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1];
     for (int r = 0; r < BRIDGE_SERIES + 2; r++)
-        for (int k = 0; k < BRIDGE_NODES; k++) pair->table[r][k] = 0.0;
+        for (int k = 0; k < BRIDGE_NODES; k++) pair->table[piece][r][k] = 0.0;
     for (int m = 0; m < BRIDGE_NODES; m++) {
         double u = riddle_cos(RIDDLE_PI * (m + 0.5) / BRIDGE_NODES), value[BRIDGE_SERIES + 2];
-        bridge__problem problem =
-            bridge__problem_of(def, riddle_exp(0.5 * (pair->ln_min + pair->ln_max + u * (pair->ln_max - pair->ln_min))));
+        bridge__problem problem = bridge__problem_of(&pair->def, riddle_exp(0.5 * (low + high + u * (high - low))));
         bridge__curve curve;
         if (!bridge__curve_solve(&problem, &curve) || !bridge__curve_fit(&problem, &curve, value)) return BRIDGE_NO_SOLUTION;
         value[BRIDGE_SERIES] = riddle_log(curve.rupture_gap / riddle_cbrt(problem.volume));
         value[BRIDGE_SERIES + 1] = curve.share;
         for (int k = 0; k < BRIDGE_NODES; k++) {
             double weight = (k == 0 ? 1.0 : 2.0) / BRIDGE_NODES * riddle_cos(RIDDLE_PI * k * (m + 0.5) / BRIDGE_NODES);
-            for (int r = 0; r < BRIDGE_SERIES + 2; r++) pair->table[r][k] += weight * value[r];
+            for (int r = 0; r < BRIDGE_SERIES + 2; r++) pair->table[piece][r][k] += weight * value[r];
         }
+    }
+    return BRIDGE_OK;
+}
+
+/* Raises the pair's deviations to those at one volume. */
+static inline bridge_status bridge__compare(bridge_pair *pair, double ln_volume) {
+    bridge__problem problem = bridge__problem_of(&pair->def, riddle_exp(ln_volume));
+    bridge__curve curve;
+    bridge b;
+    b.volume = problem.volume;
+    b.radius = 1.0;
+    if (!bridge__curve_solve(&problem, &curve)) return BRIDGE_NO_SOLUTION;
+    bridge__contract(pair, &b);
+    for (int k = 0; k < BRIDGE__SAMPLES && curve.gap[k] <= 0.9 * curve.rupture_gap; k++) {
+        double exact = 2.0 * RIDDLE_PI * pair->def.liquid.surface_tension * curve.force[k];
+        double deviation = fabs(bridge_attraction(&b, curve.gap[k]) / exact - 1.0);
+        if (!(deviation <= pair->deviation)) pair->deviation = deviation;
+    }
+    double deviation = fabs(b.rupture_gap / curve.rupture_gap - 1.0);
+    if (!(deviation <= pair->rupture_deviation)) pair->rupture_deviation = deviation;
+    return BRIDGE_OK;
+}
+
+/* Compares every piece at its ends and at three volumes between each two nodes, where interpolation is worst. Within 0.5 % of a jump a
+   volume may stay unsolved: it is passed over. */
+static inline void bridge__compare_all(bridge_pair *pair) {
+    enum { PARTS = 4 };
+    pair->deviation = pair->rupture_deviation = 0.0;
+    for (int piece = 0; piece < pair->pieces; piece++) {
+        double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1];
+        for (int k = 0; k <= PARTS * BRIDGE_NODES; k++) {
+            if (k % PARTS == PARTS / 2) continue; /* a node */
+            double u = -riddle_cos(RIDDLE_PI * k / (PARTS * BRIDGE_NODES));
+            (void)bridge__compare(pair, 0.5 * (low + high + u * (high - low)));
+        }
+    }
+    pair->deviation *= 1.25; /* the largest lies between the volumes compared */
+    pair->rupture_deviation *= 1.25;
+}
+
+/* Share of i at rupture; NaN if there is no solution. */
+static inline double bridge__share_at(const bridge_pair_def *def, double ln_volume) {
+    bridge__problem problem = bridge__problem_of(def, riddle_exp(ln_volume));
+    bridge__meniscus contact, rupture;
+    if (!bridge__in_contact(&problem, &contact) || !bridge__follow(&problem, &contact, &rupture, NULL)) return (double)NAN;
+    return bridge__share(&problem, &rupture);
+}
+
+/* ln of the volume at which the share at rupture changes fastest: the steepest of some intervals, halved towards its steeper half. */
+static inline double bridge__jump(const bridge_pair *pair) {
+    enum { PARTS = 24 };
+    double width = (pair->ln_max - pair->ln_min) / PARTS, before = bridge__share_at(&pair->def, pair->ln_min), low = pair->ln_min,
+           low_share = before, high_share = before, steepest = -1.0;
+    for (int k = 1; k <= PARTS; k++) {
+        double share = bridge__share_at(&pair->def, pair->ln_min + k * width);
+        if (fabs(share - before) > steepest) {
+            steepest = fabs(share - before);
+            low = pair->ln_min + (k - 1) * width;
+            low_share = before;
+            high_share = share;
+        }
+        before = share;
+    }
+    for (int k = 0; k < 12; k++) {
+        width *= 0.5;
+        double middle = bridge__share_at(&pair->def, low + width);
+        if (fabs(middle - low_share) >= fabs(high_share - middle)) {
+            high_share = middle;
+        } else {
+            low += width;
+            low_share = middle;
+        }
+    }
+    return low + 0.5 * width;
+}
+
+/* Cuts the table at a jump of the neck, and again close to it on either side. */
+static inline int bridge__cut(bridge_pair *pair) {
+    double jump = bridge__jump(pair), below = jump - pair->ln_min, above = pair->ln_max - jump;
+    if (!(below > 0.02 && above > 0.02)) return 0;
+    pair->pieces = BRIDGE_PIECES;
+    pair->ln_edge[1] = jump - (below > 1.0 ? 0.2 : 0.2 * below);
+    pair->ln_edge[2] = jump;
+    pair->ln_edge[3] = jump + (above > 1.0 ? 0.2 : 0.2 * above);
+    pair->ln_edge[4] = pair->ln_max;
+    return 1;
+}
+
+BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def) {
+    const double few = 1e-3; /* a rupture gap off by more has a jump within the table */
+    if (!pair) return BRIDGE_INVALID;
+    pair->cookie = 0;
+    if (bridge_pair_check_def(def, NULL) != BRIDGE_OK) return BRIDGE_INVALID;
+    pair->def = *def;
+    pair->radius = bridge_harmonic_radius(def->radius_i, def->radius_j);
+    pair->ln_edge[0] = pair->ln_min = riddle_log(def->volume_min);
+    pair->ln_max = riddle_log(def->volume_max);
+    for (int k = 1; k <= BRIDGE_PIECES; k++) pair->ln_edge[k] = pair->ln_max;
+    pair->pieces = 1;
+    bridge_status status = bridge__tabulate(pair, 0);
+    if (status != BRIDGE_OK) return status;
+    bridge__compare_all(pair);
+    if (pair->rupture_deviation > few && bridge__cut(pair)) {
+        for (int piece = 0; piece < pair->pieces && status == BRIDGE_OK; piece++) status = bridge__tabulate(pair, piece);
+        if (status != BRIDGE_OK) { /* a volume at the jump is not solved: the table in one, which states what it errs by */
+            pair->pieces = 1;
+            pair->ln_edge[1] = pair->ln_max;
+            if (bridge__tabulate(pair, 0) != BRIDGE_OK) return BRIDGE_NO_SOLUTION;
+        }
+        bridge__compare_all(pair);
     }
     pair->cookie = BRIDGE__COOKIE;
-    pair->deviation = pair->rupture_deviation = 0.0;
-    for (int check = 1; check < BRIDGE_NODES; check += 4) { /* between the nodes, where interpolation is worst */
-        double u = riddle_cos(RIDDLE_PI * check / BRIDGE_NODES);
-        bridge__problem problem =
-            bridge__problem_of(def, riddle_exp(0.5 * (pair->ln_min + pair->ln_max + u * (pair->ln_max - pair->ln_min))));
-        bridge__curve curve;
-        bridge b;
-        b.volume = problem.volume;
-        b.radius = 1.0;
-        if (!bridge__curve_solve(&problem, &curve)) return BRIDGE_NO_SOLUTION;
-        bridge__contract(pair, &b);
-        for (int k = 0; k < BRIDGE__SAMPLES && curve.gap[k] <= 0.9 * curve.rupture_gap; k++) {
-            double deviation =
-                fabs(bridge_attraction(&b, curve.gap[k]) / (2.0 * RIDDLE_PI * def->liquid.surface_tension * curve.force[k]) - 1.0);
-            if (deviation > pair->deviation) pair->deviation = deviation;
-        }
-        double deviation = fabs(b.rupture_gap / curve.rupture_gap - 1.0);
-        if (deviation > pair->rupture_deviation) pair->rupture_deviation = deviation;
-    }
     pair->pendular_volume = riddle_exp(bridge__pendular_limit(def));
     return BRIDGE_OK;
 }

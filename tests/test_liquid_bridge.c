@@ -14,7 +14,7 @@
 #include "liquid_bridge.h"
 
 #define DEGREES (RIDDLE_PI / 180.0)
-#define GOLDEN 0xed335ec7e788a199u            /* of test_golden_bits */
+#define GOLDEN 0xf90d6b2bd5e0f72du            /* of test_golden_bits */
 static const double plate = (double)INFINITY; /* the radius of a plate, and infinity */
 static const double nan_value = (double)NAN;
 static const double sigma = 0.07275, eta = 1.002e-3;
@@ -476,19 +476,51 @@ static void test_tables_against_young_laplace(void **state) {
             fail_msg("pair %d: force %.2g, rupture %.2g, split %.2g", (int)k, e.to_09, e.rupture, e.split);
         assert_true(pair.deviation > 0.2 * e.to_09 && pair.deviation < 1.5e-3);
     }
-    /* the main job's plates and wires, 15/45 degrees: 0.5 % over the whole range, 0.1 % to V* = 0.02 */
+    /* the main job's plates and wires, 15/45 degrees: the table is cut where the neck jumps from one solid to the other */
     for (double r = 2.5e-3; r <= 5e-3; r += 1.25e-3) {
         bridge_pair_def def = pair_of(r, plate, 15.0, 45.0);
         bridge_pair pair = prepared(&def);
         errors e = table_errors(&pair, r, plate, 1.01e-6, 0.0999);
-        assert_true(e.to_09 < 4e-3 && e.rupture < 0.045);
+        assert_true(pair.pieces == BRIDGE_PIECES && fabs(pair.ln_edge[2] - riddle_log(0.0258)) < 0.02);
+        if (!(e.to_09 < 1.6e-3 && e.rupture < 1e-3 && e.to_09 <= pair.deviation && e.rupture <= pair.rupture_deviation))
+            fail_msg("force %.2g, rupture %.2g", e.to_09, e.rupture);
         def.volume_max = 0.02;
         pair = prepared(&def);
         e = table_errors(&pair, r, plate, 1.01e-6, 0.0199);
         if (!(e.to_09 < 1e-3 && e.rupture < 2e-4 && e.split < 1.5e-3))
             fail_msg("force %.2g, rupture %.2g, split %.2g", e.to_09, e.rupture, e.split);
-        assert_true(pair.deviation < 1e-3 && pair.rupture_deviation < 2e-4);
+        assert_true(e.to_09 <= pair.deviation && e.rupture <= pair.rupture_deviation);
+        assert_true(pair.pieces == 1 && pair.deviation < 1.3e-3 && pair.rupture_deviation < 4e-4);
     }
+}
+
+/* What a pair states of its table covers the largest error of 200 volumes, whatever its radii, angles and range. */
+static void test_stated_deviation(void **state) {
+    (void)state;
+    random_state = 77;
+    int cut = 0, unsolved = 0;
+    double worst = 0.0, worst_rupture = 0.0;
+    for (int n = 0; n < 50; n++) {
+        double kind = uniform(), ratio = riddle_exp(between(-3.0, 3.0)), angle_i = between(0.0, 45.0), angle_j = between(0.0, 45.0);
+        bridge_pair_def def = pair_of(1.0, kind < 0.4 ? plate : ratio, angle_i, angle_j);
+        def.volume_min = riddle_exp(between(-14.0, -9.0));
+        def.volume_max = fmax(2.0 * def.volume_min, between(0.0, 0.1));
+        bridge_pair pair;
+        if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK)
+            fail_msg("ratio %g, angles %g, %g, volumes %g to %g", def.radius_j, angle_i, angle_j, def.volume_min, def.volume_max);
+        cut += pair.pieces > 1;
+        for (int k = 0; k < 200; k++) {
+            double force = pair.deviation, rupture = pair.rupture_deviation;
+            unsolved += bridge__compare(&pair, between(pair.ln_min, pair.ln_max)) != BRIDGE_OK;
+            if (pair.deviation > force || pair.rupture_deviation > rupture)
+                fail_msg("pair %d: says %.3g, %.3g, is %.3g, %.3g", n, force, rupture, pair.deviation, pair.rupture_deviation);
+        }
+        worst = fmax(worst, pair.deviation);
+        worst_rupture = fmax(worst_rupture, pair.rupture_deviation);
+    }
+    print_message("    50 pairs, %d with a jump: force within %.2g, rupture gap within %.2g\n", cut, worst, worst_rupture);
+    assert_true(unsolved <= 5); /* of 10000: next to a jump */
+    assert_true(cut > 0 && worst < 5e-3 && worst_rupture < 0.03); /* the largest: a jump whose table could not be cut */
 }
 
 /* Any pair with angles to 45 degrees can be prepared, and its table is what it says. */
@@ -511,7 +543,7 @@ static void test_random_pairs(void **state) {
         }
     }
     print_message("    150 pairs: force within %.2g, rupture gap within %.2g\n", force, rupture);
-    assert_true(force < 3e-3 && rupture < 0.02);
+    assert_true(force < 2.5e-3 && rupture < 4e-3);
 }
 
 /* Diameters scatter by 0.1 mm within a class: one table for all. */
@@ -1039,7 +1071,7 @@ static void test_golden_bits(void **state) {
     bridge b = formed(&pair, 1e-10);
     for (int k = 0; k < 64; k++) {
         bridge_forces f = bridge_evaluate(&b, &def.liquid, b.rupture_gap * (k - 4) / 50.0, 0.05 * (k - 30));
-        double values[4] = {f.normal, f.tangential, (&pair.table[0][0])[k], bridge_force_willett(1e-5 * k, 1e-10, 2.5e-3, 0.2, sigma)};
+        double values[4] = {f.normal, f.tangential, (&pair.table[0][0][0])[k], bridge_force_willett(1e-5 * k, 1e-10, 2.5e-3, 0.2, sigma)};
         unsigned char bytes[sizeof values];
         memcpy(bytes, values, sizeof values);
         for (size_t i = 0; i < sizeof bytes; i++)
@@ -1110,6 +1142,7 @@ int main(void) {
         cmocka_unit_test(test_nearly_equal_spheres),
         cmocka_unit_test(test_tables_against_young_laplace),
         cmocka_unit_test(test_random_pairs),
+        cmocka_unit_test(test_stated_deviation),
         cmocka_unit_test(test_scattered_radii),
         cmocka_unit_test(test_forming),
         cmocka_unit_test(test_step_is_the_laws),
