@@ -522,13 +522,13 @@ static void draw_slice(const program *self, const run *r) {
     for (int z = 0; z < n[2]; z++)
         for (int x = 0; x < n[0]; x++) {
             filtration_sample at;
-            filtration_fluid_at(&r->fluid, x, n[1] / 2, z, &at);
+            const bool fluid = filtration_fluid_at(&r->fluid, x, n[1] / 2, z, &at) == FILTRATION_OK && at.owner == -1;
             const double *v = at.velocity;
-            values[z * n[0] + x] = at.owner < 0 && at.owner > -2 ? sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) : (double)NAN;
+            values[z * n[0] + x] = fluid ? sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) : (double)NAN;
         }
     plot *figure = plot_new("Speed in a cut", 1, 1);
     plot_panel(figure, 0, 0, "x [mm]", "z [mm]");
-    plot_panel_size(figure, 240.0, 240.0 * fmin(r->d.height / r->d.width, 3.0));
+    plot_panel_size(figure, 180.0, 180.0 * fmin(r->d.height / r->d.width, 5.0));
     plot_heat(figure, "speed [m/s]", values, n[0], n[2], 0.0, 1e3 * r->d.width, 0.0, 1e3 * r->d.height);
     plot_write(figure, self->out, "slice.svg");
     free(values);
