@@ -5020,7 +5020,58 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Builds everything that is about who is near whom. Timers of walls stay unless something changed from outside. */
+/* Notes where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
+    *smallest = HUGE_VAL, *largest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
+        w->engine->pairs.listed_at[i] = x;
+        *smallest = w->particle[i].radius < *smallest ? w->particle[i].radius : *smallest;
+        *largest = w->particle[i].radius > *largest ? w->particle[i].radius : *largest;
+        if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
+            w->status = DEM_NOT_FINITE;
+            w->failed_id = w->id[i];
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Chooses the margin of the list: so that lists last, and what follows from it. */
+static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
+    dem__pairs *pairs = &w->engine->pairs;
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* steps a second, not rounded up */
+    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
+    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
+    const double wanted = 2.0 * smallest * w->def.skin * pairs->margin_factor,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
+    pairs->wall_reach = 4.0 * pairs->margin;
+    pairs->position_tolerance =
+        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
+    pairs->gravity_size = dem__length(dem__free_fall(w));
+}
+
+/* Lets bounds of driven walls shrink; sets timers of walls for a list made anew. */
+static inline void dem__set_wall_timers(dem_world *w, int keeps) {
+    for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
+        dem_wall *a = &w->wall[k];
+        const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
+        if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
+        a->speed_bound = speed, a->spin_bound = spin;
+        if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
+    }
+    for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
+        }
+    }
+}
+
+/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something changed from outside. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -5028,31 +5079,9 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
-    double smallest = HUGE_VAL, largest = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
-        const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
-        w->engine->pairs.listed_at[i] = x;
-        smallest = w->particle[i].radius < smallest ? w->particle[i].radius : smallest;
-        largest = w->particle[i].radius > largest ? w->particle[i].radius : largest;
-        if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
-            w->status = DEM_NOT_FINITE;
-            w->failed_id = w->id[i];
-            return 0;
-        }
-    }
-    pairs->steps_per_second = (1.0 - 1e-9) / run->dt; /* steps a second, not rounded up */
-    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
-    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
-    const double wanted = 2.0 * smallest * w->def.skin * pairs->margin_factor,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * run->dt);
-    pairs->wall_reach = 4.0 * pairs->margin;
-    pairs->position_tolerance =
-        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
-    pairs->gravity_size = dem__length(dem__free_fall(w));
+    double smallest, largest;
+    if (!dem__list_positions(w, &smallest, &largest)) return 0;
+    dem__choose_margin(w, keeps, smallest, largest);
     dem__choose_frame(w);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
@@ -5083,18 +5112,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     }
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
-    for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
-        dem_wall *a = &w->wall[k];
-        const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
-        if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
-        a->speed_bound = speed, a->spin_bound = spin;
-        if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
-    }
-    for (ptrdiff_t i = 0; i < w->count && !keeps && (w->def.skip & DEM_SKIP_SPACE); i++) {
-        for (int k = 0; k < w->walls; k++) {
-            if (dem__needs_test(w, i, k)) dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k, w->step + 1);
-        }
-    }
+    dem__set_wall_timers(w, keeps);
     return 1;
 }
 
@@ -7043,6 +7061,19 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 /* -------------------------------------------------------------------------------------------- >>step */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved and
    freed. */
+/* Tests all pairs and walls once, whatever is skipped; the timers stay. */
+static inline void dem__test_everything(dem_world *w) {
+    int skip = w->def.skip;
+    w->def.skip = 0; /* everything, once; the timers stay */
+    dem__test_all_pairs(w, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+        }
+    }
+    w->def.skip = skip;
+}
+
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem__run *run = &w->engine->run;
@@ -7064,15 +7095,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_
         }
     }
     if (run->needs_forces) {
-        int skip = w->def.skip;
-        w->def.skip = 0; /* everything, once; the timers stay */
-        dem__test_all_pairs(w, w->step);
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            for (int k = 0; k < w->walls; k++) {
-                if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
-            }
-        }
-        w->def.skip = skip;
+        dem__test_everything(w);
         if (w->status != DEM_OK) return dem__undo_detection(w);
         born = contacts->begun;
         dem__commit_begun(w, 0.0);

@@ -1,6 +1,19 @@
 /* -------------------------------------------------------------------------------------------- >>step */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved and
    freed. */
+/* Tests all pairs and walls once, whatever is skipped; the timers stay. */
+static inline void dem__test_everything(dem_world *w) {
+    int skip = w->def.skip;
+    w->def.skip = 0; /* everything, once; the timers stay */
+    dem__test_all_pairs(w, w->step);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        for (int k = 0; k < w->walls; k++) {
+            if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
+        }
+    }
+    w->def.skip = skip;
+}
+
 /* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
     dem__run *run = &w->engine->run;
@@ -22,15 +35,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_
         }
     }
     if (run->needs_forces) {
-        int skip = w->def.skip;
-        w->def.skip = 0; /* everything, once; the timers stay */
-        dem__test_all_pairs(w, w->step);
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            for (int k = 0; k < w->walls; k++) {
-                if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
-            }
-        }
-        w->def.skip = skip;
+        dem__test_everything(w);
         if (w->status != DEM_OK) return dem__undo_detection(w);
         born = contacts->begun;
         dem__commit_begun(w, 0.0);

@@ -1,5 +1,6 @@
 /* test_dem_guard.c: what must hold inside a world, in every scene of dem_scenes.h and dem_guard_scenes.h and after every kind of change;
    a world that was saved goes on as if it had not been. */
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -115,10 +116,48 @@ static void test_saved_goes_on(void **state) {
     }
 }
 
+/* A host's own threads: tasks in another order, on a thread each. */
+typedef struct pool_task {
+    void (*task)(void *context, int index);
+    void *context;
+    int index;
+} pool_task;
+static void *pool_thread(void *of) {
+    const pool_task *t = (const pool_task *)of;
+    t->task(t->context, t->index);
+    return NULL;
+}
+static void pool_run(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    pthread_t thread[8];
+    pool_task of[8];
+    assert_in_range(tasks, 2, 8);
+    for (int k = tasks - 1; k >= 0; k--) {
+        of[k].task = task, of[k].context = context, of[k].index = k;
+        assert_int_equal(pthread_create(&thread[k], NULL, pool_thread, &of[k]), 0);
+    }
+    for (int k = 0; k < tasks; k++) pthread_join(thread[k], NULL);
+    ++*(int *)user;
+}
+static void test_threads_of_a_host(void **state) {
+    (void)state;
+    uint64_t hash[2];
+    int loops = 0;
+    for (int own = 0; own < 2; own++) {
+        dem_world w;
+        assert_int_equal(scene_make(&w, SCENE_DEEP, DEM_SKIP_ALL, own ? 5 : 1, NULL), DEM_OK);
+        if (own) w.def.parallel = pool_run, w.def.parallel_user = &loops;
+        assert_int_equal(dem_run(&w, scene_duration(SCENE_DEEP) / 10, scene_features(SCENE_DEEP)), DEM_OK);
+        hash[own] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1] && loops > 0);
+    assert_true(sizeof(dem_world) <= 6 * 1024);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scenes_hold),  cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
-        cmocka_unit_test(test_checker_sees), cmocka_unit_test(test_saved_goes_on),
+        cmocka_unit_test(test_checker_sees), cmocka_unit_test(test_saved_goes_on),     cmocka_unit_test(test_threads_of_a_host),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
