@@ -593,7 +593,8 @@ GRANULATION_API granulation_status granulation_montecarlo_init(granulation_monte
                                                                double volume, granulation_kernel kernel, const void *user, uint64_t seed,
                                                                const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
-/* To the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP. */
+/* To the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have to be drawn (told before
+   they are). */
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
 /* Moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
@@ -3070,10 +3071,13 @@ GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc) {
 
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration) {
     if (!mc || !mc->granules || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
-    double end = mc->time + duration, n = mc->n;
+    const double most = 1e9, n = mc->n;
+    double end = mc->time + duration;
     for (int64_t proposals = 0; mc->bound > 0.0; proposals++) {
+        const double rate = mc->bound * (0.5 * n * (n - 1.0) / mc->volume);
+        if (!((end - mc->time) * rate <= most)) return GRANULATION_STEP; /* seen before they are drawn */
         if (proposals > INT64_C(1000000000)) return GRANULATION_STEP;
-        double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / (mc->bound * (0.5 * n * (n - 1.0) / mc->volume));
+        double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / rate;
         if (!(mc->time + wait < end)) break;
         mc->time += wait;
         int i = (int)(n * granulation_random_uniform(&mc->random)), j = (int)((n - 1.0) * granulation_random_uniform(&mc->random));

@@ -1547,6 +1547,12 @@ static void test_monte_carlo_statuses(void **state) {
     assert_int_equal(granulation_montecarlo_run(&mc, 1e9), GRANULATION_OK);
     assert_true(mc.time == 1e9 && mc.events == 0);
     assert_int_equal(granulation_montecarlo_run(&mc, -1.0), GRANULATION_BAD_ARGUMENT);
+    granulation_montecarlo far;
+    const granulation_granule small[2] = {{1e-12, 0.0, 0.0}, {1e-12, 0.0, 0.0}};
+    assert_int_equal(granulation_montecarlo_init(&far, small, 2, 5e-324, granulation_constant_kernel, NULL, 1, NULL), GRANULATION_OK);
+    assert_int_equal(granulation_montecarlo_run(&far, 1.0), GRANULATION_STEP); /* a volume of no size: pairs without end */
+    assert_true(far.time == 0.0);
+    granulation_montecarlo_free(&far);
     assert_true(granulation_montecarlo_moment(&mc, -1.0) != 0.0);
     granulation_montecarlo_free(&mc);
     granulation_montecarlo_free(&mc);
