@@ -277,7 +277,7 @@ int main(int argc, char **argv) {
         draw(&c, &world, &d, self.out, angle, scatter);
         draw_world(&world, &view, self.out, "rotating_drum.png");
         common_print(
-            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f +- %.1f degrees, Lacey %.3f, unlike "
+            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (it scatters by %.1f in time), Lacey %.3f, unlike "
             "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
             d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, scatter, lacey / late, unlike / late, radial / late, c.lacey[0],
             c.unlike[0], c.radial[0]);
