@@ -1400,6 +1400,7 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     return 1;
 }
 
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
    takes the first child first; `skip` is where the walk goes on without a node's children. */
 typedef struct dem__node {
@@ -1585,6 +1586,7 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
     return 1;
 }
 
+/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions. */
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
    becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
@@ -1694,8 +1696,8 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
     return dem__plus(rate, 1.0 / (radius + touch.gap), up);
 }
 
-/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis of
-   a round one, with the sign of the side. */
+/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis
+   of a round one, with the sign of the side. */
 static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
                                        dem_vec u) {
     const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
@@ -2007,7 +2009,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
     for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
-    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
+        list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    }
     if (w->engine->ledger.on) {
         list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);
@@ -3271,6 +3275,7 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
     if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
 }
 
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
 /* ---- from facets to a mesh ---- */
 
 /* What a mesh is made in. */
@@ -7706,6 +7711,7 @@ DEM_API dem_feed dem_default_feed(void) {
     return feed;
 }
 
+/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions. */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
     dem__grid grid[DEM__LEVELS_MAX];
@@ -8624,7 +8630,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__stream_def(s, &w->def);
     dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &w->owed);
     dem__u64(s, &w->engine->bodies.next_id);
-    dem__i64(s, &w->passed_total), dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    dem__i64(s, &w->passed_total);
+    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
     const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
     int *flags[] = {&w->walls,

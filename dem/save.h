@@ -191,7 +191,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
     dem__stream_def(s, &w->def);
     dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &w->owed);
     dem__u64(s, &w->engine->bodies.next_id);
-    dem__i64(s, &w->passed_total), dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
+    dem__i64(s, &w->passed_total);
+    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
     const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
     int *flags[] = {&w->walls,

@@ -65,7 +65,9 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     list[n].address = &contacts->gap, list[n++].size = sizeof(double);
     list[n].address = &contacts->force, list[n++].size = sizeof(double);
     for (int k = 0; k < contacts->states; k++, n++) list[n].address = &contacts->state[k], list[n].size = sizeof(double);
-    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    for (int k = 0; w->engine->walls.touch_keepers && k < DEM__PLACES; k++, n++) {
+        list[n].address = &contacts->touch[k], list[n].size = sizeof(double);
+    }
     if (w->engine->ledger.on) {
         list[n].address = &contacts->elastic, list[n++].size = sizeof(double);
         for (int k = 0; k < 3; k++, n++) list[n].address = &contacts->power[k], list[n].size = sizeof(double);

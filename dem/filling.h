@@ -1,0 +1,313 @@
+/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions. */
+/* Spheres in and near a region, present and new, in linked lists by level and cell. */
+typedef struct dem__room {
+    dem__grid grid[DEM__LEVELS_MAX];
+    double smallest;
+    double *centre, *radius; /* [count][3], [count] */
+    int32_t *head, *next;
+    ptrdiff_t count, capacity, cells;
+    size_t bytes;
+} dem__room;
+
+static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+    const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
+    room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
+    room->radius[k] = radius;
+    room->next[k] = room->head[c];
+    room->head[c] = (int32_t)k;
+}
+
+static inline void dem__count_in(dem__room *room, double radius) {
+    dem__grid *g = &room->grid[dem__level(radius, room->smallest)];
+    g->count++;
+    g->widest = radius > g->widest ? radius : g->widest;
+    room->capacity++;
+}
+
+/* Is sphere i near enough to a box to be in the way? Along periodic axes everything is. */
+static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+    *x = dem_position(w, i);
+    for (int a = 0; a < 3 && w->alive[i]; a++) {
+        const double v = dem_axis(*x, a);
+        if (!w->def.periodic[a] && !(v + w->particle[i].radius >= dem_axis(low, a) && v - w->particle[i].radius <= dem_axis(high, a)))
+            return 0;
+    }
+    return w->alive[i];
+}
+
+/* Makes a room for the present spheres around a region and n new ones of given radii. */
+static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
+    dem_vec low, high, x;
+    double widest = 0.0;
+    memset(room, 0, sizeof *room);
+    dem__tree_bounds(region, &low, &high);
+    room->smallest = HUGE_VAL;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        widest = radius[k] > widest ? radius[k] : widest;
+        room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
+    }
+    const dem_vec out = dem_vec3(widest, widest, widest); /* a face's spheres stand out of it */
+    low = dem__sub(low, out), high = dem__add(high, out);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+    }
+    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
+        dem__grid *g = &room->grid[level];
+        if (g->count == 0) continue;
+        dem__make_grid(w, g, 2.0 * g->widest, low, high);
+        g->first = room->cells;
+        room->cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
+    }
+    if (room->capacity > INT32_MAX / 8) return DEM_TOO_MANY;
+    room->bytes = (size_t)room->capacity * (4 * sizeof(double) + sizeof(int32_t)) + (size_t)room->cells * sizeof(int32_t);
+    room->centre = (double *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, room->bytes);
+    if (!room->centre) return DEM_OUT_OF_MEMORY;
+    room->radius = room->centre + 3 * room->capacity;
+    room->next = (int32_t *)(void *)(room->radius + room->capacity);
+    room->head = room->next + room->capacity;
+    for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+    }
+    return DEM_OK;
+}
+
+/* Would a sphere there overlap another, or a wall, or be beyond an exit? */
+static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius) {
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].enabled && dem__touch_wall(&w->wall[k], x, radius, 0.0, touch, &least) > 0) return 0;
+    }
+    for (int level = 0; level < DEM__LEVELS_MAX; level++) {
+        const dem__grid *g = &room->grid[level];
+        if (g->count == 0) continue;
+        int32_t first[3], cells[3];
+        for (int a = 0; a < 3; a++) cells[a] = dem__cells(g, a, dem_axis(x, a), radius + g->widest, &first[a]);
+        for (int32_t c = 0; c < cells[0] * cells[1] * cells[2]; c++) {
+            const int32_t step[3] = {c % cells[0], c / cells[0] % cells[1], c / cells[0] / cells[1]};
+            ptrdiff_t at[3];
+            for (int a = 0; a < 3; a++) at[a] = first[a] + step[a] < g->n[a] ? first[a] + step[a] : first[a] + step[a] - g->n[a];
+            for (int32_t q = room->head[g->first + (at[2] * g->n[1] + at[1]) * g->n[0] + at[0]]; q >= 0; q = room->next[q]) {
+                const double *p = room->centre + 3 * (ptrdiff_t)q, sum = radius + room->radius[q];
+                const dem_vec d = dem__nearest_image(w, dem_vec3(x.x - p[0], x.y - p[1], x.z - p[2]));
+                if (dem__dot(d, d) < sum * sum) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
+static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
+    if (r->kind == DEM_REGION_BOX) {
+        for (int a = 0; a < 3; a++) {
+            const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
+            if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
+            *dem_axis_of(x, a) = room >= 0.0 ? low + radius + room * dem__uniform(random) : low;
+        }
+        return 1;
+    }
+    const int cylinder = r->kind == DEM_REGION_CYLINDER;
+    const double room = r->radius - radius, length = r->length - 2.0 * radius;
+    double u[3], square;
+    if (!(room >= 0.0) || (cylinder && r->length > 0.0 && !(length >= 0.0))) return 0;
+    int tries = 0;
+    do {
+        square = 0.0;
+        for (int a = 0; a < 3 - cylinder; a++) {
+            u[a] = 2.0 * dem__uniform(random) - 1.0;
+            square += u[a] * u[a];
+        }
+    } while (square > 1.0 && ++tries < 1000);
+    if (!cylinder) {
+        *x = dem__add(r->low, dem__scale(room, dem_vec3(u[0], u[1], u[2])));
+        return 1;
+    }
+    dem_wall frame;
+    if (!dem__frame(&frame, r->axis, dem_vec3(1.0, 0.0, 0.0))) return 0;
+    u[2] = r->length > 0.0 ? radius + length * dem__uniform(random) : 0.0;
+    *x = dem__add(dem__add(r->low, dem__scale(room * u[0], frame.axis[0])),
+                  dem__add(dem__scale(room * u[1], frame.axis[1]), dem__scale(u[2], frame.axis[2])));
+    return 1;
+}
+
+/* Largest first. */
+static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
+    for (;;) {
+        ptrdiff_t child = 2 * root + 1;
+        if (child >= n) return;
+        if (child + 1 < n && heap[child + 1] < heap[child]) child++;
+        if (!(heap[child] < heap[root])) return;
+        const double t = heap[root];
+        heap[root] = heap[child], heap[child] = t;
+        root = child;
+    }
+}
+static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
+    for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
+    for (ptrdiff_t k = n - 1; k > 0; k--) {
+        const double t = radius[0];
+        radius[0] = radius[k], radius[k] = t;
+        dem__sift_size(radius, 0, k);
+    }
+}
+
+/* How many spheres are due, at most `most`, drawn one after the other; their radii, if there is an array for them. The first that is
+   not due waits: to leave it out would favour the small ones. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
+    for (ptrdiff_t n = 0; n < most; n++) {
+        if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
+        const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source owes, or is ahead by, half a sphere at most */
+        if (radius) radius[n] = 0.5 * feed->waiting;
+        mass -= m;
+        feed->waiting = 0.0;
+    }
+    return most;
+}
+
+/* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
+   the order drawn, up to the first without a place, which then waits. */
+static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
+    if (dem__is_running(w)) return DEM_BUSY;
+    dem_allocator memory = w->def.allocator;
+    dem_feed after = *feed, counted = *feed;
+    dem__room room;
+    ptrdiff_t placed = 0;
+    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    double smallest, largest;
+    dem__are_sizes(&feed->sizes, &smallest, &largest);
+    if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
+    const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
+    if (n == INT32_MAX / 8) return DEM_TOO_MANY;
+    if (n == 0) {
+        *feed = counted;
+        return DEM_OK;
+    }
+    double *radius = (double *)memory.fn(memory.user, NULL, 0, (size_t)n * 7 * sizeof *radius);
+    if (!radius) return DEM_OUT_OF_MEMORY;
+    double *centre = radius + n, *velocity = centre + 3 * n;
+    dem__draw_due(w, &after, number, mass, most, radius);
+    if (at_once) dem__sort_sizes(radius, n);
+    dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
+    const ptrdiff_t present = room.count;
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        dem_vec x;
+        int found = 0;
+        for (int tries = 0; tries < feed->tries && !found; tries++) {
+            if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
+            x = dem__in_box(w, x); /* as dem_add_spheres will */
+            found = dem__is_free(w, &room, x, radius[k]);
+        }
+        if (!found) {
+            if (!at_once) {
+                after.waiting = 2.0 * radius[k];
+                break;
+            }
+            after.missed++;
+            after.missed_mass += m;
+            continue;
+        }
+        dem__settle_in(&room, x, radius[k]);
+        after.placed_mass += m;
+        if (mass < HUGE_VAL) after.due_mass -= at_once ? 0.0 : m;
+        else after.due -= at_once ? 0.0 : 1.0;
+    }
+    /* neighbours in space become neighbours in memory */
+    double *diameter = radius;
+    for (ptrdiff_t c = 0; c < room.cells && status == DEM_OK; c++) {
+        for (int32_t q = room.head[c]; q >= present; q = room.next[q]) {
+            diameter[placed] = 2.0 * room.radius[q];
+            for (int a = 0; a < 3; a++) {
+                centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
+                velocity[3 * placed + a] =
+                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&after.random) - 1.0);
+            }
+            placed++;
+        }
+    }
+    if (room.centre) memory.fn(memory.user, room.centre, room.bytes, 0);
+    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
+    for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
+        dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
+                       dem_vec3(0.0, 0.0, 0.0));
+    memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
+    if (status != DEM_OK) return status;
+    after.placed += placed;
+    *feed = after;
+    return DEM_OK;
+}
+
+static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
+    double smallest, largest;
+    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 || f->tries > 1000000)
+        return 0;
+    if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
+    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
+        !(f->scatter.z >= 0.0))
+        return 0;
+    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass);
+}
+
+DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
+    if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, feed, (double)count, HUGE_VAL, 1);
+}
+DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    return dem__insert(world, feed, HUGE_VAL, mass, 1);
+}
+
+DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) || !dem__finite(rate * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_feed due = *feed;
+    due.due += rate * duration;
+    const dem_status status = dem__insert(world, &due, due.due, HUGE_VAL, 0);
+    if (status == DEM_OK) *feed = due;
+    return status;
+}
+DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
+    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) || !dem__finite(mass_flow * duration))
+        return DEM_BAD_ARGUMENT;
+    dem_feed due = *feed;
+    due.due_mass += mass_flow * duration;
+    const dem_status status = dem__insert(world, &due, HUGE_VAL, due.due_mass, 0);
+    if (status == DEM_OK) *feed = due;
+    return status;
+}
+
+DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
+    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
+    if (n == 0) return 0;
+    if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
+    memmove(w->passed, w->passed + n, (size_t)left * sizeof *records);
+    w->passed_count = left;
+    return n;
+}
+
+DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) {
+    if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
+    dem_world *w = world;
+    ptrdiff_t removed = 0;
+    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
+        dem__detach_particle(w, i);
+        removed++;
+    }
+    if (removed > 0) dem__end_contacts_of_removed(w);
+    return removed;
+}
