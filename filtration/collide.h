@@ -110,7 +110,19 @@ static inline void filtration__wake(filtration__lattice *l, int always) {
     }
 }
 
-/* Looks at the nodes of a row for the first that is too fast or not a number; solids do not count and are put to rest. */
+/* Whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. What flows there is not
+   resolved; lubrication stands for it. */
+static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
+    int fluid = 0;
+    for (int i = 1; i < l->q; i++) {
+        int p[3] = {filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+                    filtration__wrap(z + l->c[i][2], l->nz)};
+        fluid += l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__FLUID;
+    }
+    return 2 * fluid < l->q;
+}
+
+/* Looks at the nodes of a row for the first that is too fast or not a number; solids and films do not count and are put to rest. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
     for (int x = 0; x < l->nx; x++) {
         double u[3] = {0, 0, 0}, r = 0.0;
@@ -123,7 +135,7 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         for (int a = 0; a < 3; a++) u[a] -= 0.5 * l->rates.force[a];
         double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         if (uu < l->rates.limit && fabs(r) < 1e30) continue;
-        if (!fluid) {
+        if (!fluid || filtration__in_film(l, x, y, z)) {
             for (int i = 0; i < l->q; i++) filtration__put(l, filtration__outgoing(l, x, y, z, i), 0.0);
             continue;
         }
