@@ -1653,7 +1653,7 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     r.end = riddle_log(most < 1e150 ? most : 1e150);
     r.least = best;
     r.from = r.to = 0.0;
-    const double step = 2.0 * r.end / BLOCKING__SCAN;
+    const double step = 2.0 * r.end / (double)BLOCKING__SCAN;
     double before = HUGE_VAL, here = HUGE_VAL;
     for (int i = 0; i <= BLOCKING__SCAN + 1; i++) { /* every minimum of the scan is refined */
         double after = i <= BLOCKING__SCAN ? blocking__regress(d, blocking__kappa(i * step - r.end)).sse : HUGE_VAL;
@@ -1685,7 +1685,7 @@ static inline double blocking__meet(const blocking__data *d, double target, doub
 
 /* The range of k: 0 where straight lines are within the target, infinite where steps are. */
 static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low, double *high) {
-    const double span = d->t[d->n - 1] - d->t[0], step = r->end / BLOCKING__SCAN, x = k * span;
+    const double span = d->t[d->n - 1] - d->t[0], step = r->end / (double)BLOCKING__SCAN, x = k * span;
     const double at = riddle_log(x + sqrt(x * x + 1.0));
     double first = at, last = at; /* outermost places seen within the target */
     for (int i = 0; i <= BLOCKING__SCAN; i++) {
@@ -1730,7 +1730,7 @@ static inline void blocking__range(const blocking__data *d, const blocking__regi
                                    double *high) {
     *low = *high = best;
     for (int i = 0; i <= BLOCKING__SCAN; i++)
-        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : 0.01) / BLOCKING__SCAN, low, high);
+        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : 0.01) / (double)BLOCKING__SCAN, low, high);
     *low = blocking__clip(*low, 0.0, 1.0);
     *high = blocking__clip(*high, 0.0, 1.0);
 }
@@ -2043,8 +2043,8 @@ static inline void blocking__law_start(const blocking__tests *all, blocking__law
     for (int j = 0; j < BLOCKING__MOST; j++) trial.x[j] = 0.0;
     best->sse = HUGE_VAL;
     for (int i = 0; i < GRID * GRID; i++) {
-        trial.x[0] = low + (high - low) * (i % GRID) / (GRID - 1.0);
-        trial.x[BLOCKING_LAW_TERMS] = low + (high - low) * (i / GRID) / (GRID - 1.0);
+        trial.x[0] = low + (high - low) * (i % GRID) / (double)(GRID - 1);
+        trial.x[BLOCKING_LAW_TERMS] = low + (high - low) * (i / GRID) / (double)(GRID - 1);
         blocking__law_sums(all, &trial);
         if (trial.sse < best->sse) *best = trial;
     }

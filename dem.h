@@ -434,7 +434,7 @@ typedef struct dem_law {
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
-    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel has_friction with the contact */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
        the third order; else 0 */
@@ -2348,8 +2348,8 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
 }
 
-/* Books what a contact in slot c has stored at its end: with what is taken out if the caller or an exit ended it; else its tangential spring
-   is let go as if it slid. */
+/* Books what a contact in slot c has stored at its end: as removed if the caller or an exit ended it; else its
+   tangential spring is let go as if it slid. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
@@ -4007,7 +4007,7 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 /* No point of a wall at x is faster than speed_bound + spin_bound times this. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin has_friction as well, beside its speed bound */
+        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
     return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
 }
 
@@ -4270,10 +4270,10 @@ DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double straye
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* A new bound for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
-   far behind its middle as it is ahead of that now: one bound through the middle, with a tolerance that holds both, lasts to the end. Else the
-   tolerance holds 16 steps of the present force and a little more: in flight very little, as nothing has_friction it from its bound before a contact
-   does, and small tolerances let neighbours alone for long. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. An impact that has just begun takes the velocity about as
+   far beyond the middle of the impact as it is ahead of it now: one bound through the middle, with a tolerance that holds both ends, lasts
+   to the end of the impact. Else the tolerance holds 16 steps of the present force and a little more. In flight it is very small, as only a
+   contact changes the velocity, and small tolerances let neighbours wait for long. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -4426,7 +4426,7 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
         dem__move_wall(a, time);
         if (!dem__wall_is_finite(a)) return 0;
         const double speed = dem__length(dem__sub(a->position, from)) / run->dt;
-        for (int q = 0; q < 3; q++) { /* at least one axis has_friction by sqrt(2/3) of the angle */
+        for (int q = 0; q < 3; q++) { /* at least one axis turns by sqrt(2/3) of the angle */
             const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / run->dt;
             turn = tip > turn ? tip : turn;
         }
@@ -6831,7 +6831,7 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* A contact that has just begun has_friction the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
+/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
    for their bounds. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* it has ended */
@@ -6865,7 +6865,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    /* a pair that is moved apart has_friction more slowly, as its angular momentum stays */
+    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));

@@ -1454,7 +1454,7 @@ static inline double bridge__share_at(const bridge_pair_def *def, double ln_volu
 /* ln of the volume at which the share at rupture changes fastest: the steepest of some intervals, halved towards its steeper half. */
 static inline double bridge__jump(const bridge_pair *pair) {
     enum { PARTS = 24 };
-    double width = (pair->ln_max - pair->ln_min) / PARTS, before = bridge__share_at(&pair->def, pair->ln_min), low = pair->ln_min,
+    double width = (pair->ln_max - pair->ln_min) / (double)PARTS, before = bridge__share_at(&pair->def, pair->ln_min), low = pair->ln_min,
            low_share = before, high_share = before, steepest = -1.0;
     for (int k = 1; k <= PARTS; k++) {
         double share = bridge__share_at(&pair->def, pair->ln_min + k * width);

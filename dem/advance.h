@@ -138,7 +138,7 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* A contact that has just begun has_friction the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
+/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
    for their bounds. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* it has ended */
@@ -172,7 +172,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    /* a pair that is moved apart has_friction more slowly, as its angular momentum stays */
+    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));

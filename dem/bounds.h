@@ -12,10 +12,10 @@ DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double straye
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* A new bound for particle i, which is at x and has v at a step. An impact that has just begun takes its velocity to one that is about as
-   far behind its middle as it is ahead of that now: one bound through the middle, with a tolerance that holds both, lasts to the end. Else the
-   tolerance holds 16 steps of the present force and a little more: in flight very little, as nothing has_friction it from its bound before a contact
-   does, and small tolerances let neighbours alone for long. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. An impact that has just begun takes the velocity about as
+   far beyond the middle of the impact as it is ahead of it now: one bound through the middle, with a tolerance that holds both ends, lasts
+   to the end of the impact. Else the tolerance holds 16 steps of the present force and a little more. In flight it is very small, as only a
+   contact changes the velocity, and small tolerances let neighbours wait for long. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -168,7 +168,7 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
         dem__move_wall(a, time);
         if (!dem__wall_is_finite(a)) return 0;
         const double speed = dem__length(dem__sub(a->position, from)) / run->dt;
-        for (int q = 0; q < 3; q++) { /* at least one axis has_friction by sqrt(2/3) of the angle */
+        for (int q = 0; q < 3; q++) { /* at least one axis turns by sqrt(2/3) of the angle */
             const double tip = 1.25 * dem__length(dem__sub(a->axis[q], axis[q])) / run->dt;
             turn = tip > turn ? tip : turn;
         }

@@ -92,7 +92,7 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 /* No point of a wall at x is faster than speed_bound + spin_bound times this. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin has_friction as well, beside its speed bound */
+        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
     return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
 }
 

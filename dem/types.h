@@ -285,7 +285,7 @@ typedef struct dem_law {
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
     int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
-    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel has_friction with the contact */
+    int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
        the third order; else 0 */
