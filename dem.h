@@ -6904,8 +6904,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Unsettled particles first .. end-1: whose velocity left its tolerance, or whose flight begins, gets a new bound and is listed in remap__ from
-   `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
+/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets a
+   new bound and is listed in the scratch index; the others get their tolerance anew. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -6936,7 +6936,7 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers; whoever begins a flight leaves the list of active particles. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. A particle that begins a flight leaves the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
@@ -6965,8 +6965,8 @@ static inline void dem__check_bounds(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>due */
-/* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no contact
-   begins unseen; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no
+   contact begins unseen; a step that cannot be finished leaves no trace. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7064,8 +7064,8 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>step */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved and
-   freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
+   and freed. */
 /* Tests all pairs and walls once, whatever is skipped; the timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;

@@ -211,8 +211,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Unsettled particles first .. end-1: whose velocity left its tolerance, or whose flight begins, gets a new bound and is listed in remap__ from
-   `first` on; unsettled__ lists from there those that are to look at a wall sooner. */
+/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets a
+   new bound and is listed in the scratch index; the others get their tolerance anew. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -243,7 +243,7 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers; whoever begins a flight leaves the list of active particles. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. A particle that begins a flight leaves the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;

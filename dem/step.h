@@ -1,6 +1,6 @@
 /* -------------------------------------------------------------------------------------------- >>step */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved and
-   freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
+   and freed. */
 /* Tests all pairs and walls once, whatever is skipped; the timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;

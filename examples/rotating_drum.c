@@ -4,7 +4,8 @@
    on the left and large on the right (--start), and the drum turns. Told over time: Lacey's index in a grid of cells, the share of
    unlike contacts, the radial segregation (how much nearer to the middle of the bed the small ones lie), and the slope of the free
    surface. For a drum of your own: the options, the materials in build(), and dem_add_box in build() for lifters
-   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale shrinks
+   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s,
+   Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale shrinks
    numbers and drum width together (1: 8000 and 30 000 spheres in 60 mm). */
 #include <math.h>
 #include <stdio.h>
@@ -277,7 +278,8 @@ int main(int argc, char **argv) {
         draw(&c, &world, &d, self.out, angle, scatter);
         draw_world(&world, &view, self.out, "rotating_drum.png");
         common_print(
-            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (it scatters by %.1f in time), Lacey %.3f, unlike "
+            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (it scatters by %.1f in time), "
+            "Lacey %.3f, unlike "
             "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
             d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, scatter, lacey / late, unlike / late, radial / late, c.lacey[0],
             c.unlike[0], c.radial[0]);
