@@ -211,8 +211,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets a
-   new bound and is listed in the scratch index; the others get their tolerance anew. */
+/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets
+   a new bound and is listed in the scratch index; the others get their tolerance anew. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
