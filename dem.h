@@ -5188,11 +5188,12 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
    connects, to second order without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
+    const double bx = nx - b->tx[k], by = ny - b->ty[k], bz = nz - b->tz[k]; /* half way between the old normal and the new */
     const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
     const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
-    s[0] = x - out * (nx - b->tx[k]) + twist * (ny * z - nz * y);
-    s[1] = y - out * (ny - b->ty[k]) + twist * (nz * x - nx * z);
-    s[2] = z - out * (nz - b->tz[k]) + twist * (nx * y - ny * x);
+    s[0] = x - out * bx + twist * (ny * z - nz * y);
+    s[1] = y - out * by + twist * (nz * x - nx * z);
+    s[2] = z - out * bz + twist * (nx * y - ny * x);
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */
@@ -5831,7 +5832,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
-        for (int a = 0; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
+        if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+        for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, 0.5 * h, has_friction, &q, &arm_i, &arm_j);
         const double predict = x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */

@@ -151,7 +151,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
-        for (int a = 0; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
+        if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+        for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, 0.5 * h, has_friction, &q, &arm_i, &arm_j);
         const double predict = x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */

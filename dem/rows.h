@@ -46,11 +46,12 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
    connects, to second order without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
+    const double bx = nx - b->tx[k], by = ny - b->ty[k], bz = nz - b->tz[k]; /* half way between the old normal and the new */
     const double twist = 0.5 * h * ((b->wi[0][k] + b->wj[0][k]) * nx + (b->wi[1][k] + b->wj[1][k]) * ny + (b->wi[2][k] + b->wj[2][k]) * nz);
     const double x = s[0], y = s[1], z = s[2], out = x * nx + y * ny + z * nz;
-    s[0] = x - out * (nx - b->tx[k]) + twist * (ny * z - nz * y);
-    s[1] = y - out * (ny - b->ty[k]) + twist * (nz * x - nx * z);
-    s[2] = z - out * (nz - b->tz[k]) + twist * (nx * y - ny * x);
+    s[0] = x - out * bx + twist * (ny * z - nz * y);
+    s[1] = y - out * by + twist * (nz * x - nx * z);
+    s[2] = z - out * bz + twist * (nx * y - ny * x);
 }
 
 /* Where the slots of contacts begin: in the world, or in a block. */

@@ -671,8 +671,13 @@ static void test_memory(void **state) {
         dem_def def = plain_def(&hook);
         dem_world w;
         dem_feed feed = dem_default_feed(), before = feed;
-        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
-        dem_status status = dem_fill(&w, &feed, 100);
+        dem_status status = dem_init(&w, &def, NULL);
+        if (status == DEM_OUT_OF_MEMORY) { /* nothing is allocated then */
+            assert_int_equal(failing_live(&memory), 0);
+            continue;
+        }
+        assert_int_equal(status, DEM_OK);
+        status = dem_fill(&w, &feed, 100);
         if (status == DEM_OK) {
             before = feed;
             status = dem_feed_mass(&w, &feed, 0.01, 0.1);
@@ -695,7 +700,7 @@ static void test_start_from_a_table(void **state) {
     char message[200] = "";
     const char *const text = "# comment\nx_m,y,z,diameter_m,vx,vy,vz_m_s,class\n0.1,-2e-3,0.3,0.005,1,2,3,7\n0,0,1,0.01,,,,\n";
     assert_int_equal(particles_parse(text, strlen(text), "a.csv", &p, message, sizeof message), -1); /* an empty velocity is not a number */
-    assert_non_null(strstr(message, "sphere 2"));
+    assert_string_equal(message, "a.csv:4: column vx: '' is not a number");
     const char *const good =
         "x_m,y,z,radius,vx,vy,vz_m_s,class,omega_x,omega_y,omega_z\n0.1,-2e-3,0.3,0.0025,1,2,3,7,4,5,6\n0,0,1,0.005,0,0,0,0,0,0,0\n";
     assert_int_equal(particles_parse(good, strlen(good), "a.csv", &p, message, sizeof message), 0);
