@@ -192,30 +192,35 @@ static const unit units[] = {
     {"%", 's', 0.01},         {"percent", 's', 0.01},    {"-", 's', 1.0},
 };
 
+static const unit *unit_of(const char *name) {
+    for (size_t k = 0; k < sizeof units / sizeof *units; k++)
+        if (strcmp(name, units[k].name) == 0) return &units[k];
+    return NULL;
+}
+
+static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
+
 /* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit in brackets that is
    none of the table. */
 static bool split_name(const char *name, char *base, size_t size, const unit **found) {
     size_t n = 0;
     *found = NULL;
-    for (; *name && n + 1 < size; name++) base[n++] = (char)(*name >= 'A' && *name <= 'Z' ? *name - 'A' + 'a' : *name);
+    for (; *name && n + 1 < size; name++) base[n++] = small_letter(*name);
     base[n] = '\0';
     const char close = n > 0 ? base[n - 1] : '\0';
     char *open = close == ']' ? strrchr(base, '[') : close == ')' ? strrchr(base, '(') : NULL;
     if (open) {
         base[n - 1] = '\0';
-        for (size_t k = 0; k < sizeof units / sizeof *units; k++)
-            if (strcmp(open + 1, units[k].name) == 0) *found = &units[k];
+        *found = unit_of(open + 1);
         while (open > base && (is_blank(open[-1]) || open[-1] == '_')) open--;
         *open = '\0';
         return *found != NULL;
     }
     for (char *bar = strchr(base, '_'); bar; bar = strchr(bar + 1, '_')) {
-        for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
-            if (strcmp(bar + 1, units[k].name) != 0) continue;
-            *found = &units[k];
-            *bar = '\0';
-            return true;
-        }
+        *found = unit_of(bar + 1);
+        if (!*found) continue;
+        *bar = '\0';
+        break;
     }
     return true;
 }
@@ -228,11 +233,12 @@ static void say_columns(const csv_data *data, char *message, int size, const cha
 }
 
 int csv_is(const char *name, const char *wanted, double *factor) {
+    *factor = 1.0;
     char base[128], asked[128];
     const unit *in, *out;
+    if (small_letter(*name) != small_letter(*wanted)) return 0; /* most columns of most tables: csv_value asks for every cell */
     const bool known = split_name(name, base, sizeof base, &in);
     split_name(wanted, asked, sizeof asked, &out);
-    *factor = 1.0;
     if (strcmp(base, asked) != 0 || (out && known && !in)) return 0;
     if (!known || (in && out && in->dimension != out->dimension)) return -1;
     *factor = (in ? in->si : 1.0) / (out ? out->si : 1.0);
