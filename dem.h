@@ -167,7 +167,7 @@ extern "C" {
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
-#define DEM__FORMAT 8u     /* version of dem_save */
+#define DEM__FORMAT 9u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -336,39 +336,47 @@ typedef enum dem_drive {
 
 struct dem__tree;
 
-/* A wall. Read only; change it by functions. */
+/* What was asked of a wall's motion, by the functions that move walls. */
+typedef struct dem_wall_motion {
+    int drive;                     /* dem_drive */
+    dem_vec origin, rest_axis[3];  /* where it was, and its frame, when the motion began [m] */
+    double motion_start;           /* time at which the motion began; controlled: of the coordinate [s] */
+    dem_vec amplitude, phase;      /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;              /* [Hz] */
+    dem_vec drift;                 /* constant velocity [m/s] */
+    dem_vec spin_centre;           /* of a rotation [m] */
+    dem_vec belt;                  /* velocity of its surface within itself [m/s] */
+    double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
+    dem_motion_fn motion;          /* prescribed */
+    void *motion_user;
+    double interval; /* prescribed: for its differences in time [s] */
+} dem_wall_motion;
+
+/* A wall: its shape, what was asked of it, and its state now. Read only; change it by functions. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    dem_vec origin;                       /* where it was put [m] */
-    dem_vec axis[3];                      /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
-    dem_vec rest_axis[3];                 /* the same at time 0 */
-    double radius;                        /* cylinder, sphere; cone: at its low end, the origin [m] */
-    double high_radius, length;           /* cone: at the other end, distance of the ends [m] */
-    int inside;                           /* cylinder, sphere: 1 particles inside, 0 outside */
-    double aperture, wire;                /* screen [m] */
-    int profile, circular;                /* screen */
-    double half_x, half_y;                /* screen [m] */
-    dem_vec amplitude, phase;             /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double frequency;                     /* [Hz] */
-    dem_vec drift;                        /* constant velocity [m/s] */
-    dem_vec spin_axis, spin_centre;       /* rotation about a line; force-controlled: axis of the motion */
-    double spin, spin_rate;               /* now [rad/s], [rad/s2] */
-    dem_vec belt;                         /* velocity of its surface within itself [m/s] */
-    int slides;                           /* 1: its surface moves otherwise than its origin */
-    int drive;                            /* dem_drive */
-    double coordinate, rate, rate_change; /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
-    double inertia, load, damping;        /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
-    dem_motion_fn motion;                 /* prescribed */
-    void *motion_user;
-    double interval;                          /* prescribed: for its differences in time [s] */
-    double motion_start;                      /* time at which the motion began; controlled: of the coordinate [s] */
-    dem_vec position, velocity, acceleration; /* of its origin, now */
-    double speed_bound, spin_bound;           /* its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
-    double acceleration_bound;                /* kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
-    double side_bound;                        /* the same perpendicular to axis[2] */
-    struct dem__tree *tree;                   /* mesh: the triangles, owned */
+    double radius;              /* cylinder, sphere; cone: at its low end, the origin [m] */
+    double high_radius, length; /* cone: at the other end, distance of the ends [m] */
+    int inside;                 /* cylinder, sphere: 1 particles inside, 0 outside */
+    double aperture, wire;      /* screen [m] */
+    int profile, circular;      /* screen */
+    double half_x, half_y;      /* screen [m] */
+    struct dem__tree *tree;     /* mesh: the triangles, owned */
+
+    dem_wall_motion asked;
+
+    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec position, velocity, acceleration; /* of its origin */
+    dem_vec spin_axis;                        /* of its rotation; controlled: of the motion */
+    double spin, spin_rate;                   /* [rad/s], [rad/s2] */
+    double coordinate, rate, rate_change;     /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
     dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m]; means: by impulse */
     dem_vec impulse;                          /* time integral of the force [N s] */
+
+    int slides;                     /* private: 1: its surface moves otherwise than its origin */
+    double speed_bound, spin_bound; /* private: its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
+    double acceleration_bound;      /* private: kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
+    double side_bound;              /* private: the same perpendicular to axis[2] */
 } dem_wall;
 
 /* What passed an exit. Owned by the world, in the order of passing. */
@@ -429,12 +437,12 @@ typedef struct dem_birth {
 
 struct dem_world;
 
-/* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
+/* A law: a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
     const char *name;
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
+    int history;   /* the first of them, which force may change; the rest change by dem_set_contact_state() only */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
@@ -442,7 +450,7 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_slot_state() read and write them. */
+       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
@@ -466,10 +474,25 @@ typedef struct dem_energy_ledger {
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
-typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by DEM_KERNEL */
+typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
 
-/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
-   computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+/* A law of contacts with the loop that evaluates it for these features. DEM_KERNEL(name, law, features), outside of functions, makes one:
+   a constant. features: DEM_FRICTION and DEM_ROLLING as far as the law fills them, DEM_ENERGY for the ledger. */
+typedef struct dem_kernel {
+    const dem_law *law;
+    int features;
+    dem_loop_fn loop;
+} dem_kernel;
+
+/* The same for a law of links: DEM_LINK_KERNEL(name, law). */
+typedef struct dem_link_kernel {
+    const dem_law *law;
+    dem_loop_fn loop;
+} dem_link_kernel;
+
+/* A sphere as the engine keeps it: radius and mass, and the state at its own origin step, which may be long past; from there on
+   x + v t + a t^2/2. For the state now ask dem_position(), dem_velocity(), dem_spin(). In a law's hooks v and spin are those in the middle
+   of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -505,9 +528,9 @@ typedef struct dem_world {
     int64_t looks;          /* pairs and walls looked at */
     int64_t rebuilds;       /* of the neighbour list */
 
-    dem_particle *particle;
-    dem_vec *spin_rate; /* [rad/s2] */
-    uint64_t *id;       /* stable, in the order of adding, from 0 */
+    dem_particle *particle; /* not their states now: dem_position() and its like give these */
+    dem_vec *spin_rate;     /* since the origin step [rad/s2] */
+    uint64_t *id;           /* stable, in the order of adding, from 0 */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
     int32_t *touching; /* contacts of it */
@@ -692,9 +715,9 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
    (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* The same with a law of your own and the kernel that DEM_KERNEL made from it. features: those that DEM_KERNEL was given; without
-   DEM_FRICTION or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or another law's kernel: DEM_BAD_ARGUMENT. */
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
+/* The same with a law of your own: kernel is what DEM_KERNEL made of it; it must outlive the world. Besides the statuses of dem_run:
+   DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
 /* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, for what flies and touches already, too. Between runs. The
    ledger books the energy that this makes with what is added. DEM_BAD_ARGUMENT; nothing has changed then. */
@@ -715,12 +738,12 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* The law of links and the kernel that DEM_LINK_KERNEL made from it; before the first link, and again after dem_load. Of a dem_law, a
-   link uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
+/* Sets the law of links; before the first link, and again after dem_load. kernel: what DEM_LINK_KERNEL made of it. Of a dem_law, a link
+   uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
    interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between.
    near: gap below which linked bodies are in contact for the law of contacts too [m] >= 0, at most 0.01 * skin * smallest diameter;
    what grows fast near contact (lubrication) belongs there. DEM_LAW_MISMATCH if there are links with another number of states. */
-DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near);
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
    Links follow a particle's leaving: ended is called, and the link is gone. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
@@ -730,6 +753,9 @@ DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s] */
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i);    /* [m]; NaN if i is out of range */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);      /* [kg] */
 DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
@@ -748,7 +774,8 @@ DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
 /* Contact k = 0 .. dem_contact_count-1 (a slot, to hooks of laws); in those without its force. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
-DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state); /* for hooks of laws */
+/* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
 /* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
    A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it
@@ -1203,41 +1230,42 @@ typedef struct dem__sway {
     dem_vec shift, velocity, acceleration;
 } dem__sway;
 static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
-    const double rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
+    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     dem__sway s;
-    s.shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(w->amplitude.z, w->phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
+    s.shift.x = dem__vibration(w->asked.amplitude.x, w->asked.phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(w->asked.amplitude.y, w->asked.phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(w->asked.amplitude.z, w->asked.phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
     return s;
 }
 
 /* Do two walls vibrate as one, as a deck and its side wall do? */
 DEM_INLINE int dem__sways_with(const dem_wall *a, const dem_wall *b) {
-    return memcmp(&a->amplitude, &b->amplitude, sizeof a->amplitude) == 0 && memcmp(&a->phase, &b->phase, sizeof a->phase) == 0 &&
-           a->frequency == b->frequency && a->motion_start == b->motion_start;
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
+           a->asked.motion_start == b->asked.motion_start;
 }
 
 /* The frame and place that a pose gives a wall. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
-    dem_vec arm = dem__sub(w->origin, w->spin_centre);
-    for (int k = 0; k < 3; k++) axis[k] = w->rest_axis[k];
+    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
+    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
     if (angle != 0.0) { /* NaN goes on */
         const dem_vec about = dem__scale(1.0 / angle, pose->turn);
         for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
         arm = dem__rotated(arm, about, angle);
     }
-    return dem__add(dem__add(w->spin_centre, arm), pose->shift);
+    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
-    const double rate = 0.5 / w->interval;
-    if (!w->motion) return;
+    const double rate = 0.5 / w->asked.interval;
+    if (!w->asked.motion) return;
     for (int k = 0; k < 3; k++) {
         dem_pose pose;
         memset(&pose, 0, sizeof pose);
-        w->motion(w->motion_user, time + (k - 1) * w->interval, &pose);
+        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
         at[k] = dem__posed(w, &pose, axis[k]);
     }
     for (int k = 0; k < 3; k++) { /* w = sum of a x da/dt over the axes, halved */
@@ -1253,11 +1281,11 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
 
 /* Velocity and acceleration that a controlled wall's rate gives it where it is. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
-    if (w->drive == DEM_FORCE_CONTROLLED) {
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
         return;
     }
-    const dem_vec arm = dem__sub(w->position, w->spin_centre), across = dem__cross(w->spin_axis, arm);
+    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
     w->spin = rate, w->spin_rate = w->rate_change;
     w->velocity = dem__scale(rate, across);
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
@@ -1265,10 +1293,10 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
 
 /* Predicted, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
-    const double tau = time - w->motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
+    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
     memset(&pose, 0, sizeof pose);
-    if (w->drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
     else pose.turn = dem__scale(way, w->spin_axis);
     w->position = dem__posed(w, &pose, w->axis);
     dem__rated_wall(w, w->rate + tau * w->rate_change);
@@ -1276,16 +1304,17 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 
 /* Puts a kinematic wall where it is t after its motion began. */
 static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
-    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->drift));
-    w->velocity = dem__add(sway->velocity, w->drift);
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
-    dem_vec origin = w->origin;
+    dem_vec origin = w->asked.origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
-        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->rest_axis[k], w->spin_axis, angle);
-        dem_vec arm = dem__rotated(dem__sub(w->origin, w->spin_centre), w->spin_axis, angle), omega = dem__scale(w->spin, w->spin_axis);
+        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
+        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
+                omega = dem__scale(w->spin, w->spin_axis);
         dem_vec turning = dem__cross(omega, arm);
-        origin = dem__add(w->spin_centre, arm);
+        origin = dem__add(w->asked.spin_centre, arm);
         w->velocity = dem__add(w->velocity, turning);
         w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
     }
@@ -1294,11 +1323,11 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *s
 
 /* Puts a wall where it is at a time. */
 static inline void dem__move_wall(dem_wall *w, double time) {
-    if (w->drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
-    else if (w->drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
+    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->motion_start);
-        dem__kinematic_wall(w, time - w->motion_start, &sway);
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }
 
@@ -1707,7 +1736,7 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);              /* at a bar's end */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
         if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
             return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
@@ -1718,7 +1747,7 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->belt, dem__scale(dem__dot(w->belt, n), n)));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
 }
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
@@ -1803,8 +1832,8 @@ enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
 /* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
 typedef struct dem__run {
-    double dt, kernel_dt;      /* [s]; the kernel's: 0 where forces are found but no time passes */
-    double start_time;         /* time of start_step [s] */
+    double dt, kernel_dt; /* [s]; the kernel's: 0 where forces are found but no time passes */
+    double start_time;    /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
@@ -1814,6 +1843,7 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
+    int only_ledger; /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
@@ -1877,6 +1907,7 @@ typedef struct dem__contacts {
     dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
     dem__postponed *postponed;   /* with threads */
     int states, constants;       /* arrays that there are of each */
+    int has_history;             /* can the states be other than zero? */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
@@ -1887,7 +1918,7 @@ typedef struct dem__contacts {
     double *state[DEM_STATE_MAX];
     double *touch[DEM__PLACES]; /* with a mesh: normal and gap of the place that it follows, then its footing: place, slack, face, and
                                    the normal before; with a cone: its curvature */
-    double *wrench[9]; /* force on i, torques on i and j: of a run's last step */
+    double *wrench[9];          /* force on i, torques on i and j: of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
@@ -1898,7 +1929,7 @@ typedef struct dem__contacts {
 /* Links, in the order of their making; each stands in the lists of its bodies. Written by contacts.h, kernel.h, step.h. */
 typedef struct dem__links {
     const dem_law *law;
-    dem_kernel_fn kernel;
+    dem_loop_fn loop;
     double interval, near;
     int on, stride, states;
     ptrdiff_t count, capacity;
@@ -1913,7 +1944,9 @@ typedef struct dem__links {
 
 /* Where energy went. Written by ledger.h. */
 typedef struct dem__ledger {
-    int on, started;
+    int on, started;     /* are the arrays there; has a run with DEM_ENERGY begun? */
+    int counts;          /* had the last run DEM_ENERGY? */
+    double paused_error; /* [J] when a run without it began */
     dem_energy_ledger sums;
 } dem__ledger;
 
@@ -2190,6 +2223,12 @@ static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX;
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
 
+/* Are the numbers of a law within what a world has room for? */
+static inline int dem__is_law(const dem_law *law) {
+    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
+           law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
+}
+
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
@@ -2354,15 +2393,15 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
-    if (!w->engine->ledger.on) return;
+    if (!w->engine->ledger.counts) return;
     if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Energy stored in all contacts, 0 without a ledger. */
+/* Energy stored in all contacts, 0 while no ledger is kept. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
-    if (!w->engine->ledger.on) return sum;
+    if (!w->engine->ledger.counts) return sum;
     DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
     return sum;
 }
@@ -2666,9 +2705,9 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
         x = dem__sub(other, dem__scale(dem__dot(other, z), z));
     }
     if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->rest_axis[0] = x;
-    wall->axis[1] = wall->rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->rest_axis[2] = z;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
     return 1;
 }
 
@@ -2677,8 +2716,8 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
-    w->wall[w->walls].position = wall->origin;
-    w->wall[w->walls].motion_start = w->time;
+    w->wall[w->walls].position = wall->asked.origin;
+    w->wall[w->walls].asked.motion_start = w->time;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return w->walls++;
 }
@@ -2692,7 +2731,7 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
     if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
     wall.material = material;
-    wall.origin = point;
+    wall.asked.origin = point;
     return dem__add_wall(w, &wall);
 }
 
@@ -2710,7 +2749,7 @@ static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec p
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
     wall.material = material;
-    wall.origin = point;
+    wall.asked.origin = point;
     wall.radius = radius;
     wall.inside = inside != 0;
     return dem__add_wall(w, &wall);
@@ -2756,7 +2795,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
         return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_CONE;
     wall.material = material;
-    wall.origin = cone->low;
+    wall.asked.origin = cone->low;
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
@@ -2793,7 +2832,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_SCREEN;
     wall.material = material;
-    wall.origin = screen->centre;
+    wall.asked.origin = screen->centre;
     wall.aperture = screen->aperture;
     wall.wire = screen->wire;
     wall.profile = (int)screen->profile;
@@ -2962,7 +3001,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     wall.kind = DEM_MESH;
     wall.material = material;
-    wall.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
     dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
 
     const dem_allocator *a = &w->def.allocator;
@@ -2971,7 +3010,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
     for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
         const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.origin);
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
     }
     if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     if (local) a->fn(a->user, local, bytes, 0);
@@ -3521,25 +3560,25 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
     dem__move_wall(a, w->time);
-    a->origin = a->position;
-    for (int k = 0; k < 3; k++) a->rest_axis[k] = a->axis[k];
-    a->spin_centre = dem__add(a->spin_centre, dem__scale(w->time - a->motion_start, a->drift));
-    a->motion_start = w->time;
-    if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
-    a->drive = DEM_KINEMATIC;
+    a->asked.origin = a->position;
+    for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
+    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.motion_start = w->time;
+    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
 }
 
 static inline void dem__bound_speed(dem_wall *a) {
-    double rate = 2.0 * RIDDLE_PI * a->frequency;
+    double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
-    const double x = fabs(a->amplitude.x), y = fabs(a->amplitude.y), z = fabs(a->amplitude.z);
-    a->speed_bound = rate * (x + y + z) + dem__length(a->drift);
+    const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
     a->acceleration_bound = rate * rate * (x + y + z);
     a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->belt.x != 0.0 || a->belt.y != 0.0 || a->belt.z != 0.0;
+    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -3549,9 +3588,9 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
         return DEM_BAD_ARGUMENT;
     if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->amplitude = amplitude;
-    a->phase = phase;
-    a->frequency = frequency;
+    a->asked.amplitude = amplitude;
+    a->asked.phase = phase;
+    a->asked.frequency = frequency;
     dem__bound_speed(a);
     return DEM_OK;
 }
@@ -3560,7 +3599,7 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->drift = velocity;
+    a->asked.drift = velocity;
     dem__bound_speed(a);
     return DEM_OK;
 }
@@ -3572,7 +3611,7 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
         !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->spin_centre = centre;
+    a->asked.spin_centre = centre;
     a->spin_axis = unit;
     a->spin = spin;
     dem__bound_speed(a);
@@ -3582,11 +3621,11 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
 /* From now on the wall moves by a drive alone. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
-    a->amplitude = a->drift = dem_vec3(0.0, 0.0, 0.0);
+    a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
     a->slides = 1;
-    a->drive = (int)drive;
+    a->asked.drive = (int)drive;
     w->engine->run.needs_forces = 1; /* its acceleration is to be found */
     return a;
 }
@@ -3600,16 +3639,16 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
-    if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
-    probe.drive = DEM_PRESCRIBED;
-    probe.spin_centre = centre;
-    probe.motion = motion, probe.motion_user = user;
-    probe.interval = world->engine->run.dt;
+    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    probe.asked.drive = DEM_PRESCRIBED;
+    probe.asked.spin_centre = centre;
+    probe.asked.motion = motion, probe.asked.motion_user = user;
+    probe.asked.interval = world->engine->run.dt;
     dem__move_wall(&probe, world->time);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->engine->run.dt;
-    a->spin_centre = centre;
-    a->motion = motion, a->motion_user = user;
+    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    a->asked.spin_centre = centre;
+    a->asked.motion = motion, a->asked.motion_user = user;
     world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
     return DEM_OK;
 }
@@ -3625,11 +3664,11 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
     dem_wall *a = dem__drive(w, wall, drive);
-    a->spin_centre = centre;
+    a->asked.spin_centre = centre;
     a->spin_axis = unit;
-    a->inertia = inertia;
-    a->load = load;
-    a->damping = damping;
+    a->asked.inertia = inertia;
+    a->asked.load = load;
+    a->asked.damping = damping;
     a->rate = rate;
     w->engine->walls.controls = 1;
     return DEM_OK;
@@ -3646,7 +3685,7 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
-    world->wall[wall].belt = velocity;
+    world->wall[wall].asked.belt = velocity;
     world->wall[wall].slides = 1;
     return DEM_OK;
 }
@@ -3656,14 +3695,16 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
-        if (a->drive < DEM_FORCE_CONTROLLED) continue;
-        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
-        const double push = a->load + dem__dot(a->drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis), half = 0.5 * h;
-        const double rate = (a->rate + half * (a->rate_change + push / a->inertia)) / (1.0 + half * a->damping / a->inertia);
+        if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
+        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+                     half = 0.5 * h;
+        const double rate =
+            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = rate;
-        a->rate_change = (push - a->damping * rate) / a->inertia;
-        a->motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
+        a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
+        a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);
     }
 }
@@ -3671,9 +3712,9 @@ static inline void dem__kick_walls(dem_world *w, double h) {
 /* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
     a->impulse = dem__add(a->impulse, impulse);
-    if (a->drive < DEM_FORCE_CONTROLLED) return;
-    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->spin_centre), impulse));
-    a->rate += dem__dot(a->drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->inertia;
+    if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
+    a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
 }
 
@@ -4007,9 +4048,8 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 /* No point of a wall at x is faster than speed_bound + spin_bound times this. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
-    return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
+    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre)) : arm;
 }
 
 /* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
@@ -4171,7 +4211,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
                  radius = w->particle[i].radius;
     const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
     if (wall->kind == DEM_CYLINDER) {
         const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;
@@ -4415,10 +4455,10 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
-        if (a->drive == DEM_KINEMATIC) {
+        if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__sways_with(a, last)) sway = dem__sway_at(a, time - a->motion_start);
-            dem__kinematic_wall(a, time - a->motion_start, &sway);
+            if (!last || !dem__sways_with(a, last)) sway = dem__sway_at(a, time - a->asked.motion_start);
+            dem__kinematic_wall(a, time - a->asked.motion_start, &sway);
             last = a;
             continue;
         }
@@ -5066,7 +5106,7 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
-        if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
+        if (a->asked.drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
         a->speed_bound = speed, a->spin_bound = spin;
         if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
     }
@@ -5216,28 +5256,35 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
-DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block_rows *b, dem__columns *at) {
+/* Finds where the results of a block go: forces into the block's rows, as they are kept only if somebody asks; the rest straight to the
+   contacts, or into rows too. */
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies, dem__block_rows *b,
+                                 dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
     for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
-    if (!DEM__COPY_ROWS) return;
+    if (!copies) return;
     for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
     for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
     for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
     at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
 }
 
-/* From there to the world. */
+/* Copies what a block's contacts store and dissipate from its rows. */
+DEM_INLINE void dem__store_ledger(const dem__columns *to, const dem__columns *from, int n) {
+    const size_t bytes = (size_t)n * sizeof(double);
+    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
+    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
+    memcpy(to->elastic, from->elastic, bytes);
+}
+
+/* Copies a block's results from its rows to the contacts. */
 DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
     if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
-    if (!(features & DEM_ENERGY)) return;
-    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
-    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
-    memcpy(to->elastic, from->elastic, bytes);
+    if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
 /* Of a block in which each contact has its own. */
@@ -5329,7 +5376,7 @@ typedef struct dem__wall_row {
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: a link's */
     int32_t element;
-    double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
 } dem__wall_row;
 
@@ -5415,8 +5462,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec carried = dem__add(dem__plus(wall->velocity, -half, wall->acceleration),
-                                         dem__cross(spin, dem__sub(s->x, wall->position)));
+        const dem_vec carried =
+            dem__add(dem__plus(wall->velocity, -half, wall->acceleration), dem__cross(spin, dem__sub(s->x, wall->position)));
         const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
         t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
     }
@@ -5906,6 +5953,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
+    const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
     const double h = run->kernel_dt, rate = 1.0 / run->dt;
     dem__chunk *in = &w->engine->contacts.chunk[chunk];
     for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
@@ -5913,31 +5961,25 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns old, at;
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
         dem__columns_of(w, base, law, features, &old);
-        dem__new_columns(w, base, law, features, &x->block, &at);
+        dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
+        if (only_ledger) {
+            dem__store_ledger(&old, &at, n);
+            continue;
+        }
+        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
     }
 }
 
-/* Is a kernel of these features the one for a run with those? The arrays of the ledger must be there, or not. */
-DEM_INLINE int dem__suits(int features, int run) {
-    return (features & DEM_ENERGY) == (run & DEM_ENERGY) && !(run & ~features & (DEM_FRICTION | DEM_ROLLING));
-}
-
 /* The contacts of chunks first .. end-1, by one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
                             int features) {
-    const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = &w->engine->scratch.work[part];
-    if (!dem__suits(features, run->features) || law->states != run->law->states || law->constants != run->law->constants) {
-        w->status = DEM_BAD_ARGUMENT;
-        return;
-    }
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
@@ -6037,14 +6079,17 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     }
 }
 
-#define DEM__KERNEL(name, call)                                                                                                            \
+#define DEM__LOOP(name, call)                                                                                                              \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
         dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
     }                                                                                                                                      \
-    DEM__KERNEL(name, dem__kernel(world, first, end, part, &(law), name##_edge, features))
-#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, part, &(law)))
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                                            \
+    static const dem_kernel name = {&(law), features, name##_loop};
+#define DEM_LINK_KERNEL(name, law)                                                                                                         \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                                              \
+    static const dem_link_kernel name = {&(law), name##_loop};
 
 /* ----------------------------------------------------------------------------------------- >>removal */
 /* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
@@ -6181,25 +6226,26 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     return DEM_OK;
 }
 
-DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
+        !dem__not_negative(near))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
-        return DEM_BAD_ARGUMENT;
-    if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
-    w->engine->links.on = 1;
-    w->engine->links.law = law;
-    w->engine->links.kernel = kernel;
-    w->engine->links.interval = interval;
-    if (w->engine->links.near != near) w->engine->run.needs_lists = 1;
-    w->engine->links.near = near;
-    if (law->states != w->engine->links.states) { /* other arrays: a new block when there is a link */
-        if (w->engine->links.block) w->def.allocator.fn(w->def.allocator.user, w->engine->links.block, w->engine->links.bytes, 0);
-        w->engine->links.block = NULL;
-        w->engine->links.capacity = 0;
-        w->engine->links.states = law->states;
+    dem__links *links = &w->engine->links;
+    const dem_law *law = kernel->law;
+    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    links->on = 1;
+    links->law = law;
+    links->loop = kernel->loop;
+    links->interval = interval;
+    if (links->near != near) w->engine->run.needs_lists = 1;
+    links->near = near;
+    if (law->states != links->states) { /* other arrays: a new block when there is a link */
+        dem__release(&w->def.allocator, links->block, links->bytes);
+        links->block = NULL;
+        links->capacity = 0;
+        links->states = law->states;
     }
     dem__set_stride(w);
     return DEM_OK;
@@ -6608,11 +6654,11 @@ static inline int dem__reorder_contacts(dem_world *w) {
 /* ------------------------------------------------------------------------------------------ >>forces */
 /* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads. */
-/* Runs the links' kernel on blocks first .. end - 1. */
+/* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
     (void)context;
-    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
 }
 static inline void dem__evaluate_links(dem_world *w) {
     const ptrdiff_t n = w->engine->links.count;
@@ -6621,7 +6667,7 @@ static inline void dem__evaluate_links(dem_world *w) {
 
 /* An evaluation of all contacts by several threads. */
 typedef struct dem__evaluation {
-    dem_kernel_fn kernel;
+    dem_loop_fn loop;
     int parts, has_friction;
 } dem__evaluation;
 
@@ -6666,14 +6712,23 @@ static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
     for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->kernel(w, first, end, part);
+    e->loop(w, first, end, part);
+}
+
+/* Finds what the contacts present store and dissipate now, for a ledger that begins. */
+static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
+    dem__run *run = &w->engine->run;
+    run->kernel_dt = 0.0;
+    run->only_ledger = 1;
+    loop(w, 0, w->engine->contacts.chunk_count, 0);
+    run->only_ledger = 0;
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
-static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
+static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
-    e.kernel = kernel, e.has_friction = has_friction;
+    e.loop = loop, e.has_friction = has_friction;
     e.parts = contacts->postponed
                   ? dem__parts_of(w, contacts->count,
                                   contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)
@@ -7082,56 +7137,94 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
-static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem__run *run = &w->engine->run;
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__ledger *ledger = &w->engine->ledger;
-    ptrdiff_t born = 0;
-    if (run->needs_lists) {
-        DEM__EACH_CONTACT(w, c) { /* contacts with walls that were taken away */
-            if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
-        }
-        dem__remove_ended(w, w->step, 1);
-        if (!dem__rebuild(w)) return 0;
+/* Ends the contacts with walls that were taken away, and makes the list of near pairs anew. Returns 0 after a failure. */
+static inline int dem__prepare_lists(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.needs_lists) return 1;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
     }
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    dem__remove_ended(w, w->step, 1);
+    return dem__rebuild(w);
+}
+
+/* Finds the damping ratios of all pairs of materials. */
+static inline void dem__find_damping_ratios(dem_world *w) {
     for (int a = 0; a < w->def.materials; a++) {
         for (int b = 0; b < w->def.materials; b++) {
             const dem_pair_def *pair = dem_pair(&w->def, a, b);
-            run->damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+            w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
-    if (run->needs_forces) {
-        dem__test_everything(w);
-        if (w->status != DEM_OK) return dem__undo_detection(w);
-        born = contacts->begun;
-        dem__commit_begun(w, 0.0);
-        dem__list_active(w);
-        for (ptrdiff_t k = 0; k < born; k++) {
-            const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-            if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
-        }
+}
+
+/* Tests everything and makes the contacts that begin, whose slots are listed then. How many, or -1 after a failure. */
+static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__test_everything(w);
+    if (w->status != DEM_OK) {
+        dem__undo_detection(w);
+        return -1;
     }
+    const ptrdiff_t begun = contacts->begun;
+    dem__commit_begun(w, 0.0);
+    dem__list_active(w);
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+    }
+    return begun;
+}
+
+/* Makes the kernel's law and the features those of the run, and gives contacts their constants if these have changed. */
+static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
+    dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
-        contacts->type_count = 0;
+        w->engine->contacts.type_count = 0;
         DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
     }
     run->features = features;
     run->law = law;
-    if (run->needs_forces) {
-        dem__report_begun(w, law, born);
-        dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
-        if (!dem__reorder_contacts(w)) return 0;
-        const double stored = dem__stored_energy(w);
-        dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
-        dem__book_callers_contacts(w, stored);
-        if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
-        dem__kick_walls(w, 0.0);
-        dem__remove_ended(w, w->step, 0);
-        dem__check_bounds(w);
-        if (w->status != DEM_OK) return 0;
-    }
+}
+
+/* Finds the forces on everything, no time passing, and so the accelerations. Returns 0 after a failure. */
+static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
+    dem__report_begun(w, kernel->law, begun);
+    dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
+    if (!dem__reorder_contacts(w)) return 0;
+    const double stored = dem__stored_energy(w);
+    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__book_callers_contacts(w, stored);
+    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__kick_walls(w, 0.0);
+    dem__remove_ended(w, w->step, 0);
+    dem__check_bounds(w);
+    return w->status == DEM_OK;
+}
+
+/* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
+static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. Returns 0 after a failure. */
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
+    dem__run *run = &w->engine->run;
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!dem__prepare_lists(w)) return 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    dem__find_damping_ratios(w);
+    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
+    if (begun < 0) return 0;
+    dem__set_law(w, kernel->law, features);
+    dem__switch_ledger(w, kernel->loop);
+    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
@@ -7229,8 +7322,8 @@ static inline int dem__remove_leaving(dem_world *w) {
 }
 
 /* Advances the world by one step; `keep`: forces of contacts are kept for readers. Returns 0 after a failure. */
-static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
-    const int has_friction = (features & DEM_FRICTION) != 0;
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
@@ -7238,8 +7331,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
     dem__advance(w, h);
-    dem__prepare_begun(w, law, begun, features);
-    dem__evaluate(w, kernel, h, has_friction, keep);
+    dem__prepare_begun(w, kernel->law, begun, features);
+    dem__evaluate(w, kernel->loop, h, has_friction, keep);
     if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
@@ -7254,69 +7347,79 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     return w->status == DEM_OK;
 }
 
-/* A kernel says so of no contacts if it is not for this law and these features. */
-static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem__run *run = &w->engine->run;
-    const dem_law *old_law = run->law;
-    const int old_features = run->features;
-    run->law = law, run->features = features;
-    kernel(w, 0, 0, 0);
-    const int fits = w->status == DEM_OK;
-    run->law = old_law, run->features = old_features;
-    w->status = DEM_OK;
-    return fits;
+/* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
+static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
+    return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
-        return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
-        return DEM_BAD_ARGUMENT;
-    if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    const double owed = w->owed + duration, remaining = owed / w->engine->run.dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+/* Can a law take over the contacts present? Those of a law that keeps as many states go on; a void history can be dropped, and begin. */
+static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
+    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
+}
+
+/* What keeps a run from beginning, or DEM_OK. */
+static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
-    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
-    if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
-    if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (law->states != w->engine->contacts.states && w->engine->contacts.count > 0) return DEM_LAW_MISMATCH;
-    if (w->engine->links.count > 0 && !w->engine->links.law) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
-    const int ledger = w->engine->ledger.on || (features & DEM_ENERGY),
-              constants = law->constants > w->engine->contacts.constants ? law->constants : w->engine->contacts.constants;
-    const int postpones = dem__may_postpone(w) && !w->engine->contacts.postponed;
-    if (law->states != w->engine->contacts.states || constants != w->engine->contacts.constants || ledger != w->engine->ledger.on ||
-        postpones) { /* other arrays: a new block */
-        dem__array list[DEM__ARRAYS_MAX];
-        const int old_states = w->engine->contacts.states, old_constants = w->engine->contacts.constants, old_ledger = w->engine->ledger.on;
-        const ptrdiff_t old_capacity = w->engine->contacts.capacity;
-        w->engine->contacts.states = law->states, w->engine->contacts.constants = constants, w->engine->ledger.on = ledger;
-        if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &w->engine->contacts.block, &w->engine->contacts.bytes,
-                             &w->engine->contacts.capacity, dem__next_slot(w) + 1)) {
-            w->engine->contacts.states = old_states, w->engine->contacts.constants = old_constants, w->engine->ledger.on = old_ledger;
-            w->engine->contacts.capacity = old_capacity;
-            return DEM_OUT_OF_MEMORY;
-        }
-        for (int a = w->engine->contacts.states; a < DEM_STATE_MAX; a++) w->engine->contacts.state[a] = NULL; /* not in the block */
+    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* loaded: dem_set_links comes first */
+}
+
+/* Makes the arrays of contacts those that a law, a ledger and threads ask for. Returns 0 without memory; nothing has changed then. */
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
+    contacts->states = law->states, w->engine->ledger.on = ledger;
+    contacts->constants = law->constants > constants ? law->constants : constants;
+    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                         dem__next_slot(w) + 1)) {
+        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        return 0;
     }
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    return 1;
+}
+
+/* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
+static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        !dem__not_negative(duration))
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem__check_run(w, kernel, features);
+    if (status != DEM_OK) return status;
+    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+        return DEM_OUT_OF_MEMORY;
+    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* of a run that fails */
     w->engine->run.running = 1;
-    int going = dem__prepare_run(w, law, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, law, kernel, features, n == 1);
+    int going = dem__prepare_run(w, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
     if (!going) return w->status;
-    w->owed = owed - (double)steps * w->engine->run.dt;
+    w->owed = owed - (double)steps * dt;
     return DEM_OK;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
+    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
 }
 
 /* name, version, states, history, vectors, constants, prepare, force, born, ended */
@@ -7343,22 +7446,19 @@ DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRIC
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
     switch (features) {
-    case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);
-    case DEM_LINEAR | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_linear_friction, dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_rolling, features);
-    case DEM_HERTZ: return dem_run_law(world, duration, &dem_law_hertz, dem__kernel_hertz, features);
-    case DEM_HERTZ | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_hertz_friction, dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_rolling, features);
+    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_energy, features);
+        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_energy, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY: return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
     default: return DEM_BAD_ARGUMENT;
     }
 }
@@ -7375,6 +7475,18 @@ DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
     return dem__velocity_at(world, i, dem__now(world, i));
 }
 
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
@@ -7383,27 +7495,31 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     return sum;
 }
 
+/* The part of the ledger that does not add up [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
+           l->start - l->added - l->wall_work - l->external_work - l->link_work;
+}
+
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
     if (!world || !world->engine) return l;
-    l = world->engine->ledger.sums;
-    l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
-        if (world->engine->ledger.on) l.link_work += dem__link_work(world, i);
+        if (ledger->on) l.link_work += dem__link_work(world, i);
     }
-    if (world->engine->ledger.on) {
-        DEM__EACH_CONTACT(world, c) { l.elastic += world->engine->contacts.elastic[c]; }
-    }
-    if (!world->engine->ledger.started) return l;
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
-              l.added - l.wall_work - l.external_work - l.link_work;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
     return l;
 }
 
@@ -7424,9 +7540,9 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     return info;
 }
 
-DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !world->engine || !state || slot < 0 || slot >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
 }
 
 DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }
@@ -8521,17 +8637,35 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 }
 
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->drive};
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    double *numbers[] = {
-        &w->radius,    &w->high_radius, &w->length,    &w->aperture,     &w->wire,        &w->half_x,      &w->half_y,
-        &w->frequency, &w->spin,        &w->spin_rate, &w->coordinate,   &w->rate,        &w->rate_change, &w->inertia,
-        &w->load,      &w->damping,     &w->interval,  &w->motion_start, &w->speed_bound, &w->spin_bound,  &w->acceleration_bound,
-        &w->side_bound};
+    double *numbers[] = {&w->radius,
+                         &w->high_radius,
+                         &w->length,
+                         &w->aperture,
+                         &w->wire,
+                         &w->half_x,
+                         &w->half_y,
+                         &w->asked.frequency,
+                         &w->spin,
+                         &w->spin_rate,
+                         &w->coordinate,
+                         &w->rate,
+                         &w->rate_change,
+                         &w->asked.inertia,
+                         &w->asked.load,
+                         &w->asked.damping,
+                         &w->asked.interval,
+                         &w->asked.motion_start,
+                         &w->speed_bound,
+                         &w->spin_bound,
+                         &w->acceleration_bound,
+                         &w->side_bound};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
-    dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
-    dem_vec *vectors[] = {&w->origin,   &w->belt,     &w->amplitude,    &w->phase, &w->drift,  &w->spin_axis, &w->spin_centre,
-                          &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
+    dem__vecs(s, w->axis, 3), dem__vecs(s, w->asked.rest_axis, 3);
+    dem_vec *vectors[] = {
+        &w->asked.origin, &w->asked.belt, &w->asked.amplitude, &w->asked.phase, &w->asked.drift, &w->spin_axis, &w->asked.spin_centre,
+        &w->position,     &w->velocity,   &w->acceleration,    &w->force,       &w->torque,      &w->impulse};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
 }
 
@@ -8595,7 +8729,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem__number_present(&w);
     dem__i64(&s, &w.step);
     for (int k = 0; k < w.walls; k++) {
-        if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+        if (w.wall[k].asked.drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
     dem__stream_state(&s, &w, w.engine->scratch.index, 0);
     return s.hash;
@@ -8641,6 +8775,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
                     &run->needs_forces,
                     &ledger->on,
                     &ledger->started,
+                    &ledger->counts,
+                    &contacts->has_history,
                     &w->engine->bodies.loads_on,
                     &contacts->states,
                     &w->engine->links.on,
@@ -8653,6 +8789,7 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
         w->status = DEM_OUT_OF_MEMORY;
         s->failed = 1;
     }
+    dem__f64(s, &ledger->paused_error);
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
     dem_energy_ledger *l = &ledger->sums;
     double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
@@ -8771,8 +8908,10 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
         if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
         if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
-        if (a->drive < DEM_KINEMATIC || a->drive > DEM_TORQUE_CONTROLLED || (a->drive == DEM_PRESCRIBED && !(a->interval > 0.0))) return 0;
-        if (a->drive >= DEM_FORCE_CONTROLLED && !(a->inertia > 0.0)) return 0;
+        if (a->asked.drive < DEM_KINEMATIC || a->asked.drive > DEM_TORQUE_CONTROLLED ||
+            (a->asked.drive == DEM_PRESCRIBED && !(a->asked.interval > 0.0)))
+            return 0;
+        if (a->asked.drive >= DEM_FORCE_CONTROLLED && !(a->asked.inertia > 0.0)) return 0;
     }
     return 1;
 }
@@ -8815,7 +8954,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (int k = 0; k < w->walls; k++) {
         w->engine->walls.meshes += w->wall[k].kind == DEM_MESH;
         w->engine->walls.touch_keepers += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
-        w->engine->walls.controls |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+        w->engine->walls.controls |= w->wall[k].asked.drive >= DEM_FORCE_CONTROLLED;
     }
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
                              &w->engine->bodies.capacity, (ptrdiff_t)present + 1);

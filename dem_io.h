@@ -328,7 +328,7 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
     *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
     *high = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
     for (ptrdiff_t i = 0; i < world->count; i++)
-        if (dem_io__is_there(world, i)) dem_io__grow(low, high, dem_position(world, i), world->particle[i].radius);
+        if (dem_io__is_there(world, i)) dem_io__grow(low, high, dem_position(world, i), dem_radius(world, i));
     for (int k = 0; k < world->walls; k++)
         if (world->wall[k].enabled) dem_io__grow_by_wall(low, high, &world->wall[k]);
     if (!(low->x <= high->x)) *low = dem_vec3(-0.5, -0.5, -0.5), *high = dem_vec3(0.5, 0.5, 0.5);
@@ -412,8 +412,8 @@ DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char 
         if (!dem_io__is_there(world, i)) continue;
         dem_io__store(&place[3 * m], dem_position(world, i));
         dem_io__store(&velocity[3 * m], dem_velocity(world, i));
-        dem_io__store(&spin[3 * m], world->particle[i].spin);
-        diameter[m] = 2.0 * world->particle[i].radius;
+        dem_io__store(&spin[3 * m], dem_spin(world, i));
+        diameter[m] = 2.0 * dem_radius(world, i);
         group[m] = (int)world->group[i], material[m] = (int)world->material[i], id[m] = (int)(world->id[i] & INT_MAX);
         m++;
     }
@@ -491,7 +491,7 @@ static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!dem_io__is_there(world, i) || (int)world->group[i] != group) continue;
         const dem_vec at = dem_position(world, i);
-        const double h = dem_io__height(v, at), radius = world->particle[i].radius;
+        const double h = dem_io__height(v, at), radius = dem_radius(world, i);
         if (!(fabs(h) < radius)) continue;
         x[n] = 1e3 * dem_io__dot(at, v->right), y[n] = 1e3 * dem_io__dot(at, v->up), r[n] = 1e3 * sqrt(radius * radius - h * h);
         n++;

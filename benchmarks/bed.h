@@ -117,7 +117,7 @@ static inline void bed_measure(const dem_world *world, double *height, double *e
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec v = dem_velocity(world, i);
         *height += dem_position(world, i).z / (double)world->count;
-        *energy += 0.5 * world->particle[i].mass * (v.x * v.x + v.y * v.y + v.z * v.z);
+        *energy += 0.5 * dem_mass(world, i) * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
 }
 

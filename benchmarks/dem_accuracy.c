@@ -101,9 +101,9 @@ static void others(const impact *of, int method, int division, int phases, const
     o->cpu_ns = (double)NAN;
 }
 
-static double processor_ns(dem_world *w, double duration, const dem_law *law, dem_kernel_fn kernel, dem_status *status) {
+static double processor_ns(dem_world *w, double duration, const dem_kernel *kernel, dem_status *status) {
     const double start = machine_processor_seconds();
-    *status = law ? dem_run_law(w, duration, law, kernel, DEM_LINEAR | DEM_FRICTION) : dem_run(w, duration, DEM_LINEAR | DEM_FRICTION);
+    *status = kernel ? dem_run_law(w, duration, kernel) : dem_run(w, duration, DEM_LINEAR | DEM_FRICTION);
     return 1e9 * (machine_processor_seconds() - start);
 }
 
@@ -118,8 +118,7 @@ static double middle_of(double *v, int n) {
 
 /* dem.h as shipped, with nothing resolved, and both with a counter. */
 enum { VARIANTS = 4 };
-static const dem_law *const laws[VARIANTS] = {NULL, &unresolved_law, &counted_law, &counted_unresolved_law};
-static const dem_kernel_fn kernels[VARIANTS] = {NULL, unresolved_kernel, counted_kernel, counted_unresolved_kernel};
+static const dem_kernel *const kernels[VARIANTS] = {NULL, &unresolved_kernel, &counted_kernel, &counted_unresolved_kernel};
 
 static int own(const impact *of, int division, int phases, const pair_state *exact, outcome *shipped, outcome *unresolved) {
     enum { REPEATS = 5 };
@@ -133,11 +132,11 @@ static int own(const impact *of, int division, int phases, const pair_state *exa
             outcome *o = outcomes[variant % 2];
             dem_status status = world_of_pairs(&w, of, division, phases);
             evaluations = 0;
-            if (status == DEM_OK) ns[variant][repeat] = processor_ns(&w, duration, laws[variant], kernels[variant], &status);
+            if (status == DEM_OK) ns[variant][repeat] = processor_ns(&w, duration, kernels[variant], &status);
             if (variant >= 2) o->effort = (double)evaluations / phases;
             for (int p = 0; p < phases && variant < 2 && repeat == 0 && status == DEM_OK; p++) {
                 const dem_vec a = dem_velocity(&w, 2 * p), b = dem_velocity(&w, 2 * p + 1);
-                pair_state s = {0.0, 0.0, a.x - b.x, a.y - b.y, w.particle[2 * p].spin.z, 0.0};
+                pair_state s = {0.0, 0.0, a.x - b.x, a.y - b.y, dem_spin(&w, 2 * p).z, 0.0};
                 collect(o, miss(of, &s, exact), phases);
             }
             dem_free(&w);
@@ -454,7 +453,7 @@ static void stacks(const program *self, csv *file, json *report, plot *figure, p
                         dem_status status = world_of_stack(&w, &starts[p], restitutions[r], as.mode, dt, DEM_SKIP_ALL);
                         evaluations = 0;
                         if (status == DEM_OK && variant < VARIANTS) {
-                            const double spent = processor_ns(&w, stack_time, laws[variant], kernels[variant], &status);
+                            const double spent = processor_ns(&w, stack_time, kernels[variant], &status);
                             if (variant < 2) ns[variant][p] = spent;
                             else o[variant - 2][level].effort += (double)evaluations / phases;
                         } else if (status == DEM_OK) {
@@ -528,7 +527,7 @@ static void layers(const program *self, json *report) {
         for (int repeat = 0; repeat < REPEATS; repeat++) {
             dem_world w;
             dem_status status = world_of_stack(&w, &start, 0.78, DEM_CLIPPED, 4.5e-6, skips[k]);
-            if (status == DEM_OK) ns[repeat] = processor_ns(&w, stack_time, NULL, NULL, &status);
+            if (status == DEM_OK) ns[repeat] = processor_ns(&w, stack_time, NULL, &status);
             hash[k] = dem_hash(&w);
             looks = (double)w.looks / (double)w.particle_steps;
             dem_free(&w);

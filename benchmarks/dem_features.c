@@ -75,7 +75,7 @@ static dem_status scene_world(dem_world *world, const bed *b, int scene, const f
 #ifdef ONLY_KERNEL
 DEM_KERNEL(only_kernel, dem_law_linear, DEM_LINEAR)
 static dem_status run(dem_world *world, double duration, int wanted) {
-    return wanted == DEM_LINEAR ? dem_run_law(world, duration, &dem_law_linear, only_kernel, DEM_LINEAR) : DEM_BAD_ARGUMENT;
+    return wanted == DEM_LINEAR ? dem_run_law(world, duration, &only_kernel) : DEM_BAD_ARGUMENT;
 }
 #else
 static dem_status run(dem_world *world, double duration, int wanted) { return dem_run(world, duration, wanted); }

@@ -55,12 +55,12 @@ static int impacts(double speed, double interval, double steps_per_contact, doub
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, DEM_LINEAR, 1.0).contact / steps_per_contact);
     if (deck < 0 || wet_init(&scene, n, group, diameters, class_diameter, moisture, mass * n, deck, &world, false, WET_STEEL) != BRIDGE_OK)
         status = DEM_BAD_ARGUMENT;
-    if (status == DEM_OK) status = dem_set_links(&world, &wet_bridges, wet_link_kernel, fmax(interval, 1e-9), WET_NEAR);
+    if (status == DEM_OK) status = dem_set_links(&world, &wet_link_kernel, fmax(interval, 1e-9), WET_NEAR);
     world.user = &scene;
     if (status == DEM_OK) status = wet_run(&world, duration, 0);
     for (int p = 0; p < pairs && status == DEM_OK; p++) {
         const dem_vec u = dem_velocity(&world, 2 * p), v = dem_velocity(&world, 2 * p + 1);
-        const dem_vec spin = world.particle[2 * p].spin, other = world.particle[2 * p + 1].spin;
+        const dem_vec spin = dem_spin(&world, 2 * p), other = dem_spin(&world, 2 * p + 1);
         const double r = 0.5 * diameter;
         const outcome o = {{v.x - u.x, v.y - u.y, v.z - u.z, r * (spin.x + other.x), r * (spin.y + other.y), r * (spin.z + other.z)},
                            dem_find_link(&world, 2 * p, 2 * p + 1, 0) >= 0};

@@ -64,7 +64,7 @@ static int impacts(double restitution, int division, int phases, const pair_stat
         *cpu_s += (machine_processor_seconds() - start) / (ANGLES * phases);
         for (int p = 0; p < phases && status == DEM_OK; p++) {
             const dem_vec u = dem_velocity(&world, 2 * p), v = dem_velocity(&world, 2 * p + 1);
-            const pair_state s = {0.0, 0.0, u.x - v.x, u.y - v.y, world.particle[2 * p].spin.z, 0.0};
+            const pair_state s = {0.0, 0.0, u.x - v.x, u.y - v.y, dem_spin(&world, 2 * p).z, 0.0};
             pool(&of_method[DEM], &s, &exact[a], weight);
             for (int m = VERLET; m < METHODS; m++) {
                 pair_state other = approach(&of, dt * (1.0 + (p + 0.5) / phases));
@@ -202,13 +202,12 @@ static balance run_scene(int scene, const bed *b, double division, double durati
                : scene == SCREEN ? screen_world(&world, step)
                                  : one_bed(&world, b, step, e, scene == VIBRATED);
     const double cpu = machine_processor_seconds();
-    if (r.status == DEM_OK && scene == ELASTIC_VERLET) r.status = dem_run_law(&world, step, &unresolved_law, unresolved_kernel, features);
+    if (r.status == DEM_OK && scene == ELASTIC_VERLET) r.status = dem_run_law(&world, step, &unresolved_kernel);
     else if (r.status == DEM_OK) r.status = dem_run(&world, step, features);
     const double before = elastic ? total_energy(&world) : 0.0, moving = elastic ? dem_energy(&world).kinetic : 0.0;
     for (double t = 0.0; t < duration && r.status == DEM_OK && !common_interrupted(); t += 0.01) {
         const double part = fmin(0.01, duration - t);
-        r.status = scene == ELASTIC_VERLET ? dem_run_law(&world, part, &unresolved_law, unresolved_kernel, features)
-                                           : dem_run(&world, part, features);
+        r.status = scene == ELASTIC_VERLET ? dem_run_law(&world, part, &unresolved_kernel) : dem_run(&world, part, features);
     }
     r.cpu_s = machine_processor_seconds() - cpu;
     if (r.status == DEM_OK) {

@@ -175,9 +175,9 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
    (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* The same with a law of your own and the kernel that DEM_KERNEL made from it. features: those that DEM_KERNEL was given; without
-   DEM_FRICTION or DEM_ROLLING of them the shipped prepare functions leave these out. Others, or another law's kernel: DEM_BAD_ARGUMENT. */
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features);
+/* The same with a law of your own: kernel is what DEM_KERNEL made of it; it must outlive the world. Besides the statuses of dem_run:
+   DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
 /* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, for what flies and touches already, too. Between runs. The
    ledger books the energy that this makes with what is added. DEM_BAD_ARGUMENT; nothing has changed then. */
@@ -198,12 +198,12 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* The law of links and the kernel that DEM_LINK_KERNEL made from it; before the first link, and again after dem_load. Of a dem_law, a
-   link uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
+/* Sets the law of links; before the first link, and again after dem_load. kernel: what DEM_LINK_KERNEL made of it. Of a dem_law, a link
+   uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
    interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between.
    near: gap below which linked bodies are in contact for the law of contacts too [m] >= 0, at most 0.01 * skin * smallest diameter;
    what grows fast near contact (lubrication) belongs there. DEM_LAW_MISMATCH if there are links with another number of states. */
-DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near);
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
 /* Links particle i with j (particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
    Links follow a particle's leaving: ended is called, and the link is gone. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
@@ -213,6 +213,9 @@ DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s] */
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i);    /* [m]; NaN if i is out of range */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);      /* [kg] */
 DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
@@ -231,7 +234,8 @@ DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
 /* Contact k = 0 .. dem_contact_count-1 (a slot, to hooks of laws); in those without its force. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
-DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state); /* for hooks of laws */
+/* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
 /* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
    A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it

@@ -156,10 +156,10 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     dem__sway sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
-        if (a->drive == DEM_KINEMATIC) {
+        if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__sways_with(a, last)) sway = dem__sway_at(a, time - a->motion_start);
-            dem__kinematic_wall(a, time - a->motion_start, &sway);
+            if (!last || !dem__sways_with(a, last)) sway = dem__sway_at(a, time - a->asked.motion_start);
+            dem__kinematic_wall(a, time - a->asked.motion_start, &sway);
             last = a;
             continue;
         }

@@ -63,6 +63,12 @@ static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX;
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
 
+/* Are the numbers of a law within what a world has room for? */
+static inline int dem__is_law(const dem_law *law) {
+    return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
+           law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
+}
+
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";

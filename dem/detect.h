@@ -91,9 +91,8 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
 
 /* No point of a wall at x is faster than speed_bound + spin_bound times this. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
-    return wall->drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->origin, wall->spin_centre)) : arm;
+    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre)) : arm;
 }
 
 /* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
@@ -255,7 +254,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
                  radius = w->particle[i].radius;
     const dem_vec u = dem__sub(v, wall->velocity), g = dem__free_fall(w);
     double a = w->engine->pairs.gravity_size + wall->acceleration_bound, least = HUGE_VAL;
-    if (found == 0 || wall->drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
+    if (found == 0 || wall->asked.drive != DEM_KINEMATIC || wall->kind > DEM_EXIT || wall->spin != 0.0 || !(a < HUGE_VAL)) return 0.0;
     if (wall->kind == DEM_SCREEN) least = dem__time_to_close(others - near, dem__length(u) + stray, a);
     if (wall->kind == DEM_CYLINDER) {
         const double along = dem__dot(g, wall->axis[2]), from_axis = wall->radius - radius - touch->gap;

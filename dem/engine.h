@@ -74,8 +74,8 @@ enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
 /* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
 typedef struct dem__run {
-    double dt, kernel_dt;      /* [s]; the kernel's: 0 where forces are found but no time passes */
-    double start_time;         /* time of start_step [s] */
+    double dt, kernel_dt; /* [s]; the kernel's: 0 where forces are found but no time passes */
+    double start_time;    /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
@@ -85,6 +85,7 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
+    int only_ledger; /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
@@ -148,6 +149,7 @@ typedef struct dem__contacts {
     dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
     dem__postponed *postponed;   /* with threads */
     int states, constants;       /* arrays that there are of each */
+    int has_history;             /* can the states be other than zero? */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
@@ -158,7 +160,7 @@ typedef struct dem__contacts {
     double *state[DEM_STATE_MAX];
     double *touch[DEM__PLACES]; /* with a mesh: normal and gap of the place that it follows, then its footing: place, slack, face, and
                                    the normal before; with a cone: its curvature */
-    double *wrench[9]; /* force on i, torques on i and j: of a run's last step */
+    double *wrench[9];          /* force on i, torques on i and j: of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
@@ -169,7 +171,7 @@ typedef struct dem__contacts {
 /* Links, in the order of their making; each stands in the lists of its bodies. Written by contacts.h, kernel.h, step.h. */
 typedef struct dem__links {
     const dem_law *law;
-    dem_kernel_fn kernel;
+    dem_loop_fn loop;
     double interval, near;
     int on, stride, states;
     ptrdiff_t count, capacity;
@@ -184,7 +186,9 @@ typedef struct dem__links {
 
 /* Where energy went. Written by ledger.h. */
 typedef struct dem__ledger {
-    int on, started;
+    int on, started;     /* are the arrays there; has a run with DEM_ENERGY begun? */
+    int counts;          /* had the last run DEM_ENERGY? */
+    double paused_error; /* [J] when a run without it began */
     dem_energy_ledger sums;
 } dem__ledger;
 

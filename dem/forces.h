@@ -1,11 +1,11 @@
 /* ------------------------------------------------------------------------------------------ >>forces */
 /* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads. */
-/* Runs the links' kernel on blocks first .. end - 1. */
+/* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
     (void)context;
-    links->kernel(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
 }
 static inline void dem__evaluate_links(dem_world *w) {
     const ptrdiff_t n = w->engine->links.count;
@@ -14,7 +14,7 @@ static inline void dem__evaluate_links(dem_world *w) {
 
 /* An evaluation of all contacts by several threads. */
 typedef struct dem__evaluation {
-    dem_kernel_fn kernel;
+    dem_loop_fn loop;
     int parts, has_friction;
 } dem__evaluation;
 
@@ -59,14 +59,23 @@ static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
     for (ptrdiff_t q = first; q < end; q++) chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->kernel(w, first, end, part);
+    e->loop(w, first, end, part);
+}
+
+/* Finds what the contacts present store and dissipate now, for a ledger that begins. */
+static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
+    dem__run *run = &w->engine->run;
+    run->kernel_dt = 0.0;
+    run->only_ledger = 1;
+    loop(w, 0, w->engine->contacts.chunk_count, 0);
+    run->only_ledger = 0;
 }
 
 /* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
-static inline void dem__evaluate(dem_world *w, dem_kernel_fn kernel, double h, int has_friction, int keep) {
+static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
-    e.kernel = kernel, e.has_friction = has_friction;
+    e.loop = loop, e.has_friction = has_friction;
     e.parts = contacts->postponed
                   ? dem__parts_of(w, contacts->count,
                                   contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count : w->engine->scratch.works)

@@ -225,6 +225,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
+    const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
     const double h = run->kernel_dt, rate = 1.0 / run->dt;
     dem__chunk *in = &w->engine->contacts.chunk[chunk];
     for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
@@ -232,31 +233,25 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns old, at;
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
         dem__columns_of(w, base, law, features, &old);
-        dem__new_columns(w, base, law, features, &x->block, &at);
+        dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
+        if (only_ledger) {
+            dem__store_ledger(&old, &at, n);
+            continue;
+        }
+        const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
     }
 }
 
-/* Is a kernel of these features the one for a run with those? The arrays of the ledger must be there, or not. */
-DEM_INLINE int dem__suits(int features, int run) {
-    return (features & DEM_ENERGY) == (run & DEM_ENERGY) && !(run & ~features & (DEM_FRICTION | DEM_ROLLING));
-}
-
 /* The contacts of chunks first .. end-1, by one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
                             int features) {
-    const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = &w->engine->scratch.work[part];
-    if (!dem__suits(features, run->features) || law->states != run->law->states || law->constants != run->law->constants) {
-        w->status = DEM_BAD_ARGUMENT;
-        return;
-    }
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
     for (ptrdiff_t q = first; q < end; q++) {
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
@@ -356,11 +351,14 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     }
 }
 
-#define DEM__KERNEL(name, call)                                                                                                            \
+#define DEM__LOOP(name, call)                                                                                                              \
     DEM__AVX2_CLONE(name, (dem_world * world, ptrdiff_t first, ptrdiff_t end, int part), (world, first, end, part), call)
 #define DEM_KERNEL(name, law, features)                                                                                                    \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q, const dem__edge *was) {                 \
         dem__correct_edge(world, c, q, was, &(law), features);                                                                             \
     }                                                                                                                                      \
-    DEM__KERNEL(name, dem__kernel(world, first, end, part, &(law), name##_edge, features))
-#define DEM_LINK_KERNEL(name, law) DEM__KERNEL(name, dem__link_kernel(world, first, end, part, &(law)))
+    DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))                                            \
+    static const dem_kernel name = {&(law), features, name##_loop};
+#define DEM_LINK_KERNEL(name, law)                                                                                                         \
+    DEM__LOOP(name##_loop, dem__link_kernel(world, first, end, part, &(law)))                                                              \
+    static const dem_link_kernel name = {&(law), name##_loop};

@@ -33,15 +33,15 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
-    if (!w->engine->ledger.on) return;
+    if (!w->engine->ledger.counts) return;
     if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Energy stored in all contacts, 0 without a ledger. */
+/* Energy stored in all contacts, 0 while no ledger is kept. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
-    if (!w->engine->ledger.on) return sum;
+    if (!w->engine->ledger.counts) return sum;
     DEM__EACH_CONTACT(w, c) { sum += w->engine->contacts.elastic[c]; }
     return sum;
 }

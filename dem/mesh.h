@@ -156,7 +156,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     wall.kind = DEM_MESH;
     wall.material = material;
-    wall.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    wall.asked.origin = dem_vec3(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
     dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
 
     const dem_allocator *a = &w->def.allocator;
@@ -165,7 +165,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     dem_vec *local = (dem_vec *)a->fn(a->user, NULL, 0, bytes);
     for (ptrdiff_t k = 0; local && k < mesh->vertices; k++) {
         const double *x = &mesh->vertex[3 * k];
-        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.origin);
+        local[k] = dem__sub(dem_vec3(x[0], x[1], x[2]), wall.asked.origin);
     }
     if (local) wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     if (local) a->fn(a->user, local, bytes, 0);

@@ -3,25 +3,25 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
     dem__move_wall(a, w->time);
-    a->origin = a->position;
-    for (int k = 0; k < 3; k++) a->rest_axis[k] = a->axis[k];
-    a->spin_centre = dem__add(a->spin_centre, dem__scale(w->time - a->motion_start, a->drift));
-    a->motion_start = w->time;
-    if (a->drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
-    a->drive = DEM_KINEMATIC;
+    a->asked.origin = a->position;
+    for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
+    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.motion_start = w->time;
+    if (a->asked.drive != DEM_KINEMATIC) a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+    a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
 }
 
 static inline void dem__bound_speed(dem_wall *a) {
-    double rate = 2.0 * RIDDLE_PI * a->frequency;
+    double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
-    const double x = fabs(a->amplitude.x), y = fabs(a->amplitude.y), z = fabs(a->amplitude.z);
-    a->speed_bound = rate * (x + y + z) + dem__length(a->drift);
+    const double x = fabs(a->asked.amplitude.x), y = fabs(a->asked.amplitude.y), z = fabs(a->asked.amplitude.z);
+    a->speed_bound = rate * (x + y + z) + dem__length(a->asked.drift);
     a->acceleration_bound = rate * rate * (x + y + z);
     a->side_bound = rate * rate * (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->belt.x != 0.0 || a->belt.y != 0.0 || a->belt.z != 0.0;
+    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -31,9 +31,9 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
         return DEM_BAD_ARGUMENT;
     if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->amplitude = amplitude;
-    a->phase = phase;
-    a->frequency = frequency;
+    a->asked.amplitude = amplitude;
+    a->asked.phase = phase;
+    a->asked.frequency = frequency;
     dem__bound_speed(a);
     return DEM_OK;
 }
@@ -42,7 +42,7 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->drift = velocity;
+    a->asked.drift = velocity;
     dem__bound_speed(a);
     return DEM_OK;
 }
@@ -54,7 +54,7 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
         !dem__unit(axis, &unit))
         return DEM_BAD_ARGUMENT;
     dem_wall *a = dem__rebase_wall(world, wall);
-    a->spin_centre = centre;
+    a->asked.spin_centre = centre;
     a->spin_axis = unit;
     a->spin = spin;
     dem__bound_speed(a);
@@ -64,11 +64,11 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
 /* From now on the wall moves by a drive alone. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
-    a->amplitude = a->drift = dem_vec3(0.0, 0.0, 0.0);
+    a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
     a->slides = 1;
-    a->drive = (int)drive;
+    a->asked.drive = (int)drive;
     w->engine->run.needs_forces = 1; /* its acceleration is to be found */
     return a;
 }
@@ -82,16 +82,16 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
-    if (a->drive != DEM_PRESCRIBED) probe.origin = a->position, memcpy(probe.rest_axis, a->axis, sizeof a->axis);
-    probe.drive = DEM_PRESCRIBED;
-    probe.spin_centre = centre;
-    probe.motion = motion, probe.motion_user = user;
-    probe.interval = world->engine->run.dt;
+    if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
+    probe.asked.drive = DEM_PRESCRIBED;
+    probe.asked.spin_centre = centre;
+    probe.asked.motion = motion, probe.asked.motion_user = user;
+    probe.asked.interval = world->engine->run.dt;
     dem__move_wall(&probe, world->time);
     if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
-    if (before.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->interval = world->engine->run.dt;
-    a->spin_centre = centre;
-    a->motion = motion, a->motion_user = user;
+    if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
+    a->asked.spin_centre = centre;
+    a->asked.motion = motion, a->asked.motion_user = user;
     world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
     return DEM_OK;
 }
@@ -107,11 +107,11 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
     dem_wall *a = dem__drive(w, wall, drive);
-    a->spin_centre = centre;
+    a->asked.spin_centre = centre;
     a->spin_axis = unit;
-    a->inertia = inertia;
-    a->load = load;
-    a->damping = damping;
+    a->asked.inertia = inertia;
+    a->asked.load = load;
+    a->asked.damping = damping;
     a->rate = rate;
     w->engine->walls.controls = 1;
     return DEM_OK;
@@ -128,7 +128,7 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
-    world->wall[wall].belt = velocity;
+    world->wall[wall].asked.belt = velocity;
     world->wall[wall].slides = 1;
     return DEM_OK;
 }
@@ -138,14 +138,16 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
         dem_wall *a = &w->wall[k];
-        if (a->drive < DEM_FORCE_CONTROLLED) continue;
-        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->spin_centre), a->force));
-        const double push = a->load + dem__dot(a->drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis), half = 0.5 * h;
-        const double rate = (a->rate + half * (a->rate_change + push / a->inertia)) / (1.0 + half * a->damping / a->inertia);
+        if (a->asked.drive < DEM_FORCE_CONTROLLED) continue;
+        const dem_vec torque = dem__add(a->torque, dem__cross(dem__sub(a->position, a->asked.spin_centre), a->force));
+        const double push = a->asked.load + dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? a->force : torque, a->spin_axis),
+                     half = 0.5 * h;
+        const double rate =
+            (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
         a->rate = rate;
-        a->rate_change = (push - a->damping * rate) / a->inertia;
-        a->motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
+        a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
+        a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);
     }
 }
@@ -153,9 +155,9 @@ static inline void dem__kick_walls(dem_world *w, double h) {
 /* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
     a->impulse = dem__add(a->impulse, impulse);
-    if (a->drive < DEM_FORCE_CONTROLLED) return;
-    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->spin_centre), impulse));
-    a->rate += dem__dot(a->drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->inertia;
+    if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
+    const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
+    a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
 }
 

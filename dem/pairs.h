@@ -403,7 +403,7 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
-        if (a->drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
+        if (a->asked.drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
         a->speed_bound = speed, a->spin_bound = spin;
         if (keeps) dem__test_wall_by_all(w, k, w->step + 1);
     }

@@ -10,6 +10,18 @@ DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
     return dem__velocity_at(world, i, dem__now(world, i));
 }
 
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    return dem__spin_at(world, i, dem__now(world, i));
+}
+
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].radius : (double)NAN;
+}
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
+    return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
+}
+
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
@@ -18,27 +30,31 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     return sum;
 }
 
+/* The part of the ledger that does not add up [J]. */
+static inline double dem__ledger_error(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
+           l->start - l->added - l->wall_work - l->external_work - l->link_work;
+}
+
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
     dem_energy_ledger l;
     memset(&l, 0, sizeof l);
     if (!world || !world->engine) return l;
-    l = world->engine->ledger.sums;
-    l.kinetic = l.rotational = l.elastic = l.potential = 0.0;
+    const dem__ledger *ledger = &world->engine->ledger;
+    l = ledger->sums;
+    l.kinetic = l.rotational = l.potential = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
         l.kinetic += dem__kinetic(world, i);
         l.rotational += dem__rotational(world, i);
         l.potential += dem__potential(world, i);
-        if (world->engine->ledger.on) l.link_work += dem__link_work(world, i);
+        if (ledger->on) l.link_work += dem__link_work(world, i);
     }
-    if (world->engine->ledger.on) {
-        DEM__EACH_CONTACT(world, c) { l.elastic += world->engine->contacts.elastic[c]; }
-    }
-    if (!world->engine->ledger.started) return l;
+    l.elastic = dem__stored_energy(world);
+    if (!ledger->started) return l;
     l.released = l.start_potential + l.added_potential - l.removed_potential - l.potential;
     l.released = l.released > 0.0 ? l.released : 0.0;
-    l.error = l.kinetic + l.rotational + l.elastic + l.potential + l.normal_loss + l.sliding_loss + l.rolling_loss + l.removed - l.start -
-              l.added - l.wall_work - l.external_work - l.link_work;
+    l.error = ledger->counts ? dem__ledger_error(&l) : ledger->paused_error;
     return l;
 }
 
@@ -59,9 +75,9 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     return info;
 }
 
-DEM_API void dem_set_slot_state(dem_world *world, int32_t slot, const double *state) {
-    if (!world || !world->engine || !state || slot < 0 || slot >= world->engine->contacts.count) return;
-    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, slot)] = state[a];
+DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
+    if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
+    for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
 }
 
 DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }

@@ -133,25 +133,26 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     return DEM_OK;
 }
 
-DEM_API dem_status dem_set_links(dem_world *world, const dem_law *law, dem_kernel_fn kernel, double interval, double near) {
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !law || !law->force || !kernel || !dem__positive(interval) || !dem__not_negative(near))
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
+        !dem__not_negative(near))
         return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
-        return DEM_BAD_ARGUMENT;
-    if (w->engine->links.count > 0 && law->states != w->engine->links.states) return DEM_LAW_MISMATCH;
-    w->engine->links.on = 1;
-    w->engine->links.law = law;
-    w->engine->links.kernel = kernel;
-    w->engine->links.interval = interval;
-    if (w->engine->links.near != near) w->engine->run.needs_lists = 1;
-    w->engine->links.near = near;
-    if (law->states != w->engine->links.states) { /* other arrays: a new block when there is a link */
-        if (w->engine->links.block) w->def.allocator.fn(w->def.allocator.user, w->engine->links.block, w->engine->links.bytes, 0);
-        w->engine->links.block = NULL;
-        w->engine->links.capacity = 0;
-        w->engine->links.states = law->states;
+    dem__links *links = &w->engine->links;
+    const dem_law *law = kernel->law;
+    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    links->on = 1;
+    links->law = law;
+    links->loop = kernel->loop;
+    links->interval = interval;
+    if (links->near != near) w->engine->run.needs_lists = 1;
+    links->near = near;
+    if (law->states != links->states) { /* other arrays: a new block when there is a link */
+        dem__release(&w->def.allocator, links->block, links->bytes);
+        links->block = NULL;
+        links->capacity = 0;
+        links->states = law->states;
     }
     dem__set_stride(w);
     return DEM_OK;

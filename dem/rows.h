@@ -74,28 +74,35 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Where what is new of a block goes: forces into the block, as they are kept only if somebody asks. */
-DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, dem__block_rows *b, dem__columns *at) {
+/* Finds where the results of a block go: forces into the block's rows, as they are kept only if somebody asks; the rest straight to the
+   contacts, or into rows too. */
+DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies, dem__block_rows *b,
+                                 dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
     for (int a = 0; a < 9; a++) at->out[a] = b->out[a];
-    if (!DEM__COPY_ROWS) return;
+    if (!copies) return;
     for (int a = 0; a < DEM_STATE_MAX; a++) at->state[a] = b->state[a];
     for (int a = 0; a < 3; a++) at->power[a] = b->power[a];
     for (int a = 0; a < 4; a++) at->loss[a] = b->loss[a];
     at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
 }
 
-/* From there to the world. */
+/* Copies what a block's contacts store and dissipate from its rows. */
+DEM_INLINE void dem__store_ledger(const dem__columns *to, const dem__columns *from, int n) {
+    const size_t bytes = (size_t)n * sizeof(double);
+    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
+    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
+    memcpy(to->elastic, from->elastic, bytes);
+}
+
+/* Copies a block's results from its rows to the contacts. */
 DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int n, const dem_law *law, int features, int keeps_out) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < (features & DEM_FRICTION ? 9 : 3) && keeps_out; a++) memcpy(to->out[a], from->out[a], bytes);
     if (!DEM__COPY_ROWS) return;
     for (int a = 0; a < law->history; a++) memcpy(to->state[a], from->state[a], bytes);
     memcpy(to->gap, from->gap, bytes), memcpy(to->force, from->force, bytes);
-    if (!(features & DEM_ENERGY)) return;
-    for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
-    for (int a = 0; a < 4; a++) memcpy(to->loss[a], from->loss[a], bytes);
-    memcpy(to->elastic, from->elastic, bytes);
+    if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
 /* Of a block in which each contact has its own. */
@@ -187,7 +194,7 @@ typedef struct dem__wall_row {
     dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: a link's */
     int32_t element;
-    double outside, inner;  /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
     dem__touch touch;
 } dem__wall_row;
 
@@ -273,8 +280,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     } else {
-        const dem_vec carried = dem__add(dem__plus(wall->velocity, -half, wall->acceleration),
-                                         dem__cross(spin, dem__sub(s->x, wall->position)));
+        const dem_vec carried =
+            dem__add(dem__plus(wall->velocity, -half, wall->acceleration), dem__cross(spin, dem__sub(s->x, wall->position)));
         const dem_vec over = dem__normal_rate(wall, s->x, s->radius, at->element, n, b->inverse[k], dem__sub(s->v, carried));
         t = dem__scale(turn, dem__add(over, dem__cross(spin, n)));
     }

@@ -79,17 +79,35 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 }
 
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->drive};
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    double *numbers[] = {
-        &w->radius,    &w->high_radius, &w->length,    &w->aperture,     &w->wire,        &w->half_x,      &w->half_y,
-        &w->frequency, &w->spin,        &w->spin_rate, &w->coordinate,   &w->rate,        &w->rate_change, &w->inertia,
-        &w->load,      &w->damping,     &w->interval,  &w->motion_start, &w->speed_bound, &w->spin_bound,  &w->acceleration_bound,
-        &w->side_bound};
+    double *numbers[] = {&w->radius,
+                         &w->high_radius,
+                         &w->length,
+                         &w->aperture,
+                         &w->wire,
+                         &w->half_x,
+                         &w->half_y,
+                         &w->asked.frequency,
+                         &w->spin,
+                         &w->spin_rate,
+                         &w->coordinate,
+                         &w->rate,
+                         &w->rate_change,
+                         &w->asked.inertia,
+                         &w->asked.load,
+                         &w->asked.damping,
+                         &w->asked.interval,
+                         &w->asked.motion_start,
+                         &w->speed_bound,
+                         &w->spin_bound,
+                         &w->acceleration_bound,
+                         &w->side_bound};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
-    dem__vecs(s, w->axis, 3), dem__vecs(s, w->rest_axis, 3);
-    dem_vec *vectors[] = {&w->origin,   &w->belt,     &w->amplitude,    &w->phase, &w->drift,  &w->spin_axis, &w->spin_centre,
-                          &w->position, &w->velocity, &w->acceleration, &w->force, &w->torque, &w->impulse};
+    dem__vecs(s, w->axis, 3), dem__vecs(s, w->asked.rest_axis, 3);
+    dem_vec *vectors[] = {
+        &w->asked.origin, &w->asked.belt, &w->asked.amplitude, &w->asked.phase, &w->asked.drift, &w->spin_axis, &w->asked.spin_centre,
+        &w->position,     &w->velocity,   &w->acceleration,    &w->force,       &w->torque,      &w->impulse};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
 }
 
@@ -153,7 +171,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
     dem__number_present(&w);
     dem__i64(&s, &w.step);
     for (int k = 0; k < w.walls; k++) {
-        if (w.wall[k].drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+        if (w.wall[k].asked.drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
     dem__stream_state(&s, &w, w.engine->scratch.index, 0);
     return s.hash;
@@ -199,6 +217,8 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
                     &run->needs_forces,
                     &ledger->on,
                     &ledger->started,
+                    &ledger->counts,
+                    &contacts->has_history,
                     &w->engine->bodies.loads_on,
                     &contacts->states,
                     &w->engine->links.on,
@@ -211,6 +231,7 @@ static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *prese
         w->status = DEM_OUT_OF_MEMORY;
         s->failed = 1;
     }
+    dem__f64(s, &ledger->paused_error);
     for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
     dem_energy_ledger *l = &ledger->sums;
     double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
@@ -329,8 +350,10 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
         if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
         if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
-        if (a->drive < DEM_KINEMATIC || a->drive > DEM_TORQUE_CONTROLLED || (a->drive == DEM_PRESCRIBED && !(a->interval > 0.0))) return 0;
-        if (a->drive >= DEM_FORCE_CONTROLLED && !(a->inertia > 0.0)) return 0;
+        if (a->asked.drive < DEM_KINEMATIC || a->asked.drive > DEM_TORQUE_CONTROLLED ||
+            (a->asked.drive == DEM_PRESCRIBED && !(a->asked.interval > 0.0)))
+            return 0;
+        if (a->asked.drive >= DEM_FORCE_CONTROLLED && !(a->asked.inertia > 0.0)) return 0;
     }
     return 1;
 }
@@ -373,7 +396,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (int k = 0; k < w->walls; k++) {
         w->engine->walls.meshes += w->wall[k].kind == DEM_MESH;
         w->engine->walls.touch_keepers += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
-        w->engine->walls.controls |= w->wall[k].drive >= DEM_FORCE_CONTROLLED;
+        w->engine->walls.controls |= w->wall[k].asked.drive >= DEM_FORCE_CONTROLLED;
     }
     enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
                              &w->engine->bodies.capacity, (ptrdiff_t)present + 1);

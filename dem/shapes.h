@@ -33,41 +33,42 @@ typedef struct dem__sway {
     dem_vec shift, velocity, acceleration;
 } dem__sway;
 static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
-    const double rate = 2.0 * RIDDLE_PI * w->frequency, turns = w->frequency * t;
+    const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     dem__sway s;
-    s.shift.x = dem__vibration(w->amplitude.x, w->phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
-    s.shift.y = dem__vibration(w->amplitude.y, w->phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
-    s.shift.z = dem__vibration(w->amplitude.z, w->phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
+    s.shift.x = dem__vibration(w->asked.amplitude.x, w->asked.phase.x, turns, rate, &s.velocity.x, &s.acceleration.x);
+    s.shift.y = dem__vibration(w->asked.amplitude.y, w->asked.phase.y, turns, rate, &s.velocity.y, &s.acceleration.y);
+    s.shift.z = dem__vibration(w->asked.amplitude.z, w->asked.phase.z, turns, rate, &s.velocity.z, &s.acceleration.z);
     return s;
 }
 
 /* Do two walls vibrate as one, as a deck and its side wall do? */
 DEM_INLINE int dem__sways_with(const dem_wall *a, const dem_wall *b) {
-    return memcmp(&a->amplitude, &b->amplitude, sizeof a->amplitude) == 0 && memcmp(&a->phase, &b->phase, sizeof a->phase) == 0 &&
-           a->frequency == b->frequency && a->motion_start == b->motion_start;
+    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
+           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
+           a->asked.motion_start == b->asked.motion_start;
 }
 
 /* The frame and place that a pose gives a wall. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
-    dem_vec arm = dem__sub(w->origin, w->spin_centre);
-    for (int k = 0; k < 3; k++) axis[k] = w->rest_axis[k];
+    dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
+    for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
     if (angle != 0.0) { /* NaN goes on */
         const dem_vec about = dem__scale(1.0 / angle, pose->turn);
         for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
         arm = dem__rotated(arm, about, angle);
     }
-    return dem__add(dem__add(w->spin_centre, arm), pose->shift);
+    return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
-    const double rate = 0.5 / w->interval;
-    if (!w->motion) return;
+    const double rate = 0.5 / w->asked.interval;
+    if (!w->asked.motion) return;
     for (int k = 0; k < 3; k++) {
         dem_pose pose;
         memset(&pose, 0, sizeof pose);
-        w->motion(w->motion_user, time + (k - 1) * w->interval, &pose);
+        w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
         at[k] = dem__posed(w, &pose, axis[k]);
     }
     for (int k = 0; k < 3; k++) { /* w = sum of a x da/dt over the axes, halved */
@@ -83,11 +84,11 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
 
 /* Velocity and acceleration that a controlled wall's rate gives it where it is. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
-    if (w->drive == DEM_FORCE_CONTROLLED) {
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
         return;
     }
-    const dem_vec arm = dem__sub(w->position, w->spin_centre), across = dem__cross(w->spin_axis, arm);
+    const dem_vec arm = dem__sub(w->position, w->asked.spin_centre), across = dem__cross(w->spin_axis, arm);
     w->spin = rate, w->spin_rate = w->rate_change;
     w->velocity = dem__scale(rate, across);
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
@@ -95,10 +96,10 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
 
 /* Predicted, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
-    const double tau = time - w->motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
+    const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
     memset(&pose, 0, sizeof pose);
-    if (w->drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
+    if (w->asked.drive == DEM_FORCE_CONTROLLED) pose.shift = dem__scale(way, w->spin_axis);
     else pose.turn = dem__scale(way, w->spin_axis);
     w->position = dem__posed(w, &pose, w->axis);
     dem__rated_wall(w, w->rate + tau * w->rate_change);
@@ -106,16 +107,17 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 
 /* Puts a kinematic wall where it is t after its motion began. */
 static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
-    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->drift));
-    w->velocity = dem__add(sway->velocity, w->drift);
+    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
-    dem_vec origin = w->origin;
+    dem_vec origin = w->asked.origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
-        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->rest_axis[k], w->spin_axis, angle);
-        dem_vec arm = dem__rotated(dem__sub(w->origin, w->spin_centre), w->spin_axis, angle), omega = dem__scale(w->spin, w->spin_axis);
+        for (int k = 0; k < 3; k++) w->axis[k] = dem__rotated(w->asked.rest_axis[k], w->spin_axis, angle);
+        dem_vec arm = dem__rotated(dem__sub(w->asked.origin, w->asked.spin_centre), w->spin_axis, angle),
+                omega = dem__scale(w->spin, w->spin_axis);
         dem_vec turning = dem__cross(omega, arm);
-        origin = dem__add(w->spin_centre, arm);
+        origin = dem__add(w->asked.spin_centre, arm);
         w->velocity = dem__add(w->velocity, turning);
         w->acceleration = dem__add(w->acceleration, dem__cross(omega, turning));
     }
@@ -124,11 +126,11 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *s
 
 /* Puts a wall where it is at a time. */
 static inline void dem__move_wall(dem_wall *w, double time) {
-    if (w->drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
-    else if (w->drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
+    if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
+    else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->motion_start);
-        dem__kinematic_wall(w, time - w->motion_start, &sway);
+        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }
 

@@ -14,56 +14,94 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. */
-static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem__run *run = &w->engine->run;
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__ledger *ledger = &w->engine->ledger;
-    ptrdiff_t born = 0;
-    if (run->needs_lists) {
-        DEM__EACH_CONTACT(w, c) { /* contacts with walls that were taken away */
-            if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
-        }
-        dem__remove_ended(w, w->step, 1);
-        if (!dem__rebuild(w)) return 0;
+/* Ends the contacts with walls that were taken away, and makes the list of near pairs anew. Returns 0 after a failure. */
+static inline int dem__prepare_lists(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (!w->engine->run.needs_lists) return 1;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
     }
-    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    dem__remove_ended(w, w->step, 1);
+    return dem__rebuild(w);
+}
+
+/* Finds the damping ratios of all pairs of materials. */
+static inline void dem__find_damping_ratios(dem_world *w) {
     for (int a = 0; a < w->def.materials; a++) {
         for (int b = 0; b < w->def.materials; b++) {
             const dem_pair_def *pair = dem_pair(&w->def, a, b);
-            run->damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
+            w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
-    if (run->needs_forces) {
-        dem__test_everything(w);
-        if (w->status != DEM_OK) return dem__undo_detection(w);
-        born = contacts->begun;
-        dem__commit_begun(w, 0.0);
-        dem__list_active(w);
-        for (ptrdiff_t k = 0; k < born; k++) {
-            const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
-            if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
-        }
+}
+
+/* Tests everything and makes the contacts that begin, whose slots are listed then. How many, or -1 after a failure. */
+static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__test_everything(w);
+    if (w->status != DEM_OK) {
+        dem__undo_detection(w);
+        return -1;
     }
+    const ptrdiff_t begun = contacts->begun;
+    dem__commit_begun(w, 0.0);
+    dem__list_active(w);
+    for (ptrdiff_t k = 0; k < begun; k++) {
+        const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
+        if (j < 0 && w->wall[-1 - j].kind != DEM_SCREEN) dem__stop_timer(&w->engine->walls.timers, i * w->walls - 1 - j);
+    }
+    return begun;
+}
+
+/* Makes the kernel's law and the features those of the run, and gives contacts their constants if these have changed. */
+static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
+    dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
-        contacts->type_count = 0;
+        w->engine->contacts.type_count = 0;
         DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
     }
     run->features = features;
     run->law = law;
-    if (run->needs_forces) {
-        dem__report_begun(w, law, born);
-        dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
-        if (!dem__reorder_contacts(w)) return 0;
-        const double stored = dem__stored_energy(w);
-        dem__evaluate(w, kernel, 0.0, (features & DEM_FRICTION) != 0, 1);
-        dem__book_callers_contacts(w, stored);
-        if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
-        dem__kick_walls(w, 0.0);
-        dem__remove_ended(w, w->step, 0);
-        dem__check_bounds(w);
-        if (w->status != DEM_OK) return 0;
-    }
+}
+
+/* Finds the forces on everything, no time passing, and so the accelerations. Returns 0 after a failure. */
+static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
+    dem__report_begun(w, kernel->law, begun);
+    dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
+    if (!dem__reorder_contacts(w)) return 0;
+    const double stored = dem__stored_energy(w);
+    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__book_callers_contacts(w, stored);
+    if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
+    dem__kick_walls(w, 0.0);
+    dem__remove_ended(w, w->step, 0);
+    dem__check_bounds(w);
+    return w->status == DEM_OK;
+}
+
+/* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
+static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
+    dem__ledger *ledger = &w->engine->ledger;
+    const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
+    if (ledger->counts == counts) return;
+    if (!counts) ledger->paused_error = dem_energy(w).error;
+    else dem__find_stored(w, loop);
+    ledger->counts = counts;
+    if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
+}
+
+/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. Returns 0 after a failure. */
+static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
+    dem__run *run = &w->engine->run;
+    dem__ledger *ledger = &w->engine->ledger;
+    if (!dem__prepare_lists(w)) return 0;
+    for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    dem__find_damping_ratios(w);
+    const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
+    if (begun < 0) return 0;
+    dem__set_law(w, kernel->law, features);
+    dem__switch_ledger(w, kernel->loop);
+    if (run->needs_forces && !dem__find_forces(w, kernel, begun)) return 0;
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
@@ -161,8 +199,8 @@ static inline int dem__remove_leaving(dem_world *w) {
 }
 
 /* Advances the world by one step; `keep`: forces of contacts are kept for readers. Returns 0 after a failure. */
-static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features, int keep) {
-    const int has_friction = (features & DEM_FRICTION) != 0;
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
@@ -170,8 +208,8 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
     dem__advance(w, h);
-    dem__prepare_begun(w, law, begun, features);
-    dem__evaluate(w, kernel, h, has_friction, keep);
+    dem__prepare_begun(w, kernel->law, begun, features);
+    dem__evaluate(w, kernel->loop, h, has_friction, keep);
     if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
@@ -186,69 +224,79 @@ static inline int dem__step(dem_world *w, const dem_law *law, dem_kernel_fn kern
     return w->status == DEM_OK;
 }
 
-/* A kernel says so of no contacts if it is not for this law and these features. */
-static inline int dem__fits(dem_world *w, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem__run *run = &w->engine->run;
-    const dem_law *old_law = run->law;
-    const int old_features = run->features;
-    run->law = law, run->features = features;
-    kernel(w, 0, 0, 0);
-    const int fits = w->status == DEM_OK;
-    run->law = old_law, run->features = old_features;
-    w->status = DEM_OK;
-    return fits;
+/* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
+static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
+    return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_law *law, dem_kernel_fn kernel, int features) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !law || !kernel || !law->force || !law->prepare || !(duration >= 0.0 && duration <= DBL_MAX))
-        return DEM_BAD_ARGUMENT;
-    if (law->states < 0 || law->states > DEM_STATE_MAX || law->vectors < 0 || law->history > law->states || law->vectors > law->history / 3)
-        return DEM_BAD_ARGUMENT;
-    if (law->constants < 0 || law->constants > DEM_CONSTANTS_MAX) return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    const double owed = w->owed + duration, remaining = owed / w->engine->run.dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+/* Can a law take over the contacts present? Those of a law that keeps as many states go on; a void history can be dropped, and begin. */
+static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
+    return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
+}
+
+/* What keeps a run from beginning, or DEM_OK. */
+static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
-    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
-    if (!dem__make_work(w, w->def.threads)) return DEM_OUT_OF_MEMORY;
-    if (!dem__fits(w, law, kernel, features)) return DEM_BAD_ARGUMENT;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].drive == DEM_PRESCRIBED && !w->wall[k].motion) return DEM_NO_MOTION;
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
-    if (law->states != w->engine->contacts.states && w->engine->contacts.count > 0) return DEM_LAW_MISMATCH;
-    if (w->engine->links.count > 0 && !w->engine->links.law) return DEM_LAW_MISMATCH; /* loaded: dem_set_links comes first */
-    const int ledger = w->engine->ledger.on || (features & DEM_ENERGY),
-              constants = law->constants > w->engine->contacts.constants ? law->constants : w->engine->contacts.constants;
-    const int postpones = dem__may_postpone(w) && !w->engine->contacts.postponed;
-    if (law->states != w->engine->contacts.states || constants != w->engine->contacts.constants || ledger != w->engine->ledger.on ||
-        postpones) { /* other arrays: a new block */
-        dem__array list[DEM__ARRAYS_MAX];
-        const int old_states = w->engine->contacts.states, old_constants = w->engine->contacts.constants, old_ledger = w->engine->ledger.on;
-        const ptrdiff_t old_capacity = w->engine->contacts.capacity;
-        w->engine->contacts.states = law->states, w->engine->contacts.constants = constants, w->engine->ledger.on = ledger;
-        if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &w->engine->contacts.block, &w->engine->contacts.bytes,
-                             &w->engine->contacts.capacity, dem__next_slot(w) + 1)) {
-            w->engine->contacts.states = old_states, w->engine->contacts.constants = old_constants, w->engine->ledger.on = old_ledger;
-            w->engine->contacts.capacity = old_capacity;
-            return DEM_OUT_OF_MEMORY;
-        }
-        for (int a = w->engine->contacts.states; a < DEM_STATE_MAX; a++) w->engine->contacts.state[a] = NULL; /* not in the block */
+    if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* loaded: dem_set_links comes first */
+}
+
+/* Makes the arrays of contacts those that a law, a ledger and threads ask for. Returns 0 without memory; nothing has changed then. */
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
+    const int postpones = dem__may_postpone(w) && !contacts->postponed;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (law->states == states && law->constants <= constants && ledger == had_ledger && !postpones) return 1;
+    contacts->states = law->states, w->engine->ledger.on = ledger;
+    contacts->constants = law->constants > constants ? law->constants : constants;
+    if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
+                         dem__next_slot(w) + 1)) {
+        contacts->states = states, contacts->constants = constants, w->engine->ledger.on = had_ledger;
+        return 0;
     }
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    return 1;
+}
+
+/* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
+static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        !dem__not_negative(duration))
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
+    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem__check_run(w, kernel, features);
+    if (status != DEM_OK) return status;
+    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
+    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
+        return DEM_OUT_OF_MEMORY;
+    w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* of a run that fails */
     w->engine->run.running = 1;
-    int going = dem__prepare_run(w, law, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, law, kernel, features, n == 1);
+    int going = dem__prepare_run(w, kernel, features);
+    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
     if (!going) return w->status;
-    w->owed = owed - (double)steps * w->engine->run.dt;
+    w->owed = owed - (double)steps * dt;
     return DEM_OK;
+}
+
+DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel) {
+    return dem__run_kernel(world, duration, kernel, kernel ? kernel->features : 0);
 }
 
 /* name, version, states, history, vectors, constants, prepare, force, born, ended */
@@ -275,22 +323,19 @@ DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRIC
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
     /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
     switch (features) {
-    case DEM_LINEAR: return dem_run_law(world, duration, &dem_law_linear, dem__kernel_linear, features);
-    case DEM_LINEAR | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_linear_friction, dem__kernel_linear_friction, features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_rolling, features);
-    case DEM_HERTZ: return dem_run_law(world, duration, &dem_law_hertz, dem__kernel_hertz, features);
-    case DEM_HERTZ | DEM_FRICTION: return dem_run_law(world, duration, &dem_law_hertz_friction, dem__kernel_hertz_friction, features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_rolling, features);
+    case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
+    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_linear_rolling, features);
+    case DEM_HERTZ: return dem__run_kernel(world, duration, &dem__kernel_hertz, features);
+    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_hertz_friction, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, &dem__kernel_hertz_rolling, features);
     case DEM_LINEAR | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
     case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem_run_law(world, duration, &dem_law_linear_rolling, dem__kernel_linear_energy, features);
+        return dem__run_kernel(world, duration, &dem__kernel_linear_energy, features);
     case DEM_HERTZ | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem_run_law(world, duration, &dem_law_hertz_rolling, dem__kernel_hertz_energy, features);
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY: return dem__run_kernel(world, duration, &dem__kernel_hertz_energy, features);
     default: return DEM_BAD_ARGUMENT;
     }
 }

@@ -17,7 +17,7 @@
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
-#define DEM__FORMAT 8u     /* version of dem_save */
+#define DEM__FORMAT 9u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -186,39 +186,47 @@ typedef enum dem_drive {
 
 struct dem__tree;
 
-/* A wall. Read only; change it by functions. */
+/* What was asked of a wall's motion, by the functions that move walls. */
+typedef struct dem_wall_motion {
+    int drive;                     /* dem_drive */
+    dem_vec origin, rest_axis[3];  /* where it was, and its frame, when the motion began [m] */
+    double motion_start;           /* time at which the motion began; controlled: of the coordinate [s] */
+    dem_vec amplitude, phase;      /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
+    double frequency;              /* [Hz] */
+    dem_vec drift;                 /* constant velocity [m/s] */
+    dem_vec spin_centre;           /* of a rotation [m] */
+    dem_vec belt;                  /* velocity of its surface within itself [m/s] */
+    double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
+    dem_motion_fn motion;          /* prescribed */
+    void *motion_user;
+    double interval; /* prescribed: for its differences in time [s] */
+} dem_wall_motion;
+
+/* A wall: its shape, what was asked of it, and its state now. Read only; change it by functions. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    dem_vec origin;                       /* where it was put [m] */
-    dem_vec axis[3];                      /* its own frame now, in the world's; axis[2] is normal or cylinder axis */
-    dem_vec rest_axis[3];                 /* the same at time 0 */
-    double radius;                        /* cylinder, sphere; cone: at its low end, the origin [m] */
-    double high_radius, length;           /* cone: at the other end, distance of the ends [m] */
-    int inside;                           /* cylinder, sphere: 1 particles inside, 0 outside */
-    double aperture, wire;                /* screen [m] */
-    int profile, circular;                /* screen */
-    double half_x, half_y;                /* screen [m] */
-    dem_vec amplitude, phase;             /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
-    double frequency;                     /* [Hz] */
-    dem_vec drift;                        /* constant velocity [m/s] */
-    dem_vec spin_axis, spin_centre;       /* rotation about a line; force-controlled: axis of the motion */
-    double spin, spin_rate;               /* now [rad/s], [rad/s2] */
-    dem_vec belt;                         /* velocity of its surface within itself [m/s] */
-    int slides;                           /* 1: its surface moves otherwise than its origin */
-    int drive;                            /* dem_drive */
-    double coordinate, rate, rate_change; /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
-    double inertia, load, damping;        /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
-    dem_motion_fn motion;                 /* prescribed */
-    void *motion_user;
-    double interval;                          /* prescribed: for its differences in time [s] */
-    double motion_start;                      /* time at which the motion began; controlled: of the coordinate [s] */
-    dem_vec position, velocity, acceleration; /* of its origin, now */
-    double speed_bound, spin_bound;           /* its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
-    double acceleration_bound;                /* kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
-    double side_bound;                        /* the same perpendicular to axis[2] */
-    struct dem__tree *tree;                   /* mesh: the triangles, owned */
+    double radius;              /* cylinder, sphere; cone: at its low end, the origin [m] */
+    double high_radius, length; /* cone: at the other end, distance of the ends [m] */
+    int inside;                 /* cylinder, sphere: 1 particles inside, 0 outside */
+    double aperture, wire;      /* screen [m] */
+    int profile, circular;      /* screen */
+    double half_x, half_y;      /* screen [m] */
+    struct dem__tree *tree;     /* mesh: the triangles, owned */
+
+    dem_wall_motion asked;
+
+    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec position, velocity, acceleration; /* of its origin */
+    dem_vec spin_axis;                        /* of its rotation; controlled: of the motion */
+    double spin, spin_rate;                   /* [rad/s], [rad/s2] */
+    double coordinate, rate, rate_change;     /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
     dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m]; means: by impulse */
     dem_vec impulse;                          /* time integral of the force [N s] */
+
+    int slides;                     /* private: 1: its surface moves otherwise than its origin */
+    double speed_bound, spin_bound; /* private: its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
+    double acceleration_bound;      /* private: kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
+    double side_bound;              /* private: the same perpendicular to axis[2] */
 } dem_wall;
 
 /* What passed an exit. Owned by the world, in the order of passing. */
@@ -279,12 +287,12 @@ typedef struct dem_birth {
 
 struct dem_world;
 
-/* A law: a constant, so that the kernel made from it by DEM_KERNEL has no indirect call in its loop. */
+/* A law: a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
     const char *name;
     int version;   /* of the meaning of its state */
     int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; the rest change by dem_set_slot_state() only */
+    int history;   /* the first of them, which force may change; the rest change by dem_set_contact_state() only */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
     /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
@@ -292,7 +300,7 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_slot_state() read and write them. */
+       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
@@ -316,10 +324,25 @@ typedef struct dem_energy_ledger {
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
-typedef void (*dem_kernel_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by DEM_KERNEL */
+typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
 
-/* A sphere: its state at its own origin step; between, x + v t + a t^2/2. dem_position() and its like evaluate. While forces are
-   computed, v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+/* A law of contacts with the loop that evaluates it for these features. DEM_KERNEL(name, law, features), outside of functions, makes one:
+   a constant. features: DEM_FRICTION and DEM_ROLLING as far as the law fills them, DEM_ENERGY for the ledger. */
+typedef struct dem_kernel {
+    const dem_law *law;
+    int features;
+    dem_loop_fn loop;
+} dem_kernel;
+
+/* The same for a law of links: DEM_LINK_KERNEL(name, law). */
+typedef struct dem_link_kernel {
+    const dem_law *law;
+    dem_loop_fn loop;
+} dem_link_kernel;
+
+/* A sphere as the engine keeps it: radius and mass, and the state at its own origin step, which may be long past; from there on
+   x + v t + a t^2/2. For the state now ask dem_position(), dem_velocity(), dem_spin(). In a law's hooks v and spin are those in the middle
+   of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -355,9 +378,9 @@ typedef struct dem_world {
     int64_t looks;          /* pairs and walls looked at */
     int64_t rebuilds;       /* of the neighbour list */
 
-    dem_particle *particle;
-    dem_vec *spin_rate; /* [rad/s2] */
-    uint64_t *id;       /* stable, in the order of adding, from 0 */
+    dem_particle *particle; /* not their states now: dem_position() and its like give these */
+    dem_vec *spin_rate;     /* since the origin step [rad/s2] */
+    uint64_t *id;           /* stable, in the order of adding, from 0 */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
     int32_t *touching; /* contacts of it */

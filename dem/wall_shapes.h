@@ -118,7 +118,7 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     if (w->kind == DEM_CONE) return dem__normal_rate_of_cone(w, dem__sub(centre, w->position), radius, n, u);
     if (w->kind == DEM_SCREEN) {
         const dem_vec along = w->axis[(uint32_t)element & 1u];
-        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side);              /* at a bar's end */
+        if (fabs(dem__dot(n, along)) > 1e-9) return dem__scale(inverse, side); /* at a bar's end */
         if (!(fabs(dem__dot(n, w->axis[2])) < 1.0 - 1e-12) && w->profile == DEM_SEMICIRCLE && dem__dot(n, w->axis[2]) < 0.0)
             return dem_vec3(0.0, 0.0, 0.0); /* its flat side */
         return dem__scale(inverse, dem__plus(side, -dem__dot(side, along), along));
@@ -129,7 +129,7 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
 /* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->belt, dem__scale(dem__dot(w->belt, n), n)));
+    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
 }
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);

@@ -15,9 +15,9 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
         x = dem__sub(other, dem__scale(dem__dot(other, z), z));
     }
     if (!dem__unit(x, &x)) return 0;
-    wall->axis[0] = wall->rest_axis[0] = x;
-    wall->axis[1] = wall->rest_axis[1] = dem__cross(z, x);
-    wall->axis[2] = wall->rest_axis[2] = z;
+    wall->axis[0] = wall->asked.rest_axis[0] = x;
+    wall->axis[1] = wall->asked.rest_axis[1] = dem__cross(z, x);
+    wall->axis[2] = wall->asked.rest_axis[2] = z;
     return 1;
 }
 
@@ -26,8 +26,8 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
-    w->wall[w->walls].position = wall->origin;
-    w->wall[w->walls].motion_start = w->time;
+    w->wall[w->walls].position = wall->asked.origin;
+    w->wall[w->walls].asked.motion_start = w->time;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return w->walls++;
 }
@@ -41,7 +41,7 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
     if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
     wall.material = material;
-    wall.origin = point;
+    wall.asked.origin = point;
     return dem__add_wall(w, &wall);
 }
 
@@ -59,7 +59,7 @@ static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec p
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
     wall.material = material;
-    wall.origin = point;
+    wall.asked.origin = point;
     wall.radius = radius;
     wall.inside = inside != 0;
     return dem__add_wall(w, &wall);
@@ -105,7 +105,7 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
         return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_CONE;
     wall.material = material;
-    wall.origin = cone->low;
+    wall.asked.origin = cone->low;
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
@@ -142,7 +142,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     if (!dem__frame(&wall, screen->normal, screen->direction)) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = DEM_SCREEN;
     wall.material = material;
-    wall.origin = screen->centre;
+    wall.asked.origin = screen->centre;
     wall.aperture = screen->aperture;
     wall.wire = screen->wire;
     wall.profile = (int)screen->profile;

@@ -6,9 +6,9 @@
        contact_laws laws = contact_default_laws();
        contact_pair(&laws, powder, powder)->surface_energy = 0.05;          // powder: as dem_add_material() numbered it
        world.user = &laws;                                                  // without it a run gives DEM_NOT_FINITE
-       status = dem_run_law(&world, 0.1, &contact_jkr, kernel, DEM_HERTZ | DEM_FRICTION);
+       status = dem_run_law(&world, 0.1, &kernel);
 
-   The features named to DEM_KERNEL and to dem_run_law are those of the law:
+   The features named to DEM_KERNEL are those of the law (with DEM_ENERGY for the ledger):
 
    contact_epsd        linear, friction, rolling by an elastic-plastic spring and dashpot (Ai, Chen, Rotter & Ooi 2011, model C), and
                        twisting by the same scheme; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
@@ -406,7 +406,7 @@ static inline void contact_bonds_born(dem_world *world, const int32_t *slots, pt
         const int i = world->material[c.i], j = c.j >= 0 ? world->material[c.j] : world->wall[-1 - c.j].material;
         if (!(laws->pair[i < j ? i : j][i < j ? j : i].bond_modulus > 0.0)) continue;
         c.state[CONTACT_WHOLE] = 2.0;
-        dem_set_slot_state(world, slots[k], c.state);
+        dem_set_contact_state(world, slots[k], c.state);
     }
 }
 /* Is contact k (0 .. dem_contact_count-1) a whole bond? */

@@ -180,7 +180,7 @@ static inline int deck_book_fed(deck_books *b, const deck_machine *k, deck_windo
             b->grain[b->grains++].klass = -1;
         }
         deck_grain *g = &b->grain[id];
-        g->diameter = 2.0 * k->world.particle[i].radius, g->mass = k->world.particle[i].mass;
+        g->diameter = 2.0 * dem_radius(&k->world, i), g->mass = dem_mass(&k->world, i);
         g->fed = k->world.time - k->step, g->since = -1.0;
         g->klass = deck_class_of(&b->classes, g->diameter);
         b->fed[g->klass]++;
@@ -218,7 +218,7 @@ static inline int deck_book_left(deck_books *b, const deck_machine *k, deck_wind
    it came to stand, in the frame of the deck. */
 static inline void deck_book_hole(deck_grain *g, const deck_machine *k, dem_vec at, double radius, deck_zone *zone) {
     const dem_wall *wall = &k->world.wall[g->level];
-    const double x = at.x - (wall->position.x - wall->origin.x), y = at.y, z = at.z - wall->position.z;
+    const double x = at.x - (wall->position.x - wall->asked.origin.x), y = at.y, z = at.z - wall->position.z;
     const double aperture = k->def.aperture[g->level];
     const bool in = z < radius - 0.05 * aperture && z > -radius; /* on the flat top of a bar z is the radius */
     if (!in || g->since < 0.0 || hypot(x - g->hole_x, y - g->hole_y) > 0.1 * aperture) {
@@ -248,7 +248,7 @@ static inline int deck_look(deck_books *b, const deck_machine *k) {
         if (!k->world.alive[i]) continue;
         const dem_vec at = dem_position(&k->world, i);
         const uint64_t id = k->world.id[i];
-        const double radius = k->world.particle[i].radius;
+        const double radius = dem_radius(&k->world, i);
         if (deck_book_level(b, d, id, k->world.time, at.x, at.z + radius)) return -1;
         deck_grain *g = &b->grain[id];
         w->holdup += g->mass, w->grains += 1.0;

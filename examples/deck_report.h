@@ -69,7 +69,7 @@ static void write_frame(const deck_run *r, const char *folder, pvd *series) {
         const dem_vec at = level_of(&r->def, dem_position(world, i)), u = level_of(&r->def, dem_velocity(world, i));
         x[3 * m] = at.x, x[3 * m + 1] = at.y, x[3 * m + 2] = at.z;
         v[3 * m] = u.x, v[3 * m + 1] = u.y, v[3 * m + 2] = u.z;
-        size[m] = 2.0 * world->particle[i].radius;
+        size[m] = 2.0 * dem_radius(world, i);
         level[m] = r->books.grain[world->id[i]].level;
         klass[m++] = r->books.grain[world->id[i]].klass;
     }
@@ -113,14 +113,15 @@ static void draw_machine(const study *st, const deck_run *r, const char *name) {
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec at = dem_position(world, i);
         if (!world->alive[i] || !(at.y >= 0.0 && at.y < slice)) continue;
-        const double radius = world->particle[i].radius;
+        const double radius = dem_radius(world, i);
         draw_disc(&v, level_of(d, at), radius, grain_colour[grain_kind(2.0 * radius / d->aperture[0])]);
     }
     for (int k = 0; k < d->decks; k++) {
         const double pitch = d->mesh == DECK_SLOTS_ALONG ? d->slot_length + d->wire[k] : deck_pitch(d, k);
         const dem_wall *wall = &world->wall[k];
         for (double x = 0.0; x <= d->length + 0.5 * pitch && !(d->mesh == DECK_SLOTS_ALONG && d->slot_length <= 0.0); x += pitch)
-            draw_disc(&v, level_of(d, dem_vec3(x + wall->position.x - wall->origin.x, 0.0, wall->position.z)), 0.5 * d->wire[k], "black");
+            draw_disc(&v, level_of(d, dem_vec3(x + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z)), 0.5 * d->wire[k],
+                      "black");
     }
     double at = 20.0;
     for (int q = 0; q < 5; q++) {

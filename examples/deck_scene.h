@@ -284,7 +284,7 @@ static inline dem_status deck_advance(deck_machine *k) {
         if ((size_t)k->feed.placed > k->wet->films.n_particles) return DEM_TOO_MANY;
         const double small = deck_smallest(&k->def.sizes), most = deck_largest(&k->def.sizes);
         for (ptrdiff_t i = k->world.count - (k->feed.placed - before); i < k->world.count; i++) {
-            const double x = 2.0 * k->world.particle[i].radius, water = k->film * RIDDLE_PI * x * x;
+            const double x = 2.0 * dem_radius(&k->world, i), water = k->film * RIDDLE_PI * x * x;
             const uint64_t id = k->world.id[i];
             k->group[id] =
                 (int)fmin(fmax(WET_CLASSES * log(x / small) / log(most / small * (1.0 + 1e-12) + 1e-12), 0.0), WET_CLASSES - 1.0);

@@ -79,8 +79,7 @@ static dem_status build(dem_world *world, const silo *s, const discharge *d) {
 
 static double top_of(const dem_world *world) {
     double top = 0.0;
-    for (ptrdiff_t i = 0; i < world->count; i++)
-        top = fmax(top, world->alive[i] ? dem_position(world, i).z + world->particle[i].radius : 0.0);
+    for (ptrdiff_t i = 0; i < world->count; i++) top = fmax(top, world->alive[i] ? dem_position(world, i).z + dem_radius(world, i) : 0.0);
     return top;
 }
 

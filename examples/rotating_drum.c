@@ -126,7 +126,7 @@ static double radial_segregation(const dem_world *world) {
     dem_vec centre = dem_vec3(0, 0, 0);
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec x = dem_position(world, i);
-        centre.x += world->particle[i].mass * x.x, centre.z += world->particle[i].mass * x.z, mass += world->particle[i].mass;
+        centre.x += dem_mass(world, i) * x.x, centre.z += dem_mass(world, i) * x.z, mass += dem_mass(world, i);
     }
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec x = dem_position(world, i);

@@ -175,8 +175,8 @@ static double rms_speed(const dem_world *world) {
     double mass = 0.0, sum = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec v = dem_velocity(world, i);
-        mass += world->particle[i].mass;
-        sum += world->particle[i].mass * (v.x * v.x + v.y * v.y + v.z * v.z);
+        mass += dem_mass(world, i);
+        sum += dem_mass(world, i) * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
     return mass > 0.0 ? sqrt(sum / mass) : 0.0;
 }
@@ -337,7 +337,7 @@ static void watch_layers(layers *l, const dem_world *world, double time) {
             for (int cx = x > 0 ? x - 1 : 0; cx <= x + 1 && cx < l->cells; cx++) {
                 for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
                     const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y,
-                                 sum = world->particle[i].radius + world->particle[k].radius;
+                                 sum = dem_radius(world, i) + dem_radius(world, k);
                     covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
                 }
             }
@@ -365,7 +365,7 @@ static void remaining_mass(const dem_world *world, const wet_scene *wet, double 
     for (int c = 0; c < CLASSES; c++) mass[c] = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!world->alive[i]) continue;
-        mass[world->group[i]] += world->particle[i].mass + (wet ? WATER * wet->films.particle[world->id[i]] : 0.0);
+        mass[world->group[i]] += dem_mass(world, i) + (wet ? WATER * wet->films.particle[world->id[i]] : 0.0);
     }
     for (ptrdiff_t k = 0; k < world->passed_count; k++) {
         const dem_passed *p = &world->passed[k];

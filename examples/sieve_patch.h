@@ -174,7 +174,7 @@ static inline int sieve_patch_blocked(const sieve_patch *patch) {
     if (status == DEM_OK) status = dem_vibrate(&w, patch->deck, none, none, 0.0);
     if (status == DEM_OK) status = dem_run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
     for (ptrdiff_t i = 0; status == DEM_OK && i < w.count; i++)
-        if (w.alive[i]) status = dem_set_load(&w, i, dem__scale(-2.0 * w.particle[i].mass, w.def.gravity), none);
+        if (w.alive[i]) status = dem_set_load(&w, i, dem__scale(-2.0 * dem_mass(&w, i), w.def.gravity), none);
     if (status == DEM_OK) status = dem_run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
     const int blocked = status == DEM_OK ? dem_count_apertures(&w, patch->deck).occupied : -1;
     dem_free(&w);

@@ -134,7 +134,7 @@ static void wet_tell_contact(dem_world *w, int32_t slot, const bridge *b) {
     dem_contact_info c = dem_get_contact(w, slot);
     c.state[WET_WIDTH] = b->width;
     c.state[WET_RADIUS] = b->radius;
-    dem_set_slot_state(w, slot, c.state);
+    dem_set_contact_state(w, slot, c.state);
 }
 
 static bridge_status wet_link(wet_scene *s, dem_world *w, int32_t slot, const bridge_contact *q) {
@@ -179,8 +179,8 @@ static void wet_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         q->i = (size_t)w->id[c.i];
         q->j = c.j >= 0 ? (size_t)w->id[c.j] : wet_patch(s, w, &c);
         q->partner = wet_partner(w, &c);
-        q->radius_i = w->particle[c.i].radius;
-        q->radius_j = c.j >= 0 ? w->particle[c.j].radius : q->partner == BRIDGE_WIRE ? 0.5 * w->wall[-1 - c.j].wire : (double)INFINITY;
+        q->radius_i = dem_radius(w, c.i);
+        q->radius_j = c.j >= 0 ? dem_radius(w, c.j) : q->partner == BRIDGE_WIRE ? 0.5 * w->wall[-1 - c.j].wire : (double)INFINITY;
         bridge_volume_range(wet_kind(s, w, &c, &swapped), q->radius_i, c.j >= 0 ? q->radius_j : (double)INFINITY, &q->volume_min,
                             &q->volume_max);
     }
@@ -218,9 +218,8 @@ DEM_LINK_KERNEL(wet_link_kernel_printed, wet_bridges_printed)
 /* features: DEM_ENERGY for the ledger, with the corrected laws only; the rest is always on. */
 static inline dem_status wet_run(dem_world *w, double duration, int features) {
     const wet_scene *s = w->user;
-    features = (s->printed ? 0 : features & DEM_ENERGY) | DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-    dem_status status = s->printed ? dem_run_law(w, duration, &wet_law_printed, wet_kernel_printed, features)
-                                   : dem_run_law(w, duration, &wet_law, features & DEM_ENERGY ? wet_kernel_energy : wet_kernel, features);
+    const dem_kernel *kernel = s->printed ? &wet_kernel_printed : features & DEM_ENERGY ? &wet_kernel_energy : &wet_kernel;
+    const dem_status status = dem_run_law(w, duration, kernel);
     return status == DEM_OK && s->status != BRIDGE_OK ? DEM_BAD_ARGUMENT : status;
 }
 
@@ -293,10 +292,8 @@ static inline bridge_status wet_prepare(wet_scene *s, int n, const int *group, c
     }
     f->patch_area = patch_area;
     f->quantum = bridge_quantum(volume > 0.0 ? volume : 1e-6);
-    return dem_set_links(w, printed ? &wet_bridges_printed : &wet_bridges, printed ? wet_link_kernel_printed : wet_link_kernel,
-                         WET_INTERVAL, WET_NEAR) == DEM_OK
-               ? BRIDGE_OK
-               : BRIDGE_INVALID;
+    return dem_set_links(w, printed ? &wet_link_kernel_printed : &wet_link_kernel, WET_INTERVAL, WET_NEAR) == DEM_OK ? BRIDGE_OK
+                                                                                                                     : BRIDGE_INVALID;
 }
 
 /* A batch of n particles (class and diameter by id) with an equal film of liquid on each, `moisture` times their mass; dry walls,

@@ -41,7 +41,7 @@ static void put_world(picture *s, const dem_world *world, const picture_def *loo
         if (!world->alive[i]) continue;
         const dem_vec x = dem_position(world, i), v = dem_velocity(world, i);
         const double at[3] = {x.x, x.y, x.z}, speed = sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-        picture_sphere(s, at, world->particle[i].radius,
+        picture_sphere(s, at, dem_radius(world, i),
                        look->speed > 0.0 ? picture_scale(speed / look->speed) : picture_class(world->group[i]));
         middle.x += x.x, middle.y += x.y, middle.z += x.z;
         n++;

@@ -31,10 +31,12 @@ int riddle_is_present(const dem_world *world, ptrdiff_t i) { return i >= 0 && i 
 void riddle_states(const dem_world *world, int what, double *out) {
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (what == RIDDLE_RADII || what == RIDDLE_MASSES) {
-            out[i] = what == RIDDLE_RADII ? world->particle[i].radius : world->particle[i].mass;
+            out[i] = what == RIDDLE_RADII ? dem_radius(world, i) : dem_mass(world, i);
             continue;
         }
-        const dem_vec v = what == RIDDLE_POSITIONS ? dem_position(world, i) : what == RIDDLE_VELOCITIES ? dem_velocity(world, i) : world->particle[i].spin;
+        const dem_vec v = what == RIDDLE_POSITIONS    ? dem_position(world, i)
+                          : what == RIDDLE_VELOCITIES ? dem_velocity(world, i)
+                                                      : dem_spin(world, i);
         out[3 * i] = v.x, out[3 * i + 1] = v.y, out[3 * i + 2] = v.z;
     }
 }

@@ -105,7 +105,7 @@ static inline dem_status guard_links_begin(dem_world *w, int threads, double int
     dem_status status = guard_begin(w, 4e-6, threads);
     if (status != DEM_OK) return status;
     scene_box(w, 0.0225, 0.0, 0.1);
-    status = dem_set_links(w, &guard_spring, guard_spring_kernel, interval, 1e-6);
+    status = dem_set_links(w, &guard_spring_kernel, interval, 1e-6);
     if (status == DEM_OK) status = scene_fill(w, &r, 8, 8, 5, dem_vec3(-0.0208, -0.0208, 0), 5.2e-3, &one, 1, 0.3);
     for (int i = 0; i < 320 && status == DEM_OK; i++) {
         if (i % 8 != 7) status = dem_add_link(w, i, i + 1, 0, i % 3 ? strong : weak);
@@ -235,7 +235,7 @@ static inline dem_status guard_saved(dem_world *w, int threads, int saves, uint6
         for (int part = 0; part < 3 && status == DEM_OK; part++) {
             status = dem_run(w, 1013.0 * w->def.dt, features);
             if (status == DEM_OK && saves) status = guard_reload(w);
-            if (status == DEM_OK && scene == 0) status = dem_set_links(w, &guard_spring, guard_spring_kernel, 4e-5, 1e-6);
+            if (status == DEM_OK && scene == 0) status = dem_set_links(w, &guard_spring_kernel, 4e-5, 1e-6);
             if (status == DEM_OK && scene == 2) status = dem_prescribe(w, 4, dem_vec3(0, 0, 0), guard_shake, NULL);
         }
         if (status == DEM_OK) status = dem_run(w, 611.0 * w->def.dt, features);

@@ -148,15 +148,14 @@ static inline const char *invariants__overlaps(const dem_world *w) {
         const dem_vec x = dem_position(w, i);
         for (ptrdiff_t j = i + 1; j < w->count; j++) {
             if (!w->alive[j]) continue;
-            const double gap =
-                dem__length(dem__nearest_image(w, dem__sub(x, dem_position(w, j)))) - w->particle[i].radius - w->particle[j].radius;
+            const double gap = dem__length(dem__nearest_image(w, dem__sub(x, dem_position(w, j)))) - dem_radius(w, i) - dem_radius(w, j);
             if (gap < -shift - 2.0 * w->engine->bodies.shifted[j] && !invariants__touch(w, i, j))
                 return "two particles overlap without a contact";
         }
         for (int k = 0; k < w->walls; k++) {
             dem__touch touch[DEM__TOUCHES];
             double least;
-            const int n = w->wall[k].enabled ? dem__touch_wall(&w->wall[k], x, w->particle[i].radius, 0.0, touch, &least) : 0;
+            const int n = w->wall[k].enabled ? dem__touch_wall(&w->wall[k], x, dem_radius(w, i), 0.0, touch, &least) : 0;
             if (w->wall[k].kind == DEM_EXIT) {
                 if (least < -shift && w->wall[k].enabled && w->alive[i] > 0) return "a particle is beyond an exit";
                 continue;

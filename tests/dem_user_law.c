@@ -20,8 +20,7 @@ int main(int argc, char **argv) {
     double centres[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0049}, diameters[2] = {0.005, 0.005};
     if (status == DEM_OK) status = dem_add_spheres(&world, 2, centres, diameters, m, 0);
     if (status == DEM_OK)
-        status = features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &magnet, dem__kernel_magnet, DEM_LINEAR | DEM_FRICTION)
-                                        : dem_run(&world, 1e-4, features);
+        status = features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &dem__kernel_magnet) : dem_run(&world, 1e-4, features);
     dem_free(&world);
     return status != DEM_OK;
 }

@@ -25,16 +25,12 @@ DEM_KERNEL(kernel_bonds, contact_bonds, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(kernel_bonds_energy, contact_bonds, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 typedef struct use {
-    const dem_law *law;
-    dem_kernel_fn kernel, with_ledger;
-    int features;
+    const dem_kernel *kernel, *with_ledger;
 } use;
 static const use uses[] = {
-    {&contact_jkr, kernel_jkr, kernel_jkr_energy, DEM_HERTZ | DEM_FRICTION},
-    {&contact_dmt, kernel_dmt, kernel_dmt_energy, DEM_HERTZ | DEM_FRICTION},
-    {&contact_epsd, kernel_epsd, kernel_epsd_energy, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING},
-    {&contact_epsd_hertz, kernel_epsd_hertz, kernel_epsd_hertz_energy, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING},
-    {&contact_bonds, kernel_bonds, kernel_bonds_energy, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING},
+    {&kernel_jkr, &kernel_jkr_energy},     {&kernel_dmt, &kernel_dmt_energy},
+    {&kernel_epsd, &kernel_epsd_energy},   {&kernel_epsd_hertz, &kernel_epsd_hertz_energy},
+    {&kernel_bonds, &kernel_bonds_energy},
 };
 enum { JKR, DMT, EPSD, EPSD_HERTZ, BONDS, USES };
 
@@ -58,12 +54,12 @@ static void add(dem_world *w, dem_vec at, double d, int material) {
 }
 static void run(dem_world *w, double t, int which) {
     const use *u = &uses[which];
-    const dem_status status = dem_run_law(w, t, u->law, u->kernel, u->features);
+    const dem_status status = dem_run_law(w, t, u->kernel);
     if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 static void run_with_ledger(dem_world *w, double t, int which) {
     const use *u = &uses[which];
-    assert_int_equal(dem_run_law(w, t, u->law, u->with_ledger, u->features | DEM_ENERGY), DEM_OK);
+    assert_int_equal(dem_run_law(w, t, u->with_ledger), DEM_OK);
 }
 
 /* ---- adhesion: formulas ---- */
@@ -205,7 +201,7 @@ static double rebound(int which, double speed, double w_, double share) {
     dem_add_plane(&w, 0, none, up);
     add(&w, v3(0, 0, R + 1e-8), 2.0 * R, 0);
     dem_set_motion(&w, 0, v3(0, 0, -speed), none);
-    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(w.particle[0].mass / modulus, 2) / (R * speed), 0.2); /* Hertz */
+    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(dem_mass(&w, 0) / modulus, 2) / (R * speed), 0.2); /* Hertz */
     dem_set_time_step(&w, share * tc);
     run_with_ledger(&w, 1e-8 / speed + 8.0 * tc, which);
     const dem_energy_ledger l = dem_energy(&w);
@@ -255,7 +251,7 @@ static void oblique(int which, double speed, double share, double phase_of, int 
     run(&w, 4.0 * tc, which);
     for (int k = 0; k < n; k++) {
         const dem_vec v = dem_velocity(&w, k);
-        after[3 * k] = v.x / speed, after[3 * k + 1] = v.z / speed, after[3 * k + 2] = R * w.particle[k].spin.y / speed;
+        after[3 * k] = v.x / speed, after[3 * k + 1] = v.z / speed, after[3 * k + 2] = R * dem_spin(&w, k).y / speed;
     }
     dem_free(&w);
 }
@@ -272,7 +268,8 @@ static void test_friction_of_adhesion(void **state) {
             oblique(which, ratio * stick, 1.0 / 20.0, 1.0 / 20.0, HITS, after);
             oblique(which, ratio * stick, 1.0 / 640.0, 1.0 / 20.0, HITS, exact);
             for (int k = 0; k < 3 * HITS; k++) worst = fmax(worst, fabs(after[k] - exact[k]));
-            print_message("%s, %d times the speed that sticks: error at t_c/20 at most %.1e\n", uses[which].law->name, ratio, worst);
+            print_message("%s, %d times the speed that sticks: error at t_c/20 at most %.1e\n", uses[which].kernel->law->name, ratio,
+                          worst);
             assert_true(worst < (which == JKR ? 0.05 : 0.015));
         }
     }
@@ -429,7 +426,7 @@ static void test_rolling_stops(void **state) {
             if (damped) { /* the spring at its end, as if it had rolled before: else the dashpot takes its share of the start */
                 dem_contact_info c = dem_get_contact(&w, 0);
                 c.state[CONTACT_ANGLE + 1] = elastic_angle(mu, which);
-                dem_set_slot_state(&w, 0, c.state);
+                dem_set_contact_state(&w, 0, c.state);
             }
             double farthest = 0.0, still = 0.0;
             for (int k = 0; k < 1500; k++) {
@@ -485,14 +482,14 @@ static void test_twisting_decays(void **state) {
         const double sliding = sqrt(spin * spin - most * theta / inertia), t1 = asin(most / (spin * sqrt(k * inertia))) / sqrt(k / inertia);
         const double t = 0.5 * spin * inertia / most;
         run(&w, t, which);
-        near_relative(w.particle[0].spin.z + w.spin_rate[0].z * (double)(w.step - w.particle[0].origin) * w.def.dt,
+        near_relative(dem_spin(&w, 0).z + w.spin_rate[0].z * (double)(w.step - w.particle[0].origin) * w.def.dt,
                       sliding - most / inertia * (t - t1), 1e-4, "spin");
         near_absolute(dem_position(&w, 0).x, 0.0, 1e-15, "it stays where it is");
         dem_free(&w);
         on_incline(&w, &laws, 0.0, 0.0, mu, 0.3, which);
         dem_set_motion(&w, 0, none, v3(0, 0, spin));
         run(&w, 2.0 * spin * inertia / most, which);
-        near_absolute(w.particle[0].spin.z, 0.0, 1e-6, "stopped");
+        near_absolute(dem_spin(&w, 0).z, 0.0, 1e-6, "stopped");
         dem_free(&w);
     }
 }
@@ -550,7 +547,7 @@ static void settle(dem_world *w, double drag, double t) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             dem_vec v = dem_velocity(w, i);
             const double c = 1.0 - drag * 10.0 * w->def.dt, s = c > 0.0 ? c : 0.0;
-            dem_set_motion(w, i, dem__scale(s, v), v3(s * w->particle[i].spin.x, s * w->particle[i].spin.y, s * w->particle[i].spin.z));
+            dem_set_motion(w, i, dem__scale(s, v), v3(s * dem_spin(w, i).x, s * dem_spin(w, i).y, s * dem_spin(w, i).z));
         }
     }
 }
@@ -691,7 +688,7 @@ static void test_unchecked_parameters(void **state) {
                 w.user = &laws;
                 dem_add_plane(&w, 0, none, up);
                 add(&w, v3(0, 0, R - 1e-9), 2.0 * R, 0);
-                const dem_status status = dem_run_law(&w, 2e-8, uses[which].law, uses[which].kernel, uses[which].features);
+                const dem_status status = dem_run_law(&w, 2e-8, uses[which].kernel);
                 assert_true(status == DEM_OK || status == DEM_NOT_FINITE || status == DEM_TOO_FAST);
                 refused += status != DEM_OK;
                 dem_free(&w);
@@ -712,7 +709,7 @@ static void test_forgotten_laws(void **state) {
         dem_add_plane(&w, 0, none, up);
         add(&w, v3(0, 0, R - 1e-9), 2.0 * R, 0);
         dem_set_motion(&w, 0, none, v3(1.0, 2.0, 3.0));
-        assert_int_equal(dem_run_law(&w, 2e-8, uses[which].law, uses[which].kernel, uses[which].features), DEM_NOT_FINITE);
+        assert_int_equal(dem_run_law(&w, 2e-8, uses[which].kernel), DEM_NOT_FINITE);
         dem_free(&w);
     }
 }
@@ -734,7 +731,7 @@ static dem_status everything(failing_allocator *memory, int which) {
         const double d = 2.0 * R;
         status = dem_add_spheres(&w, 1, &at.x, &d, 0, 0);
     }
-    if (status == DEM_OK) status = dem_run_law(&w, 1e-7, uses[which].law, uses[which].kernel, uses[which].features);
+    if (status == DEM_OK) status = dem_run_law(&w, 1e-7, uses[which].kernel);
     dem_free(&w);
     return status;
 }

@@ -50,7 +50,7 @@ static double closest_gap(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
         if (w->def.periodic[k]) d -= length * floor(d / length + 0.5);
         square += d * d;
     }
-    return sqrt(square) - w->particle[i].radius - w->particle[j].radius;
+    return sqrt(square) - dem_radius(w, i) - dem_radius(w, j);
 }
 
 /* The list of the header against all pairs: none missing, none twice, none that is far. */
@@ -267,7 +267,7 @@ static void whole_within(const dem_world *w, const dem_region *region) {
         const dem_vec x = dem_position(w, i);
         for (int k = 0; k < 26; k++) {
             const dem_vec way = v3(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0);
-            const double length = sqrt(way.x * way.x + way.y * way.y + way.z * way.z), r = w->particle[i].radius * (1.0 - 1e-9);
+            const double length = sqrt(way.x * way.x + way.y * way.y + way.z * way.z), r = dem_radius(w, i) * (1.0 - 1e-9);
             if (length > 0.0)
                 assert_true(dem_region_holds(region, v3(x.x + r * way.x / length, x.y + r * way.y / length, x.z + r * way.z / length)));
         }
@@ -292,9 +292,9 @@ static void test_fill(void **state) {
         assert_int_equal(dem_fill_mass(&w, &feed, wanted), DEM_OK);
         for (ptrdiff_t i = 0; i < w.count; i++) {
             const dem_vec v = dem_velocity(&w, i);
-            mass += w.particle[i].mass;
+            mass += dem_mass(&w, i);
             assert_true(w.group[i] == 4 && v.x == 0.1 && fabs(v.y) <= 0.5 && fabs(v.z + 2.0) <= 0.25);
-            largest = fmax(largest, w.particle[i].mass);
+            largest = fmax(largest, dem_mass(&w, i));
         }
         assert_int_equal(feed.placed, w.count);
         near_relative(feed.placed_mass, mass, 1e-12, "placed mass");
@@ -382,14 +382,14 @@ static void test_feed_in_time(void **state) {
             assert_int_equal(by_mass ? dem_feed_mass(&w, &feed, mass_flow, step) : dem_feed_number(&w, &feed, rate, step), DEM_OK);
             for (ptrdiff_t i = before; i < w.count; i++) {
                 const dem_vec x = dem_position(&w, i);
-                assert_true(x.z == 0.5 && sqrt(x.x * x.x + x.y * x.y) <= 0.03 - w.particle[i].radius + 1e-12);
+                assert_true(x.z == 0.5 && sqrt(x.x * x.x + x.y * x.y) <= 0.03 - dem_radius(&w, i) + 1e-12);
             }
             assert_int_equal(dem_run(&w, step, DEM_LINEAR), DEM_OK);
         }
         for (ptrdiff_t k = 0; k < w.passed_count; k++) gone += RIDDLE_PI / 6.0 * pow(w.passed[k].diameter, 3.0) * 2500.0;
         double here = 0.0;
         ptrdiff_t present = 0;
-        for (ptrdiff_t i = 0; i < w.count; i++) here += w.alive[i] ? w.particle[i].mass : 0.0, present += w.alive[i];
+        for (ptrdiff_t i = 0; i < w.count; i++) here += w.alive[i] ? dem_mass(&w, i) : 0.0, present += w.alive[i];
         near_relative(here + gone, feed.placed_mass, 1e-12, "mass placed, present and passed");
         assert_int_equal(present + w.passed_count, feed.placed);
         assert_true(w.passed_count > 0);
@@ -425,10 +425,9 @@ static void test_feed_owes_half_a_sphere(void **state) {
    generator's state tells them), and as it is within the cuts. */
 static void test_sizes_cut_far_out(void **state) {
     (void)state;
-    const dem_sizes none[] = {
-        dem_rosin_rammler_sizes(2e-5, 4.0, 1e-3, 4e-3, 1), dem_rosin_rammler_sizes(2e-4, 10.0, 1e-3, 4e-3, 1),
-        dem_rosin_rammler_sizes(2.0, 20.0, 1e-3, 4e-3, 1), dem_lognormal_sizes(1.0, 0.3, 1e-3, 4e-3, 0),
-        dem_lognormal_sizes(1e-6, 0.3, 1e-3, 4e-3, 1),     dem_rosin_rammler_sizes(1e-9, 100.0, 1e-3, 4e-3, 0)};
+    const dem_sizes none[] = {dem_rosin_rammler_sizes(2e-5, 4.0, 1e-3, 4e-3, 1), dem_rosin_rammler_sizes(2e-4, 10.0, 1e-3, 4e-3, 1),
+                              dem_rosin_rammler_sizes(2.0, 20.0, 1e-3, 4e-3, 1), dem_lognormal_sizes(1.0, 0.3, 1e-3, 4e-3, 0),
+                              dem_lognormal_sizes(1e-6, 0.3, 1e-3, 4e-3, 1),     dem_rosin_rammler_sizes(1e-9, 100.0, 1e-3, 4e-3, 0)};
     uint64_t random = 5;
     for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
         dem_world w = plain_world();
@@ -484,7 +483,7 @@ static void test_feed_waits(void **state) {
     near_absolute((double)feed.placed + feed.due, 500.0, 1e-9, "placed and due");
     assert_true(feed.due < 2.0);
     int large = 0;
-    for (ptrdiff_t i = 0; i < w.count; i++) large += w.particle[i].radius > 3e-3;
+    for (ptrdiff_t i = 0; i < w.count; i++) large += dem_radius(&w, i) > 3e-3;
     near_absolute(large / 499.0, 0.5, 0.09, "share of large ones");
     dem_free(&w);
 }

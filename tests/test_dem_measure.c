@@ -142,7 +142,7 @@ static void test_column(void **state) {
     const int ground = dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
     for (int k = 0; k < 10; k++) add(&w, v3(0, 0, 2.5e-3 + 5e-3 * k), 5e-3, 0);
     run(&w, 1.0);
-    for (int k = 0; k < 10; k++) weight += w.particle[k].mass * g;
+    for (int k = 0; k < 10; k++) weight += dem_mass(&w, k) * g;
     near_relative(-w.wall[ground].force.z, weight, 1e-6, "force on the floor");
     const double area = 0.01 * 0.02;
     for (double low = 0.0; low < 0.05; low += 0.0017) {
@@ -154,7 +154,7 @@ static void test_column(void **state) {
             assert_int_equal(dem_measure_region(&w, &slab, &m), DEM_OK);
             assert_int_equal(dem_measure_region(&w, &round, &c), DEM_OK);
             for (int k = 0; k < 10; k++)
-                above += w.particle[k].mass * g * fmin(fmax(dem_position(&w, k).z - low, 0.0), high - low) / (high - low);
+                above += dem_mass(&w, k) * g * fmin(fmax(dem_position(&w, k).z - low, 0.0), high - low) / (high - low);
             near_absolute(m.contact_stress[2][2] * area, above, 1e-6 * weight, "weight above");
             near_absolute(c.contact_stress[2][2] * RIDDLE_PI * 16e-6, above, 1e-6 * weight, "weight above, cylinder");
             near_absolute(m.contact_stress[0][2] + m.contact_stress[0][0] + m.contact_stress[2][0], 0.0, 1e-9, "other parts");
@@ -164,7 +164,7 @@ static void test_column(void **state) {
     dem_measure m;
     assert_int_equal(dem_measure_region(&w, &ball, &m), DEM_OK);
     near_relative(m.contact_stress[2][2] * 4.0 / 3.0 * RIDDLE_PI * 1e-9,
-                  (w.particle[6].mass * 4.0 * g) * 1e-3 + (w.particle[5].mass * 5.0 * g) * 1e-3, 2e-2, "in a ball");
+                  (dem_mass(&w, 6) * 4.0 * g) * 1e-3 + (dem_mass(&w, 5) * 5.0 * g) * 1e-3, 2e-2, "in a ball");
     dem_free(&w);
 }
 
@@ -185,8 +185,8 @@ static void test_bed(void **state) {
     run(&w, 4.0); /* after a second a grain here and there still rolls to another place */
     double weight = 0.0, virial = 0.0, mass = 0.0;
     for (ptrdiff_t i = 0; i < w.count; i++) {
-        weight += w.particle[i].mass * g, mass += w.particle[i].mass;
-        virial += w.particle[i].mass * g * dem_position(&w, i).z;
+        weight += dem_mass(&w, i) * g, mass += dem_mass(&w, i);
+        virial += dem_mass(&w, i) * g * dem_position(&w, i).z;
     }
     near_relative(-w.wall[ground].force.z, weight, 1e-6, "force on the floor");
     const double area = 9e-4;
@@ -249,11 +249,11 @@ static void test_kinetic(void **state) {
         for (ptrdiff_t i = 0; i < w.count; i++) {
             if (!dem_region_holds(&region, dem_position(&w, i))) continue;
             const dem_vec v = dem_velocity(&w, i);
-            if (pass == 0) count++, mass += w.particle[i].mass;
+            if (pass == 0) count++, mass += dem_mass(&w, i);
             for (int a = 0; a < 3; a++) {
-                if (pass == 0) mean[a] += w.particle[i].mass * dem_axis(v, a);
+                if (pass == 0) mean[a] += dem_mass(&w, i) * dem_axis(v, a);
                 for (int b = 0; pass == 1 && b < 3; b++)
-                    stress[a][b] += w.particle[i].mass * (dem_axis(v, a) - mean[a] / mass) * (dem_axis(v, b) - mean[b] / mass) / volume;
+                    stress[a][b] += dem_mass(&w, i) * (dem_axis(v, a) - mean[a] / mass) * (dem_axis(v, b) - mean[b] / mass) / volume;
             }
         }
     }

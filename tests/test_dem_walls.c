@@ -253,7 +253,7 @@ static void incline(double tangent, double friction, dem_vec spin, int cells, do
         near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-9, "position on triangles");
         near_vec(dem_velocity(&w[1], 0), dem_velocity(&w[0], 0), 1e-9, "velocity on triangles");
         for (int k = 0; k < 2; k++) dem__set_origin(&w[k], 0);
-        near_vec(w[1].particle[0].spin, w[0].particle[0].spin, 1e-9 / radius, "spin on triangles");
+        near_vec(dem_spin(&w[1], 0), dem_spin(&w[0], 0), 1e-9 / radius, "spin on triangles");
     }
     assert_true(dem__dot(dem_position(&w[1], 0), down) > 0.04); /* over many facets */
     for (int k = 0; k < 2; k++) dem_free(&w[k]);
@@ -431,7 +431,7 @@ static void test_concave_corner(void **state) {
     const int box = wall_index(dem_add_box(&w, 0, zero, v3(0.05, 0.06, 0.07)));
     add(&w, v3(0.005, 0.0051, 0.0052), diameter);
     run(&w, 0.4, DEM_LINEAR);
-    const double m = w.particle[0].mass;
+    const double m = dem_mass(&w, 0);
     assert_int_equal(dem_contact_count(&w), 3);
     near_vec(w.wall[box].force, dem__scale(m, def.gravity), 1e-9 * m, "force on a box");
     double found[3] = {0, 0, 0};
@@ -616,7 +616,7 @@ static void test_piston(void **state) {
     for (int k = 0; k < 5; k++) add(&w, v3(0, 0, radius + k * diameter), diameter);
     assert_int_equal(dem_control_force(&w, piston, v3(0, 0, 2), mass, target, 2.0), DEM_OK);
     run(&w, 1.5, DEM_LINEAR | DEM_FRICTION);
-    const double weight = 5.0 * w.particle[0].mass * 9.81;
+    const double weight = 5.0 * dem_mass(&w, 0) * 9.81;
     near_relative(w.wall[piston].force.z, -target, 1e-6, "force on the piston");
     near_relative(w.wall[lid].force.z, target - weight, 1e-6, "force on the lid");
     near_absolute(w.wall[piston].rate, 0.0, 1e-9, "piston at rest");
@@ -647,7 +647,7 @@ static void test_piston_momentum(void **state) {
     start(&w, &def);
     const int wall = wall_index(dem_add_plane(&w, 0, zero, up));
     add(&w, v3(0, 0, 2.0 * radius), diameter);
-    const double m = w.particle[0].mass, mass = 30.0 * m;
+    const double m = dem_mass(&w, 0), mass = 30.0 * m;
     assert_int_equal(dem_control_force(&w, wall, up, mass, 0.0, 0.0), DEM_OK);
     move(&w, 0, v3(0.1, 0, -1.0), zero);
     run(&w, 0.02, DEM_LINEAR);
@@ -669,7 +669,7 @@ static void test_rotor(void **state) {
     start(&w, &def);
     const int k = wall_index(dem_add_cylinder(&w, 0, zero, v3(0, 1, 0), drum, 1));
     add(&w, v3(drum - radius, 0.01, 0), diameter);
-    const double m = w.particle[0].mass, i = 0.4 * m * radius * radius;
+    const double m = dem_mass(&w, 0), i = 0.4 * m * radius * radius;
     assert_int_equal(dem_control_torque(&w, k, v3(0, 3, 0), v3(0, 1, 0), inertia, 0.0, 0.0), DEM_OK);
     move(&w, 0, v3(0, 0, -v0), zero); /* about +y */
     const double before = m * v0 * (drum - radius);
@@ -677,7 +677,7 @@ static void test_rotor(void **state) {
         run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
         dem__set_origin(&w, 0);
         const dem_vec moment = dem__cross(dem_position(&w, 0), dem_velocity(&w, 0));
-        near_relative(m * moment.y + i * w.particle[0].spin.y + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
+        near_relative(m * moment.y + i * dem_spin(&w, 0).y + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
     }
     /* the same impulse j brakes the ball, and turns ball and drum: v - j/m + j r^2/i ... until the surfaces run alike */
     const double j = v0 / (1.0 / m + radius * radius / i + drum * drum / inertia);
@@ -717,7 +717,7 @@ static void test_belt(void **state) {
         run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
         near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * u, 2e-3, "rolling on a belt");
         dem__set_origin(&w, 0);
-        near_relative(w.particle[0].v.x - radius * w.particle[0].spin.y, u, 2e-3, "its surface");
+        near_relative(w.particle[0].v.x - radius * dem_spin(&w, 0).y, u, 2e-3, "its surface");
         near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
         dem_free(&w);
     }
@@ -956,7 +956,7 @@ static void test_bad_arguments(void **state) {
     assert_int_equal(dem_control_force(&w, 0, up, 1.0, nan_, 1.0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_control_torque(&w, 0, zero, up, 1.0, 1.0, -1.0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_control_torque(&w, 0, v3(nan_, 0, 0), up, 1.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
-    assert_int_equal(w.wall[0].drive, DEM_KINEMATIC);
+    assert_int_equal(w.wall[0].asked.drive, DEM_KINEMATIC);
     for (int k = 1; k < DEM_WALLS_MAX; k++) assert_int_equal(dem_add_mesh(&w, 0, &mesh), k);
     assert_int_equal(dem_add_mesh(&w, 0, &mesh), -(int)DEM_TOO_MANY), assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
     dem_free(&w);
@@ -1111,7 +1111,7 @@ static void test_stl_of_a_cube(void **state) {
         dem_free_mesh(&m), dem_free_mesh(&m);
         add(&w, v3(0.02, 0.02, 0.05 + radius - 1e-7), diameter);
         run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
-        near_relative(w.wall[box].force.z, -w.particle[0].mass * 9.81, 1e-3, "weight on a cube from a file");
+        near_relative(w.wall[box].force.z, -dem_mass(&w, 0) * 9.81, 1e-3, "weight on a cube from a file");
         dem_free(&w);
     }
     free(s), free(t);
@@ -1344,7 +1344,7 @@ static void test_stl_variants(void **state) {
         {"solid in one line", "facet normal", "vertex", " ", "endsolid in one line", 1},
         {"solid Gef\xE4\xDF", "facet normal", "vertex", "\n", "endsolid Gef\xE4\xDF\n\x1a", 1},
         {"solid t", "facet normal", "vertex", "\n", "end solid", 1},
-        {"solid t", "facet normal", "vertex", "\n", "", 2},            /* broken off between two facets */
+        {"solid t", "facet normal", "vertex", "\n", "", 2},             /* broken off between two facets */
         {"solid t", "facet normal", "vertex 0.5", "\n", "endsolid", 4}, /* four numbers */
         {"solid t", "facet normal", "vertex,", "\n", "endsolid", 4},
         {"<html><body>solid t<br>", "facet normal", "<b>vertex</b>", "<br>\n", "</html>", 4},

@@ -137,8 +137,8 @@ static void test_motion(void **state) {
             const double t = m.world.time, a = d.amplitude * sin(turn * t), b = d.minor * (cos(turn * t) - 1.0);
             for (int wall = 0; wall <= 1; wall++) { /* the deck and the plate at its upper end */
                 const dem_wall *w = &m.world.wall[wall];
-                assert_true(fabs(w->position.x - w->origin.x - (a * c - b * s)) < 1e-9);
-                assert_true(fabs(w->position.z - w->origin.z - (a * s + b * c)) < 1e-9);
+                assert_true(fabs(w->position.x - w->asked.origin.x - (a * c - b * s)) < 1e-9);
+                assert_true(fabs(w->position.z - w->asked.origin.z - (a * s + b * c)) < 1e-9);
             }
         }
         deck_free(&m);

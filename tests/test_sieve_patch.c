@@ -73,7 +73,7 @@ static void test_wedge(void **state) {
         if (grain[k].stays < 0) {
             assert_int_equal(p.world.passed_count, 1);
         } else {
-            const double weight = p.world.particle[0].mass * 9.81;
+            const double weight = dem_mass(&p.world, 0) * 9.81;
             for (int s = 0; s <= 200; s++) { /* up and down, slowly */
                 const double f = -grain[k].press * weight * (s < 100 ? s : 200 - s) / 100.0;
                 assert_int_equal(dem_set_load(&p.world, 0, dem_vec3(0.0, 0.0, f), dem_vec3(0.0, 0.0, 0.0)), DEM_OK);
@@ -155,7 +155,7 @@ static void test_refill_keeps_the_layer(void **state) {
         assert_true(p.world.passed_count > 10);
         if (refill) assert_int_equal(sieve_patch_refill(&p), DEM_OK);
         for (ptrdiff_t i = 0; i < p.world.count; i++)
-            if (p.world.alive[i]) present++, mass += p.world.particle[i].mass;
+            if (p.world.alive[i]) present++, mass += dem_mass(&p.world, i);
         assert_int_equal(present, refill ? p.grains : p.grains - p.world.passed_count);
         if (refill) assert_true(fabs(mass / p.mass - 1.0) < 1e-12);
         else assert_true(mass < 0.99 * p.mass);

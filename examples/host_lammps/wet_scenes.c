@@ -43,8 +43,8 @@ static int write_data(const start *s, const char *path) {
     for (int a = 0; a < 3; a++) output_print(f, "%.17g %.17g %clo %chi\n", s->low[a], s->high[a], "xyz"[a], "xyz"[a]);
     output_print(f, "\nAtoms # sphere\n\n");
     for (int i = 0; i < s->n; i++)
-        output_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density, s->centre[3 * i], s->centre[3 * i + 1],
-                s->centre[3 * i + 2]);
+        output_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density, s->centre[3 * i],
+                     s->centre[3 * i + 1], s->centre[3 * i + 2]);
     output_print(f, "\nVelocities\n\n");
     for (int i = 0; i < s->n; i++)
         output_print(f, "%d %.17g %.17g %.17g 0 0 0\n", i + 1, s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2]);
@@ -121,8 +121,8 @@ static int wet(wet_scene *wet, dem_world *world, const start *s, const int *grou
     for (int i = 0; i < s->n; i++) mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
     const int deck = dem_add_screen(world, 1, &screen); /* the books of wet_contact.h want one; it is out of the way */
     if (deck < 0 || dem_enable_wall(world, deck, 0) != DEM_OK) return -1;
-    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false,
-                 WET_STEEL) != BRIDGE_OK)
+    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false, WET_STEEL) !=
+        BRIDGE_OK)
         return -1;
     world->user = wet;
     for (int a = 0; a < WET_CLASSES; a++) {
@@ -142,7 +142,7 @@ static void measure(csv *file, const wet_scene *wet, const dem_world *world, int
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const dem_vec v = dem_velocity(world, i), x = dem_position(world, i);
         height += (up == 2 ? x.z : x.y) / (double)world->count;
-        energy += 0.5 * world->particle[i].mass * (v.x * v.x + v.y * v.y + v.z * v.z);
+        energy += 0.5 * dem_mass(world, i) * (v.x * v.x + v.y * v.y + v.z * v.z);
     }
     csv_line(file, "%.9g,%d,%.17g,%.17g,%.17g", world->time, bridges, liquid, height, energy);
 }

@@ -14,6 +14,4 @@ DEM_KERNEL(magnets_kernel, magnets, DEM_LINEAR | DEM_FRICTION)
 size_t law_world_size(void);
 dem_status law_run(dem_world *world, double duration);
 size_t law_world_size(void) { return sizeof(dem_world); }
-dem_status law_run(dem_world *world, double duration) {
-    return dem_run_law(world, duration, &magnets, magnets_kernel, DEM_LINEAR | DEM_FRICTION);
-}
+dem_status law_run(dem_world *world, double duration) { return dem_run_law(world, duration, &magnets_kernel); }

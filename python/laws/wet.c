@@ -34,8 +34,8 @@ static dem_status wet_the_spheres(dem_world *world) {
     if (!diameters || !groups || deck < 0 || deck >= world->walls) return DEM_BAD_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
         groups[i] = world->group[i];
-        diameters[i] = 2.0 * world->particle[i].radius;
-        mass += world->particle[i].mass;
+        diameters[i] = 2.0 * dem_radius(world, i);
+        mass += dem_mass(world, i);
         if (groups[i] < 0 || groups[i] >= WET_CLASSES) return DEM_BAD_ARGUMENT;
         classes[groups[i]] = diameters[i];
         largest = diameters[i] > largest ? diameters[i] : largest;

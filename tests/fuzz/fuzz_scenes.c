@@ -104,12 +104,12 @@ static dem_status draw_scene(dem_world *w, scene_random *r, int skip, int thread
 }
 
 static void draw_links(dem_world *w, scene_random *r, double near) {
-    if (dem_set_links(w, &spring, spring_kernel, scene_between(r, 1e-5, 1e-4), near) != DEM_OK) return;
+    if (dem_set_links(w, &spring_kernel, scene_between(r, 1e-5, 1e-4), near) != DEM_OK) return;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (ptrdiff_t j = i > 500 ? i - 500 : 0; j < i; j++) {
             const double state[SPRING_STATES] = {scene_between(r, 0.0, 2.0), 4e-3, scene_between(r, 0.0, 1e-3)};
             const dem_vec d = dem__nearest_image(w, dem__sub(dem_position(w, i), dem_position(w, j)));
-            if (dem__length(d) < w->particle[i].radius + w->particle[j].radius + 2e-3) dem_add_link(w, i, j, 0, state);
+            if (dem__length(d) < dem_radius(w, i) + dem_radius(w, j) + 2e-3) dem_add_link(w, i, j, 0, state);
         }
     }
 }
@@ -149,9 +149,10 @@ static void reload(dem_world *w) {
     dem_free(w);
     *w = copy;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].drive == DEM_PRESCRIBED) FUZZ_ASSERT(dem_prescribe(w, k, w->wall[k].spin_centre, swing, NULL) == DEM_OK);
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED) FUZZ_ASSERT(dem_prescribe(w, k, w->wall[k].asked.spin_centre, swing, NULL) == DEM_OK);
     }
-    if (w->engine->links.interval > 0.0) FUZZ_ASSERT(dem_set_links(w, &spring, spring_kernel, w->engine->links.interval, w->engine->links.near) == DEM_OK);
+    if (w->engine->links.interval > 0.0)
+        FUZZ_ASSERT(dem_set_links(w, &spring_kernel, w->engine->links.interval, w->engine->links.near) == DEM_OK);
     free(buffer);
 }
 
@@ -166,7 +167,8 @@ static int hashes_of(uint64_t seed, int skip, int threads, int saves, uint64_t *
     if (draw_scene(&w, &r, skip, threads) == DEM_OK) {
         if (one_of(&r, 3) == 0) draw_links(&w, &r, one_of(&r, 2) ? 0.0 : 2e-7);
         for (; k < RUNS; k++) {
-            const dem_status status = dem_run(&w, scene_between(&r, 0.0, w.count - w.engine->bodies.dropped > 1000 ? 0.001 : 0.015), features);
+            const dem_status status =
+                dem_run(&w, scene_between(&r, 0.0, w.count - w.engine->bodies.dropped > 1000 ? 0.001 : 0.015), features);
             hash[k] = status == DEM_OK ? dem_hash(&w) : (uint64_t)status;
             if (status != DEM_OK) break;
             draw_change(&w, &r, &features);
