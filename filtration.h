@@ -275,27 +275,27 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
 
 /* ---- evaluation of a measured filter curve, in the manner of VDI 2762 ---- */
 typedef struct filtration_curve_def {
-    uint32_t cookie;        /* set by filtration_curve_default_def() */
-    double pressure;        /* difference, constant [Pa] > 0; default 1e5 */
-    double viscosity;       /* [Pa s] > 0; default 1e-3 */
-    double area;            /* [m2] > 0; default 2e-3 */
-    double cake_ratio;      /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
-    double pressure_error;  /* standard errors, relative [-] >= 0; default 0 */
+    uint32_t cookie;       /* set by filtration_curve_default_def() */
+    double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
+    double viscosity;      /* [Pa s] > 0; default 1e-3 */
+    double area;           /* [m2] > 0; default 2e-3 */
+    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
+    double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;      /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
-    double volume_error;    /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
-    double start_time;      /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
-    double start_volume;    /* [m3] >= 0; default 0 */
-    double first_volume;    /* readings from here ... [m3] >= 0; default 0 */
-    double last_volume;     /* ... to here [m3]; default HUGE_VAL */
-    int automatic;          /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
-    size_t least_readings;  /* of a stretch, >= 5; default 6 */
-    double bend_level;      /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
+    double time_error;     /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
+    double volume_error;   /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
+    double start_time;     /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
+    double start_volume;   /* [m3] >= 0; default 0 */
+    double first_volume;   /* readings from here ... [m3] >= 0; default 0 */
+    double last_volume;    /* ... to here [m3]; default HUGE_VAL */
+    int automatic;         /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
+    size_t least_readings; /* of a stretch, >= 5; default 6 */
+    double bend_level;     /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
                                default 0.1 */
-    double tolerance;       /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
-    double confidence;      /* of intervals [-], above 0 .. below 1; default 0.95 */
+    double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
+    double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
 
 typedef struct filtration_estimate {
@@ -305,31 +305,31 @@ typedef struct filtration_estimate {
 } filtration_estimate;
 
 /* What a reader of the result should know. */
-#define FILTRATION_REMARKS(X)                                                                         \
-    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                     \
-    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late") \
-    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen") \
+#define FILTRATION_REMARKS(X)                                                                                                              \
+    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
+    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
+    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")                                 \
     X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring residuals are alike: the interval was widened")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
 typedef enum filtration_remark { FILTRATION_REMARKS(FILTRATION__REMARK) FILTRATION_NO_REMARK = 0 } filtration_remark;
 FILTRATION_API const char *filtration_remark_text(unsigned remark); /* of one bit; never NULL; static storage */
 
 typedef struct filtration_curve {
-    filtration_estimate slope;     /* [s/m6] */
-    filtration_estimate intercept; /* [s/m3] */
-    filtration_estimate product;   /* r_K K_S [1/m2] */
-    filtration_estimate cake;      /* r_K [1/m2]; NaN without K_S */
-    filtration_estimate medium;    /* R_M [1/m] */
-    double covariance;             /* of slope and intercept [s2/m9] */
-    size_t first, last;            /* indices of the first and last reading used */
-    size_t used;                   /* readings used */
-    double freedom;                /* degrees of freedom [-] */
-    double student;                /* factor of the interval of slope and intercept [-] */
-    double scatter;                /* standard deviation of t / V about the line, over its mean [-] */
-    double r2;                     /* coefficient of determination [-] */
-    double bend;                   /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
-    double correlation;            /* of neighbouring residuals [-] */
-    unsigned remarks;              /* bits of filtration_remark */
+    filtration_estimate slope;                    /* [s/m6] */
+    filtration_estimate intercept;                /* [s/m3] */
+    filtration_estimate product;                  /* r_K K_S [1/m2] */
+    filtration_estimate cake;                     /* r_K [1/m2]; NaN without K_S */
+    filtration_estimate medium;                   /* R_M [1/m] */
+    double covariance;                            /* of slope and intercept [s2/m9] */
+    size_t first, last;                           /* indices of the first and last reading used */
+    size_t used;                                  /* readings used */
+    double freedom;                               /* degrees of freedom [-] */
+    double student;                               /* factor of the interval of slope and intercept [-] */
+    double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
+    double r2;                                    /* coefficient of determination [-] */
+    double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
+    double correlation;                           /* of neighbouring residuals [-] */
+    unsigned remarks;                             /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
 } filtration_curve;
 
@@ -380,15 +380,15 @@ typedef enum filtration_weave {
 } filtration_weave;
 
 /* Woven wire cloth in a plane z = centre: round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. Their axes go through wire / 2
-   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut across
-   the wire's direction is a circle everywhere. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
+   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut
+   across the axis, as it slopes, is a circle. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
    (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
-    double centre;  /* z of the plane [m] */
-    double reach;   /* distances above it may be given too small [m] > 0; as large as the largest sphere's radius at least */
+    double centre; /* z of the plane [m] */
+    double reach;  /* distances above it may be given too small [m] > 0; as large as the largest sphere's radius at least */
 } filtration_cloth;
 
 /* A cloth with a reach of 4 wires. BAD_ARGUMENT: wire, opening not > 0 and finite, centre not finite, unknown weave. */
@@ -404,18 +404,18 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside; inside its size may be too small, by up to a third where wires slope. */
+/* Signed distance from its surface [m], > 0 outside. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
 /* Spheres and fibres (cylinders with round ends) in a box, periodic on chosen axes. */
 typedef struct filtration_bed {
     ptrdiff_t n;
-    double box[3];   /* [m] */
-    int periodic[3]; /* 1: the bed repeats itself along this axis */
-    double reach;    /* distances above it are given as it [m] */
-    const double *a; /* [n][3] centres, or first ends [m]; the caller's */
-    const double *b; /* [n][3] second ends [m]; NULL: spheres */
+    double box[3];            /* [m] */
+    int periodic[3];          /* 1: the bed repeats itself along this axis */
+    double reach;             /* distances above it are given as it [m] */
+    const double *a;          /* [n][3] centres, or first ends [m]; the caller's */
+    const double *b;          /* [n][3] second ends [m]; NULL: spheres */
     const double *radius;     /* [n] [m] > 0 */
     filtration_memory memory; /* private from here on: which objects are near which part of the box */
     int cells[3];
@@ -645,7 +645,7 @@ FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *
 /* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
    [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least);
+                                                   double least);
 
 /* ==== >>permeability: steady flow through any solid ==== */
 
@@ -1012,9 +1012,7 @@ static inline double filtration_schiller_naumann(double reynolds) {
 }
 
 /* Axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's constant, first order. */
-static inline double filtration_wall_ladenburg(double ratio) {
-    return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN;
-}
+static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
 /* The same, Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
 static inline double filtration_wall_faxen(double ratio) {
@@ -1643,64 +1641,55 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from its middle line.
+/* Square of the distance from a point to the axis of a wire at the place s along it; aside, along, z: the point from its middle line.
    Its first and second derivative by s over 2. */
-static inline double filtration__disc_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {
     double first, second;
     const double away = z - filtration__cloth_axis(cloth, warp, own, s, &first, &second), way = s - along;
-    const double from_axis = sqrt(aside * aside + away * away), gap = from_axis - 0.5 * cloth->wire;
-    *slope = way, *curve = 1.0;
-    if (!(gap > 0.0)) return way * way;
-    const double cosine = away / from_axis;
-    *slope += -gap * cosine * first;
-    *curve += cosine * first * cosine * first + gap * (first * first * (1.0 - cosine * cosine) / from_axis - cosine * second);
-    return way * way + gap * gap;
+    *slope = way - away * first;
+    *curve = 1.0 + first * first - away * second;
+    return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point outside to a wire, which is made of discs across it: the nearest of several, refined by Newton's method. */
+/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton's method. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
-    double least = filtration__disc_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
+    double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
     const double reach = sqrt(least), step = (cloth->wire + cloth->opening) / 8.0;
     const int samples = (int)(reach / step) + 1;
     for (int i = -samples; i <= samples; i++) {
         const double at = along + reach * i / samples;
-        const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
+        const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
     for (int i = 0; i < 20; i++) {
         const double before = least;
-        filtration__disc_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
+        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
         double move = curve > 0.1 ? -slope / curve : -slope;
         for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
             if (!(square < least)) continue;
             least = square, best += move;
             break;
         }
         if (!(least < before * (1.0 - 1e-14))) break;
     }
-    return sqrt(least);
+    return sqrt(least) - 0.5 * cloth->wire;
 }
 
 /* The nearest of the wires along one direction; across: place across them, along: along them. Others lie no nearer than their axes do
    seen from above. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
                                                 double nearest) {
-    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire, steepest = RIDDLE_PI * radius / pitch;
+    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
     const int middle = (int)floor(across / pitch);
     const int reaching = (int)(cloth->reach / pitch) + 2;
     for (int k = 0; k <= 2 * reaching; k++) {
         const int i = middle + (k % 2 ? (k + 1) / 2 : -k / 2);
         const double aside = fabs(across - (i + 0.5) * pitch);
         if (aside - radius >= nearest) continue;
-        double first, second;
-        const double away = z - filtration__cloth_axis(cloth, warp, i, along, &first, &second);
-        const double across_wire = sqrt(aside * aside + away * away) - radius;
-        /* inside: across the wire, over the largest slope of its axis */
-        const double distance = across_wire > 0.0 ? filtration__wire_distance(cloth, warp, i, aside, along, z)
-                                                  : across_wire / sqrt(1.0 + steepest * steepest);
+        const double distance = filtration__wire_distance(cloth, warp, i, aside, along, z);
         if (distance < nearest) nearest = distance;
     }
     return nearest;
@@ -2640,7 +2629,7 @@ static inline void filtration__open(const filtration__lattice *l, int i, double 
 
 /* n nodes of a row, at most FILTRATION__BLOCK, all of one kind: none or all at an end of the row. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
-    double u[3][FILTRATION__BLOCK], h[FILTRATION__BLOCK];
+    double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
     int have_velocity = 0;
     for (int i = 1; i < l->q; i++) {
         int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
@@ -3770,7 +3759,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
 /* ==== >>motion ==== */
 
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least) {
+                                                   double least) {
     if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing)) return (double)NAN;
     double r = r2 < HUGE_VAL ? r1 * r2 / (r1 + r2) : r1, h = gap > least ? gap : least;
     return h < cutoff ? 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / cutoff) * closing : 0.0;

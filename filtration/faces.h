@@ -87,7 +87,7 @@ static inline void filtration__open(const filtration__lattice *l, int i, double 
 
 /* n nodes of a row, at most FILTRATION__BLOCK, all of one kind: none or all at an end of the row. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
-    double u[3][FILTRATION__BLOCK], h[FILTRATION__BLOCK];
+    double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
     int have_velocity = 0;
     for (int i = 1; i < l->q; i++) {
         int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);

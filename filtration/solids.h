@@ -59,64 +59,55 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the disc of a wire at the place s along it; aside, along, z: the point from its middle line.
+/* Square of the distance from a point to the axis of a wire at the place s along it; aside, along, z: the point from its middle line.
    Its first and second derivative by s over 2. */
-static inline double filtration__disc_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
+static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {
     double first, second;
     const double away = z - filtration__cloth_axis(cloth, warp, own, s, &first, &second), way = s - along;
-    const double from_axis = sqrt(aside * aside + away * away), gap = from_axis - 0.5 * cloth->wire;
-    *slope = way, *curve = 1.0;
-    if (!(gap > 0.0)) return way * way;
-    const double cosine = away / from_axis;
-    *slope += -gap * cosine * first;
-    *curve += cosine * first * cosine * first + gap * (first * first * (1.0 - cosine * cosine) / from_axis - cosine * second);
-    return way * way + gap * gap;
+    *slope = way - away * first;
+    *curve = 1.0 + first * first - away * second;
+    return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point outside to a wire, which is made of discs across it: the nearest of several, refined by Newton's method. */
+/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton's method. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
-    double least = filtration__disc_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
+    double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
     const double reach = sqrt(least), step = (cloth->wire + cloth->opening) / 8.0;
     const int samples = (int)(reach / step) + 1;
     for (int i = -samples; i <= samples; i++) {
         const double at = along + reach * i / samples;
-        const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
+        const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, at, &slope, &curve);
         if (square < least) least = square, best = at;
     }
     for (int i = 0; i < 20; i++) {
         const double before = least;
-        filtration__disc_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
+        filtration__axis_distance(cloth, warp, own, aside, along, z, best, &slope, &curve);
         double move = curve > 0.1 ? -slope / curve : -slope;
         for (int half = 0; half < 8; half++, move *= 0.5) {
-            const double square = filtration__disc_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
+            const double square = filtration__axis_distance(cloth, warp, own, aside, along, z, best + move, &slope, &curve);
             if (!(square < least)) continue;
             least = square, best += move;
             break;
         }
         if (!(least < before * (1.0 - 1e-14))) break;
     }
-    return sqrt(least);
+    return sqrt(least) - 0.5 * cloth->wire;
 }
 
 /* The nearest of the wires along one direction; across: place across them, along: along them. Others lie no nearer than their axes do
    seen from above. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
                                                 double nearest) {
-    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire, steepest = RIDDLE_PI * radius / pitch;
+    const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
     const int middle = (int)floor(across / pitch);
     const int reaching = (int)(cloth->reach / pitch) + 2;
     for (int k = 0; k <= 2 * reaching; k++) {
         const int i = middle + (k % 2 ? (k + 1) / 2 : -k / 2);
         const double aside = fabs(across - (i + 0.5) * pitch);
         if (aside - radius >= nearest) continue;
-        double first, second;
-        const double away = z - filtration__cloth_axis(cloth, warp, i, along, &first, &second);
-        const double across_wire = sqrt(aside * aside + away * away) - radius;
-        /* inside: across the wire, over the largest slope of its axis */
-        const double distance = across_wire > 0.0 ? filtration__wire_distance(cloth, warp, i, aside, along, z)
-                                                  : across_wire / sqrt(1.0 + steepest * steepest);
+        const double distance = filtration__wire_distance(cloth, warp, i, aside, along, z);
         if (distance < nearest) nearest = distance;
     }
     return nearest;

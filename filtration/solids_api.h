@@ -28,15 +28,15 @@ typedef enum filtration_weave {
 } filtration_weave;
 
 /* Woven wire cloth in a plane z = centre: round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. Their axes go through wire / 2
-   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut across
-   the wire's direction is a circle everywhere. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
+   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut
+   across the axis, as it slopes, is a circle. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
    (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
-    double centre;  /* z of the plane [m] */
-    double reach;   /* distances above it may be given too small [m] > 0; as large as the largest sphere's radius at least */
+    double centre; /* z of the plane [m] */
+    double reach;  /* distances above it may be given too small [m] > 0; as large as the largest sphere's radius at least */
 } filtration_cloth;
 
 /* A cloth with a reach of 4 wires. BAD_ARGUMENT: wire, opening not > 0 and finite, centre not finite, unknown weave. */
@@ -52,18 +52,18 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside; inside its size may be too small, by up to a third where wires slope. */
+/* Signed distance from its surface [m], > 0 outside. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
 /* Spheres and fibres (cylinders with round ends) in a box, periodic on chosen axes. */
 typedef struct filtration_bed {
     ptrdiff_t n;
-    double box[3];   /* [m] */
-    int periodic[3]; /* 1: the bed repeats itself along this axis */
-    double reach;    /* distances above it are given as it [m] */
-    const double *a; /* [n][3] centres, or first ends [m]; the caller's */
-    const double *b; /* [n][3] second ends [m]; NULL: spheres */
+    double box[3];            /* [m] */
+    int periodic[3];          /* 1: the bed repeats itself along this axis */
+    double reach;             /* distances above it are given as it [m] */
+    const double *a;          /* [n][3] centres, or first ends [m]; the caller's */
+    const double *b;          /* [n][3] second ends [m]; NULL: spheres */
     const double *radius;     /* [n] [m] > 0 */
     filtration_memory memory; /* private from here on: which objects are near which part of the box */
     int cells[3];

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -176,6 +177,72 @@ static void test_zick_homsy(void **state) {
                 0.003); /* the staircase's own value */
     assert_true(fabs(array_drag(0.064, 30, 3.5, 0, 0, 0, aside) / 2.8102 - 1.0) < 0.006);
     assert_true(fabs(array_drag(0.216, 20, 3.5, 0, 0, 0, aside) / 7.442 - 1.0) < 0.006);
+}
+
+/* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of the centre within a
+   voxel, and at 20 relaxation times 0.6 to 5, both precisions and lattices. */
+static void test_fine_arrays(void **state) {
+    (void)state;
+    const double c[] = {0.064, 0.125, 0.216}, drag[] = {2.8102, 4.2916, 7.442}, tau[] = {0.6, 1.0, 2.0, 5.0};
+    const double place[4][3] = {{0, 0, 0}, {0.25, 0.5, 0.15}, {0.5, 0.5, 0.5}, {0.1, 0.35, 0.7}};
+    const int cells[] = {20, 40}, levels = getenv("RIDDLE_FINE") ? 2 : 0;
+    for (int level = 0; level < levels; level++) {
+        double worst = 0.0, mean = 0.0;
+        for (int k = 0; k < 3; k++)
+            for (int p = 0; p < 4; p++) {
+                const int n = (int)(cells[level] * cbrt(3.14159265358979323846 / (6.0 * c[k])) + 0.5);
+                const double error =
+                    array_drag(c[k], n, 2.0, FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[p]) / drag[k] - 1.0;
+                worst = fmax(worst, fabs(error)), mean += fabs(error) / 12.0;
+            }
+        printf("arrays at %d cells a diameter: error %.3f %% at most, %.3f %% on average\n", cells[level], 100.0 * worst, 100.0 * mean);
+        assert_true(worst < (level ? 0.0015 : 0.003));
+        assert_true(mean < 0.0015);
+    }
+    for (int t = 0; t < 4 * (levels > 0); t++) {
+        const double at_one = array_drag(0.125, 32, 1.0, FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double exact = array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double single = array_drag(0.125, 32, tau[t], FILTRATION_D3Q19, FILTRATION_FLOAT, FILTRATION_CENTRAL_LINEAR, place[1]);
+        const double other = array_drag(0.125, 32, tau[t], FILTRATION_D3Q15, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, place[1]);
+        printf("tau %g over tau 1: %.6f, float over double %.6f, D3Q15 %.3f %%\n", tau[t], exact / at_one, single / exact,
+               100.0 * (other / drag[1] - 1.0));
+        assert_true(fabs(exact / at_one - 1.0) < 1e-3);
+        assert_true(fabs(single / exact - 1.0) < 1e-4);
+        assert_true(fabs(other / drag[1] - 1.0) < 0.004);
+    }
+}
+
+/* ---- a woven cloth ---- */
+
+/* Resistance [1/m] of the 2/2 twill of 28 um wire and 32 um opening in its unit cell. */
+static double cloth_resistance(double voxel, double tau, int boundary, double pressure) {
+    filtration_cloth cloth;
+    filtration_fluid_def def = small_box((int)(240e-6 / voxel + 0.5));
+    filtration_fluid fluid;
+    filtration_permeability_result result;
+    assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 120e-6), FILTRATION_OK);
+    def.voxel = voxel, def.tau = tau, def.boundary = (filtration_boundary)boundary, def.precision = FILTRATION_FLOAT;
+    def.solid = filtration_cloth_solid(&cloth);
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_permeability(&fluid, NULL, 2, pressure, 1e-5, 1000000, &result), FILTRATION_OK);
+    filtration_fluid_free(&fluid);
+    return result.resistance;
+}
+
+/* RIDDLE_FINE (scripts/verify cloth): at 2.5 um, creeping and at 1000 Pa. */
+static void test_clean_cloth(void **state) {
+    (void)state;
+    assert_true(fabs(cloth_resistance(7.5e-6, 2.0, FILTRATION_CENTRAL_LINEAR, 1e-3) / 2.27e6 - 1.0) < 0.03);
+    if (!getenv("RIDDLE_FINE")) return;
+    const double expected[2][2] = {{2.27e6, 3.0e6}, {2.41e6, 3.20e6}};
+    for (int k = 0; k < 4; k++) {
+        const int half_way = k / 2, inertia = k % 2;
+        const double found = cloth_resistance(2.5e-6, inertia ? 0.7 : 1.0, half_way ? FILTRATION_HALF_WAY : FILTRATION_CENTRAL_LINEAR,
+                                              inertia ? 1000.0 : 1e-3);
+        printf("cloth at 2.5 um, %s, %s: %.3e 1/m, expected %.2e\n", half_way ? "half-way" : "central linear",
+               inertia ? "1000 Pa" : "creeping", found, expected[half_way][inertia]);
+        assert_true(fabs(found / expected[half_way][inertia] - 1.0) < (k == 1 ? 0.05 : 0.03));
+    }
 }
 
 /* ---- a moving sphere ---- */
@@ -511,6 +578,8 @@ int main(void) {
         cmocka_unit_test(test_pressure_and_mirror),
         cmocka_unit_test(test_vortex_is_second_order),
         cmocka_unit_test(test_zick_homsy),
+        cmocka_unit_test(test_fine_arrays),
+        cmocka_unit_test(test_clean_cloth),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_resume),
@@ -521,5 +590,6 @@ int main(void) {
         cmocka_unit_test(test_bad_input),
         cmocka_unit_test(test_failing_memory),
     };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
