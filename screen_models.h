@@ -2177,93 +2177,130 @@ static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, doubl
     }
 }
 
+/* A descent on its way: the loss and its derivatives at q (c in coefficients), and the model of the loss that the next step minimises:
+   slopes and curvature, by q where a bound holds a parameter, else by c. */
+typedef struct screen__descent {
+    double q[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS];
+    double rounding, damping, enough; /* enough: a gain below this share of the loss counts as none */
+    int quiet;                        /* steps in a row without a gain */
+    screen__sums now;
+    double slope[SCREEN_MAX_PARAMETERS];
+    screen__matrix curvature;
+    int held[SCREEN_MAX_PARAMETERS], any_held;
+} screen__descent;
+
+/* Moves to q, c, where the sums have been evaluated. */
+static inline void screen__move(const screen__problem *p, screen__descent *d, const double *q, const double *c, const screen__sums *sums) {
+    for (int i = 0; i < p->parameters; i++) {
+        d->q[i] = q[i];
+        d->c[i] = c[i];
+    }
+    d->now = *sums;
+}
+
+/* Fills slope, curvature and held for the next step. */
+static inline void screen__model_loss(const screen__problem *p, screen__descent *d) {
+    int n = p->parameters;
+    screen__matrix t, by_c;
+    double slope_c[SCREEN_MAX_PARAMETERS];
+    screen__jacobian(p, d->q, t);
+    for (int i = 0; i < n; i++) {
+        d->slope[i] = slope_c[i] = d->now.gradient[i];
+        for (int j = 0; j < n; j++) d->curvature[i][j] = by_c[i][j] = d->now.curvature[i][j];
+    }
+    screen__by_q(n, t, d->curvature, d->slope);
+    d->any_held = 0;
+    for (int i = 0; i < n; i++) {
+        d->held[i] = p->low[i] >= p->high[i] || (d->q[i] <= p->low[i] && d->slope[i] > 0.0) || (d->q[i] >= p->high[i] && d->slope[i] < 0.0);
+        d->any_held += d->held[i];
+    }
+    if (d->any_held) return;
+    for (int i = 0; i < n; i++) {
+        d->slope[i] = slope_c[i];
+        for (int j = 0; j < n; j++) d->curvature[i][j] = by_c[i][j];
+    }
+}
+
+/* An exponent on its way through 0 is stopped by the bound of its moisture exponent: tries the other side, with the same product. */
+static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
+    double across[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS];
+    screen__sums there;
+    for (int k = 0; k < 3 * screen__rates(p->model) && d->any_held; k += 3) {
+        if (!(d->held[k + 2] && p->low[k + 2] < p->high[k + 2] && d->q[k + 1] * d->now.gradient[k + 1] > 0.0)) continue;
+        for (int i = 0; i < p->parameters; i++) across[i] = i == k + 1 ? -d->c[i] : d->c[i];
+        screen__to_box(p->model, p->parameters, p->centre, p->low, p->high, across, trial);
+        screen__to_coefficients(p->model, p->parameters, p->centre, trial, across);
+        screen__evaluate(p, across, d->rounding, 1, 1, &there);
+        if (!(there.loss < d->now.loss)) continue;
+        screen__move(p, d, trial, across, &there);
+        return 1;
+    }
+    return 0;
+}
+
+/* Where the damped model has its minimum, cut to the bounds: trial, and the same in coefficients. 0: the model has none. */
+static inline int screen__damped_minimum(const screen__problem *p, const screen__descent *d, double *trial, double *trial_c) {
+    int n = p->parameters;
+    double biggest = 0.0, step[SCREEN_MAX_PARAMETERS];
+    screen__matrix l;
+    for (int i = 0; i < n; i++) biggest = d->curvature[i][i] > biggest ? d->curvature[i][i] : biggest;
+    for (int i = 0; i < n; i++) {
+        step[i] = d->held[i] ? 0.0 : -d->slope[i];
+        for (int j = 0; j < n; j++) l[i][j] = d->held[i] || d->held[j] ? 0.0 : d->curvature[i][j];
+        l[i][i] = d->held[i] ? 1.0 : d->curvature[i][i] * (1.0 + d->damping) + 1e-10 * d->damping * biggest + 1e-300;
+    }
+    if (!screen__cholesky(n, l)) return 0;
+    screen__solve(n, l, step);
+    for (int i = 0; i < n; i++) { /* a long jump may end where a rate is so high that nothing depends on it: no way back */
+        double longest = screen__is_wet(p->model, i) ? 40.0 : 2.0;
+        step[i] = screen__clip(step[i], -longest, longest);
+    }
+    if (d->any_held)
+        for (int i = 0; i < n; i++) trial[i] = screen__clip(d->q[i] + step[i], p->low[i], p->high[i]);
+    else {
+        for (int i = 0; i < n; i++) step[i] += d->c[i];
+        screen__to_box(p->model, n, p->centre, p->low, p->high, step, trial);
+    }
+    screen__to_coefficients(p->model, n, p->centre, trial, trial_c);
+    return 1;
+}
+
+/* One step downhill, damped until the loss falls; 0: it does not fall any more. */
+static inline int screen__step_down(screen__problem *p, screen__descent *d) {
+    const int with = p->model != SCREEN_SOLDINGER; /* whose derivatives cost seven curves: only where a step is taken */
+    double trial[SCREEN_MAX_PARAMETERS], trial_c[SCREEN_MAX_PARAMETERS];
+    screen__sums next;
+    for (; d->damping < 1e12; d->damping = d->damping < 1e-8 ? 1e-6 : 8.0 * d->damping) {
+        if (!screen__damped_minimum(p, d, trial, trial_c)) continue;
+        screen__evaluate(p, trial_c, d->rounding, with, 1, &next);
+        if (!(next.loss < d->now.loss)) continue;
+        d->quiet = d->now.loss - next.loss <= d->enough * d->now.loss && d->damping < 1.0 ? d->quiet + 1 : 0;
+        if (!with) screen__evaluate(p, trial_c, d->rounding, 1, 1, &next);
+        screen__move(p, d, trial, trial_c, &next);
+        d->damping = d->damping > 1e-11 ? 0.1 * d->damping : 1e-12;
+        return 1;
+    }
+    return 0;
+}
+
 /* Levenberg-Marquardt from q (inside the bounds) to a minimum of the rounded loss; uses up to *left iterations. */
 static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
-    int n = p->parameters, with = p->model != SCREEN_SOLDINGER, quiet = 0;
-    double c[SCREEN_MAX_PARAMETERS], damping = 1e-3;
+    screen__descent d;
+    d.rounding = rounding;
+    d.damping = 1e-3;
+    d.quiet = 0;
     /* the rounded losses are but a way to the sharp one */
-    double enough = p->last_steps ? 1e-12 : p->loss == SCREEN_LOSS_SQUARES || rounding < 1e-5 ? 1e-7 : 1e-4;
-    screen__sums now, next;
-    screen__to_coefficients(p->model, n, p->centre, q, c);
-    screen__evaluate(p, c, rounding, 1, 1, &now);
-    if (!(now.loss < HUGE_VAL)) return HUGE_VAL;
-    for (int it = 0; it < most && 0 < *left && quiet < 2; it++, --*left) {
-        screen__matrix a, t;
-        double g[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS], biggest = 0.0;
-        int held[SCREEN_MAX_PARAMETERS], any = 0, moved = 0;
-        screen__jacobian(p, q, t);
-        for (int i = 0; i < n; i++) g[i] = now.gradient[i];
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++) a[i][j] = now.curvature[i][j];
-        screen__by_q(n, t, a, g);
-        for (int i = 0; i < n; i++) {
-            held[i] = p->low[i] >= p->high[i] || (q[i] <= p->low[i] && g[i] > 0.0) || (q[i] >= p->high[i] && g[i] < 0.0);
-            any += held[i];
-        }
-        if (any == n) break;
-        for (int r = 0; r < screen__rates(p->model) && any && !moved; r++) {
-            /* an exponent on its way through 0 is stopped by the bound of its moisture exponent: across, with the same product */
-            int k = 3 * r;
-            if (!(held[k + 2] && p->low[k + 2] < p->high[k + 2] && q[k + 1] * now.gradient[k + 1] > 0.0)) continue;
-            double across[SCREEN_MAX_PARAMETERS];
-            for (int i = 0; i < n; i++) across[i] = i == k + 1 ? -c[i] : c[i];
-            screen__to_box(p->model, n, p->centre, p->low, p->high, across, trial);
-            screen__to_coefficients(p->model, n, p->centre, trial, across);
-            screen__evaluate(p, across, rounding, 1, 1, &next);
-            moved = next.loss < now.loss;
-            for (int i = 0; i < n && moved; i++) {
-                q[i] = trial[i];
-                c[i] = across[i];
-            }
-            if (moved) now = next;
-        }
-        if (moved) continue;
-        if (!any)
-            for (int i = 0; i < n; i++) {
-                g[i] = now.gradient[i];
-                for (int j = 0; j < n; j++) a[i][j] = now.curvature[i][j];
-            }
-        for (int i = 0; i < n; i++) biggest = a[i][i] > biggest ? a[i][i] : biggest;
-        while (damping < 1e12) {
-            screen__matrix l;
-            double step[SCREEN_MAX_PARAMETERS];
-            for (int i = 0; i < n; i++) {
-                step[i] = held[i] ? 0.0 : -g[i];
-                for (int j = 0; j < n; j++) l[i][j] = held[i] || held[j] ? 0.0 : a[i][j];
-                l[i][i] = held[i] ? 1.0 : a[i][i] * (1.0 + damping) + 1e-10 * damping * biggest + 1e-300;
-            }
-            if (screen__cholesky(n, l)) {
-                screen__solve(n, l, step);
-                for (int i = 0; i < n; i++) { /* a long jump may end where a rate is so high that nothing depends on it: no way back */
-                    double longest = screen__is_wet(p->model, i) ? 40.0 : 2.0;
-                    step[i] = screen__clip(step[i], -longest, longest);
-                }
-                if (any) {
-                    for (int i = 0; i < n; i++) trial[i] = screen__clip(q[i] + step[i], p->low[i], p->high[i]);
-                } else {
-                    for (int i = 0; i < n; i++) step[i] += c[i];
-                    screen__to_box(p->model, n, p->centre, p->low, p->high, step, trial);
-                }
-                screen__to_coefficients(p->model, n, p->centre, trial, step);
-                screen__evaluate(p, step, rounding, with, 1, &next);
-                if (next.loss < now.loss) {
-                    quiet = now.loss - next.loss <= enough * now.loss && damping < 1.0 ? quiet + 1 : 0;
-                    for (int i = 0; i < n; i++) {
-                        q[i] = trial[i];
-                        c[i] = step[i];
-                    }
-                    if (!with) screen__evaluate(p, c, rounding, 1, 1, &next);
-                    now = next;
-                    moved = 1;
-                    damping = damping > 1e-11 ? 0.1 * damping : 1e-12;
-                    break;
-                }
-            }
-            damping = damping < 1e-8 ? 1e-6 : 8.0 * damping;
-        }
-        if (!moved) break;
+    d.enough = p->last_steps ? 1e-12 : p->loss == SCREEN_LOSS_SQUARES || rounding < 1e-5 ? 1e-7 : 1e-4;
+    for (int i = 0; i < p->parameters; i++) d.q[i] = q[i];
+    screen__to_coefficients(p->model, p->parameters, p->centre, d.q, d.c);
+    screen__evaluate(p, d.c, rounding, 1, 1, &d.now);
+    if (!(d.now.loss < HUGE_VAL)) return HUGE_VAL;
+    for (int it = 0; it < most && 0 < *left && d.quiet < 2; it++, --*left) {
+        screen__model_loss(p, &d);
+        if (d.any_held == p->parameters || (!screen__cross_zero(p, &d) && !screen__step_down(p, &d))) break;
     }
-    return now.loss;
+    for (int i = 0; i < p->parameters; i++) q[i] = d.q[i];
+    return d.now.loss;
 }
 
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
