@@ -372,6 +372,25 @@ typedef struct blocking_law_value {
 /* k1, k2 and f_inf where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out);
 
+typedef struct blocking_law_run {
+    double last, mean;              /* f after the run, and its mean over the run [-] */
+    double last_low95, last_high95; /* 95 % ranges, of the law, without the scatter between tests: for the same fields of blocking_duty */
+    double mean_low95, mean_high95;
+    int outside; /* as that of blocking_law_value */
+} blocking_law_run;
+
+/* What the law says about a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the long run). The ranges are the lowest
+   and the highest over all k1, k2 that the law's errors allow, so they stay within 0..1. Statuses as blocking_law_at. */
+BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
+                                               blocking_law_run *out);
+
+/* A pair k1, k2 [1/s] that the law may mean as well: z1, z2 are two standard normal numbers of the caller's, turned into errors with the
+   law's covariance (wider by Student's t over 1.96). For answers without a formula, such as the time to a recovery: draw some hundred
+   pairs, the same seed for the same numbers, and take what 95 % of the answers lie between. 0, 0 gives the law's own. Statuses as
+   blocking_law_at. */
+BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture, double z1, double z2,
+                                               double *k1, double *k2);
+
 /* =============================================== mean free fraction (Table 3) =============================================== */
 
 typedef enum blocking_shape {
@@ -2120,10 +2139,68 @@ static inline void blocking__law_plain(const blocking__tests *all, const blockin
         }
 }
 
-/* Every form from its best parent, one term less; the best by AICc in *best. */
+/* What single tests say: sums over those that tell their own k1 and k2, of the terms' products and of the terms times ln k1, ln k2. */
+typedef struct blocking__law_guess {
+    double product[BLOCKING_LAW_TERMS][BLOCKING_LAW_TERMS], with[2][BLOCKING_LAW_TERMS];
+} blocking__law_guess;
+
+static inline void blocking__law_single(const blocking__tests *all, blocking__law_guess *guess) {
+    for (int i = 0; i < BLOCKING_LAW_TERMS; i++) {
+        guess->with[0][i] = guess->with[1][i] = 0.0;
+        for (int j = 0; j < BLOCKING_LAW_TERMS; j++) guess->product[i][j] = 0.0;
+    }
+    for (size_t s = 0; s < all->n; s++) {
+        blocking__tests one = *all;
+        blocking__law_trial alone;
+        double unused[BLOCKING__MOST] = {0.0};
+        one.test = &all->test[s];
+        one.n = 1;
+        blocking__law_start(&one, &alone);
+        if (!blocking__law_solve(&alone, 0.0, unused) || !(alone.x[0] > -30.0 && alone.x[BLOCKING_LAW_TERMS] > -30.0)) continue;
+        for (int i = 0; i < BLOCKING_LAW_TERMS; i++) {
+            double z = blocking__term(all, one.test, i);
+            guess->with[0][i] += z * alone.x[0];
+            guess->with[1][i] += z * alone.x[BLOCKING_LAW_TERMS];
+            for (int j = 0; j < BLOCKING_LAW_TERMS; j++) guess->product[i][j] += z * blocking__term(all, one.test, j);
+        }
+    }
+}
+
+/* A form's coefficients as the linear regression of what single tests say; where that is too little, none but the first. */
+static inline void blocking__law_regress(const blocking__law_guess *guess, blocking__law_trial *trial) {
+    blocking__law_trial line = *trial;
+    for (int i = 0; i < BLOCKING__MOST; i++) {
+        trial->x[i] = guess->with[i / BLOCKING_LAW_TERMS][i % BLOCKING_LAW_TERMS];
+        for (int j = 0; j < BLOCKING__MOST; j++) {
+            int same = i / BLOCKING_LAW_TERMS == j / BLOCKING_LAW_TERMS, on = (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> i &
+                                                                              (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> j &
+                                                                              1;
+            line.normal[i][j] = same && on ? guess->product[i % BLOCKING_LAW_TERMS][j % BLOCKING_LAW_TERMS] : 0.0;
+            if (i == j && i % BLOCKING_LAW_TERMS) line.normal[i][j] += on ? 1e-3 * guess->product[0][0] : 0.0;
+        }
+        if (!((trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> i & 1)) trial->x[i] = 0.0;
+    }
+    if (!blocking__law_solve(&line, 0.0, trial->x)) trial->sse = HUGE_VAL;
+}
+
+/* The better of a form descended from *trial and from what single tests say. */
+static inline void blocking__law_best(const blocking__tests *all, const blocking__law_guess *guess, blocking__law_trial *trial) {
+    blocking__law_trial other = *trial;
+    blocking__law_descend(all, trial);
+    other.sse = 0.0;
+    blocking__law_regress(guess, &other);
+    if (!(other.sse < HUGE_VAL)) return;
+    blocking__law_descend(all, &other);
+    if (other.sse < trial->sse) *trial = other;
+}
+
+/* Every form, from its best parent with one term less and from single tests; the best by AICc in *best. */
 static inline void blocking__law_forms(const blocking__tests *all, blocking__law_trial *best, blocking_law *out) {
     blocking__law_trial form[64];
+    blocking__law_guess guess;
+    blocking__law_single(all, &guess);
     blocking__law_start(all, &form[0]);
+    blocking__law_best(all, &guess, &form[0]);
     *best = form[0];
     out->aicc = out->aicc_constant = blocking__aicc(all, best);
     for (int terms = 1; terms <= 6; terms++)
@@ -2139,7 +2216,7 @@ static inline void blocking__law_forms(const blocking__tests *all, blocking__law
             form[f].used_a = 1 | a << 1;
             form[f].used_b = 1 | b << 1;
             form[f].terms = 2 + terms;
-            blocking__law_descend(all, &form[f]);
+            blocking__law_best(all, &guess, &form[f]);
             double aicc = blocking__aicc(all, &form[f]), unused[BLOCKING__MOST] = {0.0};
             if (aicc < out->aicc && blocking__law_solve(&form[f], 0.0, unused)) {
                 out->aicc = aicc;
@@ -2222,6 +2299,79 @@ BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, 
     out->k2_high95 = riddle_exp(log_k2 + r2);
     out->f_inf_low95 = 1.0 / (1.0 + riddle_exp(odds + rf));
     out->f_inf_high95 = 1.0 / (1.0 + riddle_exp(odds - rf));
+    return BLOCKING_OK;
+}
+
+/* ln k1, ln k2 and the lower Cholesky factor of their errors' covariance, times Student's t */
+typedef struct blocking__law_place {
+    double log_k1, log_k2, l11, l21, l22;
+    int outside;
+} blocking__law_place;
+
+static inline blocking_status blocking__law_place_of(const blocking_law *law, double K, double x_h, double moisture,
+                                                     blocking__law_place *out) {
+    blocking_law_value value;
+    const double z[BLOCKING_LAW_TERMS] = {1.0, K, x_h, moisture};
+    blocking_status status = blocking_law_at(law, K, x_h, moisture, &value);
+    if (status != BLOCKING_OK) return status;
+    const double v1 = blocking__law_variance(law, z, 1.0, 0.0), v2 = blocking__law_variance(law, z, 0.0, 1.0),
+                 both = blocking__law_variance(law, z, 1.0, -1.0), common = 0.5 * (v1 + v2 - both);
+    const double slope = v1 > 0.0 ? common / v1 : 0.0, rest = v2 - slope * common;
+    out->log_k1 = riddle_log(value.k1);
+    out->log_k2 = riddle_log(value.k2);
+    out->l11 = law->student * sqrt(v1);
+    out->l21 = law->student * slope * sqrt(v1);
+    out->l22 = law->student * sqrt(rest > 0.0 ? rest : 0.0);
+    out->outside = value.outside;
+    return law->covariance[0][0] == law->covariance[0][0] ? BLOCKING_OK : BLOCKING_UNDETERMINED;
+}
+
+static inline void blocking__law_pair(const blocking__law_place *place, double z1, double z2, double *k1, double *k2) {
+    *k1 = riddle_exp(place->log_k1 + place->l11 * z1);
+    *k2 = riddle_exp(place->log_k2 + place->l21 * z1 + place->l22 * z2);
+}
+
+BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture, double z1, double z2,
+                                               double *k1, double *k2) {
+    blocking__law_place place;
+    if (!k1 || !k2) return BLOCKING_BAD_ARGUMENT;
+    *k1 = *k2 = (double)NAN;
+    if (!blocking__finite(z1) || !blocking__finite(z2)) return BLOCKING_NOT_FINITE;
+    blocking_status status = blocking__law_place_of(law, K, x_h, moisture, &place);
+    if (status != BLOCKING_OK) return status;
+    blocking__law_pair(&place, z1 / 1.959963984540054, z2 / 1.959963984540054, k1, k2);
+    if (blocking__finite(*k1 + *k2) && *k1 + *k2 > 0.0) return BLOCKING_OK;
+    *k1 = *k2 = (double)NAN;
+    return BLOCKING_NOT_FINITE;
+}
+
+static inline void blocking__widen(double x, double *low, double *high) {
+    if (!(x >= *low)) *low = x;
+    if (!(x <= *high)) *high = x;
+}
+
+BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
+                                               blocking_law_run *out) {
+    enum { PLACES = 256 }; /* on the edge of what is allowed, where the extremes lie: f falls with k1 and rises with k2 */
+    blocking__law_place place;
+    if (!out) return BLOCKING_BAD_ARGUMENT;
+    out->last = out->mean = out->last_low95 = out->last_high95 = out->mean_low95 = out->mean_high95 = (double)NAN;
+    out->outside = 0;
+    if (f0 != f0 || T != T) return BLOCKING_NOT_FINITE;
+    if (!blocking__within(f0, 0.0, 1.0) || !(T >= 0.0)) return BLOCKING_BAD_ARGUMENT;
+    blocking_status status = blocking__law_place_of(law, K, x_h, moisture, &place);
+    if (status != BLOCKING_OK) return status;
+    out->outside = place.outside;
+    for (int i = -1; i < PLACES; i++) { /* first the law's own */
+        double angle = 2.0 * RIDDLE_PI * i / PLACES, k1, k2;
+        blocking__law_pair(&place, i < 0 ? 0.0 : riddle_cos(angle), i < 0 ? 0.0 : riddle_sin(angle), &k1, &k2);
+        double k = k1 + k2, f_inf = blocking__finite(k) && k > 0.0 ? k2 / k : (double)NAN;
+        double last = blocking_curve(f0, f_inf, k, T), mean = blocking_time_mean(f0, f_inf, k, T);
+        if (i < 0) out->last = last;
+        if (i < 0) out->mean = mean;
+        if (last == last) blocking__widen(last, &out->last_low95, &out->last_high95);
+        if (mean == mean) blocking__widen(mean, &out->mean_low95, &out->mean_high95);
+    }
     return BLOCKING_OK;
 }
 

@@ -19,6 +19,7 @@
 #include <string.h>
 
 #include "blocking.h"
+#include "blocking_tests.h"
 #include "common.h"
 #include "sieve_continuous.h"
 
@@ -100,13 +101,6 @@ static void draw_table2(const program *self, json *report) {
 
 /* ---- readings ---- */
 
-/* Leaves: the file of an option is no good for this reason. */
-static void refuse_file(const program *self, const char *option_name, const char *path, const char *what, const char *reason) {
-    char text[600];
-    snprintf(text, sizeof text, "%s; this one: %s", what, reason);
-    program_refuse(self, option_name, path, text);
-}
-
 static const char *const counts_file = "a file with the columns time_s,free_holes,holes or time_s,free_fraction";
 static const char *const sizes_file = "a file with the columns size_mm,passing";
 
@@ -115,12 +109,6 @@ typedef struct readings {
     double free_holes[MOST_READINGS], holes[MOST_READINGS];
     int n, counted; /* counted: sigma comes from numbers of holes */
 } readings;
-
-/* The standard error of a count; two holes are added so that a sieve counted all free is not taken for certain (Agresti & Coull 1998). */
-static double counting_error(double free_holes, double holes) {
-    double f = (free_holes + 1.0) / (holes + 2.0);
-    return sqrt(f * (1.0 - f) / holes);
-}
 
 static double next_random(uint64_t *s) { /* 0 <= u < 1, splitmix64 */
     uint64_t x = *s += 0x9e3779b97f4a7c15u;
@@ -249,62 +237,30 @@ static int three_points(json *report, const readings *r, double *first, double *
 
 /* ---- many tests ---- */
 
-enum { MOST_TESTS = 200, MOST_ROWS = 20000 };
-static const char *const tests_file =
-    "a file with the columns test,time_s,K,x_h,moisture and free_holes,holes or free_fraction; x_h and moisture may be missing";
-
-/* k1 and k2 as laws of K, x_h and moisture from the curves of a file, and what they say at K and x_h. */
-static void fit_tests(const program *self, json *report, const char *path, double K, double x_h) {
-    static blocking_test tests[MOST_TESTS];
-    static double t[MOST_ROWS], f[MOST_ROWS], sigma[MOST_ROWS];
-    csv_data data;
-    char message[400];
-    if (csv_read(path, &data, message, sizeof message) != 0) refuse_file(self, "tests", path, tests_file, message);
-    const bool counted = csv_column(&data, "free_holes") >= 0 && csv_column(&data, "holes") >= 0;
-    if (csv_column(&data, "test") < 0 || csv_column(&data, "time_s") < 0 || csv_column(&data, "K") < 0 ||
-        !(counted || csv_column(&data, "free_fraction") >= 0))
-        program_refuse(self, "tests", path, tests_file);
-    if (data.rows > MOST_ROWS) program_refuse(self, "tests", path, "a file with at most 20000 readings");
-    const int label = csv_column(&data, "test");
-    int n = 0;
-    for (int i = 0; i < data.rows; i++) { /* rows of a test stand together, by time */
-        const char *name = data.cells[(size_t)i * (size_t)data.columns + (size_t)label];
-        if (i == 0 || strcmp(name, data.cells[(size_t)(i - 1) * (size_t)data.columns + (size_t)label]) != 0) {
-            if (n == MOST_TESTS) program_refuse(self, "tests", path, "a file with at most 200 tests");
-            tests[n].t = t + i, tests[n].f = f + i, tests[n].sigma = counted ? sigma + i : NULL;
-            tests[n].n = 0;
-            tests[n].K = csv_value(&data, i, "K");
-            tests[n].x_h = csv_column(&data, "x_h") >= 0 ? csv_value(&data, i, "x_h") : 0.5;
-            tests[n].moisture = csv_column(&data, "moisture") >= 0 ? csv_value(&data, i, "moisture") : 0.0;
-            n++;
-        }
-        const double holes = counted ? csv_value(&data, i, "holes") : 1.0,
-                     free_holes = csv_value(&data, i, counted ? "free_holes" : "free_fraction");
-        t[i] = csv_value(&data, i, "time_s");
-        f[i] = free_holes / holes;
-        sigma[i] = counted ? counting_error(free_holes, holes) : 0.0;
-        tests[n - 1].n++;
-    }
+/* k1 and k2 as laws of K, x_h and moisture from the curves of a file; what they say at K and x_h, in the report and as a duty. */
+static void fit_tests(const program *self, json *report, const char *path, double K, double x_h, blocking_duty *duty) {
     blocking_law law;
-    size_t bad;
-    blocking_status status = blocking_fit_law(tests, (size_t)n, &law, &bad);
-    if (status != BLOCKING_OK) {
-        snprintf(message, sizeof message, "test %d: %s", (int)bad + 1, blocking_status_text(status));
-        refuse_file(self, "tests", path, tests_file, message);
-    }
-    csv_free(&data);
     blocking_law_value at_yours;
+    blocking_law_run run;
+    read_blocking_law(self, path, &law);
     blocking_law_at(&law, K, x_h, 0.0, &at_yours);
-    common_print("%s: %d tests, %d readings; the form with the lowest AICc (%.1f; constant k1 and k2: %.1f)\n", path, n, (int)law.readings,
-                 law.aicc, law.aicc_constant);
+    blocking_law_free(&law, K, x_h, 0.0, duty->f0, duty->run_time, &run);
+    duty->f_inf = at_yours.f_inf;
+    duty->k = at_yours.k1 + at_yours.k2;
+    duty->last_lowest = run.last_low95, duty->last_highest = run.last_high95;
+    duty->mean_lowest = run.mean_low95, duty->mean_highest = run.mean_high95;
+    common_print("%s: %d tests, %d readings; the form with the lowest AICc (%.1f; constant k1 and k2: %.1f)\n", path, (int)law.tests,
+                 (int)law.readings, law.aicc, law.aicc_constant);
     common_print("  ln k1 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n  ln k2 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n", law.a[0],
                  law.a[1], law.a[2], law.a[3], law.b[0], law.b[1], law.b[2], law.b[3]);
     common_print(
         "At K %.3g, x_h %.3g, dry%s: k1 %.4g (95 %% range %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s, f_inf %.3f (%.3f .. %.3f)\n", K,
         x_h, at_yours.outside ? ", OUTSIDE the tests" : "", at_yours.k1, at_yours.k1_low95, at_yours.k1_high95, at_yours.k2,
         at_yours.k2_low95, at_yours.k2_high95, at_yours.f_inf, at_yours.f_inf_low95, at_yours.f_inf_high95);
+    common_print("A deck that was just cleaned, after %.3g s: f %.3f (%.3f .. %.3f), mean %.3f (%.3f .. %.3f)\n", duty->run_time, run.last,
+                 run.last_low95, run.last_high95, run.mean, run.mean_low95, run.mean_high95);
     json_object_begin(report, "law");
-    json_integer(report, "tests", n);
+    json_integer(report, "tests", (int)law.tests);
     json_number(report, "aicc", law.aicc);
     json_number(report, "aicc_constant", law.aicc_constant);
     json_array(report, "ln_k1_of_1_K_x_h_moisture", law.a, BLOCKING_LAW_TERMS);
@@ -316,6 +272,9 @@ static void fit_tests(const program *self, json *report, const char *path, doubl
     json_number(report, "f_inf", at_yours.f_inf);
     json_number(report, "f_inf_low95", at_yours.f_inf_low95);
     json_number(report, "f_inf_high95", at_yours.f_inf_high95);
+    json_number(report, "free_mean", run.mean);
+    json_number(report, "free_mean_low95", run.mean_low95);
+    json_number(report, "free_mean_high95", run.mean_high95);
     json_bool(report, "extrapolated", at_yours.outside != 0);
     json_object_end(report);
 }
@@ -762,7 +721,7 @@ int main(int argc, char **argv) {
         option_double("friction", "MU", &patch_def.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
         option_double("overlap", "S", &patch_def.overlap, 1e-4, 0.1,
                       "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
-        option_string("tests", "FILE", &many, "many tests: k1 and k2 as laws of K, x_h, moisture, and their values at --k, --xh"),
+        option_string("tests", "FILE", &many, "many tests: k1 and k2 as laws of K, x_h, moisture, their values and the deck at --k, --xh"),
     };
     program self = program_start(
         "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
@@ -784,8 +743,20 @@ int main(int argc, char **argv) {
     patch_def.K = K, patch_def.frequency = n, patch_def.x_h = x_h;
     patch_def.seed = self.seed; /* one thread: too few contacts for more */
     json *report = json_open(self.json);
+    blocking_conditions conditions = blocking_default_conditions();
+    conditions.K = K;
+    conditions.x_h = x_h;
+    conditions.opening = 1e-3 * opening;
+    blocking_average average;
+    blocking_average_free((blocking_shape)shape, &conditions, &average);
+    blocking_duty duty = blocking_default_duty();
+    duty.passing = passing;
+    duty.capacity = capacity;
+    duty.clearance = blocking_open_area(opening, wire);
+    duty.run_time = run_time;
     if (many) {
-        fit_tests(&self, report, many, K, x_h);
+        fit_tests(&self, report, many, K, x_h, &duty);
+        design(&self, report, duty, &average, (blocking_shape)shape);
         return finish(report, &self);
     }
     if (swept) {
@@ -824,20 +795,9 @@ int main(int argc, char **argv) {
     draw_fit(&self, report, &r, &fit, source, data || simulated ? NULL : &table2[2 * which]);
     draw_polynomials(&self, report, K, x_h);
 
-    blocking_conditions conditions = blocking_default_conditions();
-    conditions.K = K;
-    conditions.x_h = x_h;
-    conditions.opening = 1e-3 * opening;
-    blocking_average average;
-    blocking_average_free((blocking_shape)shape, &conditions, &average);
-    blocking_duty duty = blocking_default_duty();
-    duty.passing = passing;
-    duty.capacity = capacity;
-    duty.clearance = blocking_open_area(opening, wire);
     duty.f0 = fit.f0;
     duty.f_inf = fit.f_inf;
     duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
-    duty.run_time = run_time;
     blocking_fit_def ranges = blocking_default_fit_def();
     ranges.z = z95;
     blocking_fit_range(&ranges, r.t, r.f, r.counted ? r.sigma : NULL, (size_t)r.n, run_time, &duty.last_lowest, &duty.last_highest,

@@ -19,7 +19,10 @@
 
    A screen of your own: --parameters FILE, the parameters.json that screen_fit --data has written, predicts by all models fitted there, for
    classes from --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal; ranges hold the parameters' errors and the error that
-   the model makes on whole cases. What lies outside the range of the fit is said.
+   the model makes on whole cases, and those of k1 and k2. What lies outside the range of the fit is said. With --feed-kg-s the deck is fed
+   all the time: efficiency, flows and bed depth, and the largest feed for the recovery.
+
+   --tests FILE: k1 and k2 from counts of many blocking tests, by the law that they follow, with its errors (as sieve_blocking --tests).
 
    Writes retained.svg (curves), map.svg (amplitude and frequency), area.svg, and their CSV files. */
 #include <math.h>
@@ -28,6 +31,7 @@
 #include <string.h>
 
 #include "blocking.h"
+#include "blocking_tests.h"
 #include "common.h"
 #include "screen_lab.h"
 #include "screen_models.h"
@@ -38,6 +42,13 @@ static const double pi = 3.14159265358979323846;
 static const double deviation[MODELS] = {0.0593, 0.0387, 0.0417}; /* Elskamp & Kruggel-Emden (2019), section 5.3, one set for all cases */
 static const double study_area = 0.02835, study_feed = 1.41;      /* [m2] [kg], what the published parameters hold for */
 static const char *const model_names[MODELS] = {"Dong", "Subasinghe", "Soldinger"};
+
+/* k1 and k2 with what is known of their errors: a relative one, or the law that they come from. */
+typedef struct rates {
+    double k1, k2, error;    /* [1/s], [1/s], relative standard error of each [-] */
+    const blocking_law *law; /* or NULL */
+    double K, x_h, moisture; /* where the law is read */
+} rates;
 
 /* The holes: a curve of f in time, or a constant f (k = 0). */
 typedef struct holes {
@@ -115,18 +126,27 @@ typedef struct answer {
     double time, low, high; /* [s]; infinite: not within the limit */
 } answer;
 
-/* The time and its 95 % range. rate_error: relative standard error of k1 and k2. */
-static answer ask(const plan *p, int model, const holes *h, double rate_error, int samples, uint64_t seed) {
-    double times[SAMPLES], k1 = blocking_k1(h->f_inf, h->k), k2 = blocking_k2(h->f_inf, h->k);
+/* k1 and k2 as they may be as well. */
+static void draw_rates(const rates *r, uint64_t *seed, double *k1, double *k2) {
+    const double z1 = normal(seed), z2 = normal(seed);
+    if (r->law && blocking_law_draw(r->law, r->K, r->x_h, r->moisture, z1, z2, k1, k2) == BLOCKING_OK) return;
+    *k1 = r->k1 * exp(r->error * z1);
+    *k2 = r->k2 * exp(r->error * z2);
+}
+
+/* The time and its 95 % range, the holes' rates being drawn where they block. */
+static answer ask(const plan *p, int model, const holes *h, const rates *r, int samples, uint64_t seed) {
+    double times[SAMPLES];
     uint64_t error_seed = seed + 1; /* errors of their own, the same for every set of holes */
     answer a;
     a.time = run(p, model, h, p->recovery, NULL, NULL);
     for (int i = 0; i < samples; i++) {
         holes drawn = *h;
         if (h->k > 0.0) {
-            double r1 = k1 * exp(rate_error * normal(&seed)), r2 = k2 * exp(rate_error * normal(&seed));
-            drawn.k = r1 + r2;
-            drawn.f_inf = blocking_equilibrium(r1, r2);
+            double k1, k2;
+            draw_rates(r, &seed, &k1, &k2);
+            drawn.k = k1 + k2;
+            drawn.f_inf = blocking_equilibrium(k1, k2);
         }
         /* a normal error whose mean size is the deviation has the spread deviation sqrt(pi/2) */
         double error = deviation[model] * sqrt(0.5 * pi) * normal(&error_seed), wanted = p->recovery + error;
@@ -282,8 +302,29 @@ typedef struct own {
     double diameters[OWN_CLASSES], undersize; /* share of the feed below the aperture */
     double recovery, limit;
     double free_time[OWN_TIMES], free_fraction[OWN_TIMES]; /* of the holes, if they block */
-    bool blocks;
+    double f0;
+    rates rates;
+    bool blocks, steady; /* steady: a deck that is fed all the time, of this duty */
+    screen_duty duty;
 } own;
+
+/* The free fraction over time of own->free_time, for k1 and k2. */
+static void own_holes(const own *o, double k1, double k2, double *free_fraction) {
+    for (int i = 0; i < OWN_TIMES; i++) free_fraction[i] = blocking_free_fraction(o->f0, k1, k2, o->free_time[i]);
+}
+
+/* The deck of the fit's model. */
+static screen_def own_deck(const own *o, const screen_fit_result *fit) {
+    screen_def def = o->def;
+    def.domain = &fit->domain;
+    def.ratio = fit->ratio;
+    def.ratio_mass = fit->ratio_mass;
+    if (!o->blocks) return def;
+    def.free_points = OWN_TIMES;
+    def.free_time = o->free_time;
+    def.free_fraction = o->free_fraction;
+    return def;
+}
 
 /* "A,B" as two numbers; 0 if it is not. */
 static int two_numbers(const char *text, double *a, double *b) {
@@ -314,25 +355,104 @@ static void own_classes(const program *self, own *o, const char *psd, const char
     o->def.classes = classes;
 }
 
-/* Median time and 95 % range over parameter sets, each with an error of the model on the whole case. */
-static answer own_time(const own *o, const screen_fit_result *fit, const screen_def *def, uint64_t seed) {
+/* The size of which half is left at a time [m]; NaN if no size is, or the model has no partition curve. */
+static double own_d50(const own *o, const screen_def *def, screen_model model, const double *parameter, double time) {
+    enum { SIZES = 121 };
+    double sizes[SIZES], part[SIZES], feed[SIZES];
+    screen_separation measure;
+    for (int i = 0; i < SIZES; i++) {
+        sizes[i] = o->def.aperture * (i + 1) / 110.0;
+        feed[i] = 1.0;
+    }
+    if (model == SCREEN_SOLDINGER || !(time < HUGE_VAL)) return (double)NAN;
+    const screen_status status = screen_partition(def, model, parameter, &o->operation, time, SIZES, sizes, part);
+    if (status && status != SCREEN_OUTSIDE) return (double)NAN;
+    screen_measure(SIZES, sizes, feed, part, o->def.aperture, &measure);
+    return measure.d50;
+}
+
+/* What 95 % of n values lie between; sorts them. */
+static void range_of(int n, double *values, answer *a) {
+    qsort(values, (size_t)n, sizeof(double), ascending);
+    a->low = values[(int)(0.025 * n)];
+    a->high = values[(int)(0.975 * n)];
+}
+
+typedef struct own_answer {
+    answer time, d50; /* d50 at the time: [m] */
+} own_answer;
+
+/* The time to the recovery and d50 then, with 95 % ranges over parameter sets, each with an error of the model on the whole case, and over
+   k1 and k2 where the holes block. */
+static own_answer own_time(const own *o, const screen_fit_result *fit, const screen_def *def, uint64_t seed) {
     static double sets[OWN_SETS][SCREEN_MAX_PARAMETERS];
-    double times[OWN_SETS];
-    answer a = {HUGE_VAL, NAN, NAN};
-    screen_status status = screen_time_to(def, fit->model, fit->parameter, &o->operation, o->recovery, o->limit, &a.time);
-    if (status && status != SCREEN_OUTSIDE) a.time = status == SCREEN_NOT_REACHED ? HUGE_VAL : (double)NAN;
+    double times[OWN_SETS], sizes[OWN_SETS], drawn[OWN_TIMES], k1, k2;
+    own_answer a = {{HUGE_VAL, NAN, NAN}, {NAN, NAN, NAN}};
+    int cut = 0;
+    screen_status status = screen_time_to(def, fit->model, fit->parameter, &o->operation, o->recovery, o->limit, &a.time.time);
+    if (status && status != SCREEN_OUTSIDE) a.time.time = status == SCREEN_NOT_REACHED ? HUGE_VAL : (double)NAN;
+    a.d50.time = own_d50(o, def, fit->model, fit->parameter, a.time.time);
     if (screen_sample(fit, NULL, seed, OWN_SETS, &sets[0][0])) return a;
     for (int i = 0; i < OWN_SETS; i++) {
+        screen_def other = *def;
+        if (o->blocks) {
+            draw_rates(&o->rates, &seed, &k1, &k2);
+            own_holes(o, k1, k2, drawn);
+            other.free_fraction = drawn;
+        }
         double wanted = o->recovery + fit->case_error * normal(&seed);
         times[i] = wanted <= 0.0 ? 0.0 : HUGE_VAL;
         if (wanted > 0.0 && wanted < 1.0 &&
-            screen_time_to(def, fit->model, sets[i], &o->operation, wanted, o->limit, &times[i]) != SCREEN_OK)
+            screen_time_to(&other, fit->model, sets[i], &o->operation, wanted, o->limit, &times[i]) != SCREEN_OK)
             if (!(times[i] < HUGE_VAL)) times[i] = HUGE_VAL;
+        const double d50 = own_d50(o, &other, fit->model, sets[i], a.time.time);
+        if (!isnan(d50)) sizes[cut++] = d50;
     }
-    qsort(times, OWN_SETS, sizeof(double), ascending);
-    a.low = times[(int)(0.025 * OWN_SETS)];
-    a.high = times[(int)(0.975 * OWN_SETS)];
+    range_of(OWN_SETS, times, &a.time);
+    if (cut == OWN_SETS) range_of(cut, sizes, &a.d50);
     return a;
+}
+
+/* What a deck of these models does that is fed all the time, and the feed at which it reaches the recovery. */
+static void report_steady(json *report, const own *o, const screen_fit_result *fits) {
+    enum { PLACES = 20 };
+    static double retained[OWN_CLASSES * PLACES];
+    table t =
+        table_begin("model|efficiency|through [kg/s]|over the end [kg/s]|undersize in over|bed [mm], first and last|largest feed [kg/s]");
+    json_array_begin(report, "deck");
+    for (int m = 0; m < LAB_MODELS; m++) {
+        const screen_def def = own_deck(o, &fits[m]);
+        screen_flow flow;
+        double most;
+        const screen_status status = screen_steady(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, PLACES, retained, NULL,
+                                                   NULL, &flow),
+                            limit = screen_capacity(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, o->recovery, &most);
+        table_cell(&t, "%s", lab_names[m]);
+        if (status && status != SCREEN_OUTSIDE) flow.efficiency = (double)NAN;
+        table_cell(&t, "%.3f", flow.efficiency);
+        table_cell(&t, "%.3g", flow.passed);
+        table_cell(&t, "%.3g", flow.stays);
+        table_cell(&t, "%.3f", flow.undersize_in_overflow);
+        table_cell(&t, "%.1f, %.1f", 1e3 * flow.depth, 1e3 * flow.depth_end);
+        if (limit && limit != SCREEN_OUTSIDE)
+            table_cell(&t, "%s", limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
+        else table_cell(&t, "%.3g", most);
+        json_object_begin(report, NULL);
+        json_string(report, "model", lab_keys[m]);
+        json_number(report, "efficiency", flow.efficiency);
+        json_number(report, "passed_kg_per_s", flow.passed);
+        json_number(report, "stays_kg_per_s", flow.stays);
+        json_number(report, "undersize_in_overflow", flow.undersize_in_overflow);
+        json_number(report, "bed_depth_m", flow.depth);
+        json_number(report, "bed_depth_end_m", flow.depth_end);
+        json_number(report, "capacity_kg_per_s", most);
+        json_string(report, "capacity", screen_status_text(limit));
+        json_object_end(report);
+    }
+    json_array_end(report);
+    common_print("Fed with %.3g kg/s, %.3g m x %.3g m, the bed travels with %.3g m/s; largest feed for a recovery of %.4g %%:\n",
+                 o->duty.feed, o->duty.width, o->duty.length, o->duty.velocity, 100.0 * o->recovery);
+    table_end(&t);
 }
 
 static int plan_own(const program *self, const char *path, own *o) {
@@ -347,44 +467,30 @@ static int plan_own(const program *self, const char *path, own *o) {
     json *report = json_open(self->json);
     json_string(report, "parameters", path);
     json_number(report, "recovery", o->recovery);
-    table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|outside the fit's range");
+    table t = table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
     plot *figure = plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
     csv *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
     for (int i = 0; i < OWN_TIMES; i++) time[i] = o->limit * i / (OWN_TIMES - 1);
     for (int m = 0; m < LAB_MODELS && !common_interrupted(); m++) {
-        screen_def def = o->def;
+        const screen_def def = own_deck(o, &fits[m]);
         char a[32], b[32], c[32], words[300];
-        def.domain = &fits[m].domain;
-        def.ratio = fits[m].ratio;
-        def.ratio_mass = fits[m].ratio_mass;
-        if (o->blocks) {
-            def.free_points = OWN_TIMES;
-            def.free_time = o->free_time;
-            def.free_fraction = o->free_fraction;
-        }
-        answer got = own_time(o, &fits[m], &def, self->seed);
+        const own_answer both = own_time(o, &fits[m], &def, self->seed);
+        const answer got = both.time, d50 = both.d50;
         unsigned flags = screen_outside(&fits[m].domain, &def, (screen_model)m, &o->operation, got.time < HUGE_VAL ? got.time : o->limit);
-        double sizes[121], part[121], feed[121];
-        screen_separation measure;
-        measure.d50 = NAN;
-        for (int i = 0; i < 121; i++) {
-            sizes[i] = o->def.aperture * (i + 1) / 110.0;
-            feed[i] = 1.0;
-        }
-        if (m != SCREEN_SOLDINGER && got.time < HUGE_VAL &&
-            (screen_partition(&def, (screen_model)m, fits[m].parameter, &o->operation, got.time, 121, sizes, part) == SCREEN_OUTSIDE ||
-             part[0] >= 0.0))
-            screen_measure(121, sizes, feed, part, o->def.aperture, &measure);
         table_cell(&t, "%s", lab_names[m]);
         table_cell(&t, "%.4f", fits[m].deviation);
         table_cell(&t, "%s", isnan(got.time) ? "no answer" : seconds(a, got.time, o->limit));
         table_cell(&t, "%s .. %s", seconds(b, got.low, o->limit), seconds(c, got.high, o->limit));
-        if (isnan(measure.d50)) table_cell(&t, "%s", "-");
-        else table_cell(&t, "%.3g", 1e3 * measure.d50);
+        if (isnan(d50.time)) table_cell(&t, "%s", "-");
+        else table_cell(&t, "%.3g", 1e3 * d50.time);
+        if (isnan(d50.low)) table_cell(&t, "%s", "-");
+        else table_cell(&t, "%.3g .. %.3g", 1e3 * d50.low, 1e3 * d50.high);
         table_cell(&t, "%s", flags ? lab_outside(words, sizeof words, flags) : "nothing");
         json_object_begin(report, lab_keys[m]);
         report_answer(report, "answer", &got);
-        json_number(report, "d50_m", measure.d50);
+        json_number(report, "d50_m", d50.time);
+        json_number(report, "d50_low_m", d50.low);
+        json_number(report, "d50_high_m", d50.high);
         json_integer(report, "outside_flags", flags);
         json_string(report, "outside", lab_outside(words, sizeof words, flags));
         json_object_end(report);
@@ -411,6 +517,7 @@ static int plan_own(const program *self, const char *path, own *o) {
     }
     common_print("Time to %.4g %% of the undersize%s:\n", 100.0 * o->recovery, o->blocks ? ", holes blocking" : "");
     table_end(&t);
+    if (o->steady) report_steady(report, o, fits);
     csv_close(file);
     plot_write(figure, self->out, "own_retained.svg");
     json_program(report, self);
@@ -436,7 +543,8 @@ int main(int argc, char **argv) {
     double recovery = 0.9, limit = 40.0, k1 = blocking_k1(.714, .0101), k2 = blocking_k2(.714, .0101), f0 = 1.0, rate_error = 0.3,
            x_h = 0.5;
     int chosen = 2, shape = 0, classes_wanted = 8;
-    const char *parameters = NULL, *psd = NULL, *rosin = NULL, *lognormal = NULL;
+    const char *parameters = NULL, *psd = NULL, *rosin = NULL, *lognormal = NULL, *tests = NULL;
+    screen_duty duty = {0.0, 0.0, 0.0, 0.0};
     option options[] = {
         option_positive("amplitude-mm", "A", &A, 10.0, "amplitude of the deck [mm]"),
         option_positive("frequency-hz", "F", &frequency, 1000.0, "frequency of the deck [Hz]"),
@@ -462,6 +570,12 @@ int main(int argc, char **argv) {
         option_string("rosin-rammler", "D63,N", &rosin, "feed: size [mm] and exponent; with --parameters"),
         option_string("lognormal", "D50,SG", &lognormal, "feed: median [mm] and geometric deviation; with --parameters"),
         option_int("classes", "N", &classes_wanted, 1, OWN_CLASSES, "classes that a sieve curve or distribution is cut into"),
+        option_string("tests", "FILE", &tests, "counts of blocking tests: k1 and k2 by their law at this K, --xh and --moisture"),
+        option_positive("feed-kg-s", "M", &duty.feed, 1e6,
+                        "a deck fed all the time: its feed [kg/s]; with --parameters, as the next three"),
+        option_positive("deck-width-m", "W", &duty.width, 100.0, "its width [m]"),
+        option_positive("deck-length-m", "L", &duty.length, 1000.0, "its length [m]"),
+        option_positive("travel-m-s", "V", &duty.velocity, 100.0, "velocity of the bed along it [m/s]: measured, or by screen_deck"),
     };
     program self =
         program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
@@ -470,8 +584,27 @@ int main(int argc, char **argv) {
         program_refuse(&self, psd ? "psd" : "rosin-rammler", NULL, "one of --psd, --rosin-rammler and --lognormal");
     if (!parameters && (psd || rosin || lognormal))
         program_refuse(&self, psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", NULL, "only with --parameters");
+    const option *steady = &options[25];
     if (options[13].given != options[14].given)
         program_refuse(&self, options[13].given ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
+    if (tests && options[13].given) program_refuse(&self, "tests", tests, "either --tests or --k1 and --k2");
+    for (int i = 1; i < 4; i++)
+        if (steady[i].given != steady[0].given)
+            program_refuse(&self, steady[0].given ? steady[i].name : steady[0].name, NULL,
+                           "all of --feed-kg-s, --deck-width-m, --deck-length-m and --travel-m-s, or none");
+    if (steady[0].given && !parameters) program_refuse(&self, "feed-kg-s", NULL, "only with --parameters");
+    rates r = {k1, k2, rate_error, NULL, blocking_toss_indicator(frequency, 1e-3 * A, 0.5 * pi, 0.0, 9.81), x_h, moisture};
+    blocking_law law;
+    blocking_law_value at;
+    if (tests) {
+        read_blocking_law(&self, tests, &law);
+        if (blocking_law_at(&law, r.K, x_h, moisture, &at) != BLOCKING_OK)
+            program_refuse(&self, "tests", tests, "tests whose law has a value at this K, --xh and --moisture");
+        r.law = &law, r.k1 = k1 = at.k1, r.k2 = k2 = at.k2;
+        common_print("Holes by %s: k1 %.4g (95 %% %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s at K %.2f, x_h %.2f, moisture %.3g%s\n",
+                     tests, k1, at.k1_low95, at.k1_high95, k2, at.k2_low95, at.k2_high95, r.K, x_h, moisture,
+                     at.outside ? ", OUTSIDE the tests" : "");
+    }
     if (parameters) {
         static own o;
         o.def = screen_default_def();
@@ -492,11 +625,13 @@ int main(int argc, char **argv) {
         o.operation.inclination = 0.0;
         o.recovery = recovery;
         o.limit = limit;
-        o.blocks = options[13].given;
-        for (int i = 0; i < OWN_TIMES; i++) {
-            o.free_time[i] = limit * i / (OWN_TIMES - 1);
-            o.free_fraction[i] = blocking_free_fraction(f0, k1, k2, o.free_time[i]);
-        }
+        o.blocks = options[13].given || tests;
+        o.f0 = f0;
+        o.rates = r;
+        for (int i = 0; i < OWN_TIMES; i++) o.free_time[i] = limit * i / (OWN_TIMES - 1);
+        own_holes(&o, k1, k2, o.free_fraction);
+        o.steady = steady[0].given;
+        o.duty = duty;
         const char *bad = NULL;
         if (screen_check_def(&o.def, &bad) != SCREEN_OK)
             program_refuse(&self, strcmp(bad, "diameters") == 0 ? "diameters-mm" : "opening-mm", NULL,
@@ -527,7 +662,7 @@ int main(int argc, char **argv) {
     if (screen_check_def(&p.def, &field) != SCREEN_OK)
         program_refuse(&self, strcmp(field, "diameters") == 0 ? "diameters-mm" : "opening-mm",
                        strcmp(field, "diameters") == 0 ? classes : NULL, "grain sizes above 0 and below the opening");
-    const bool own = options[13].given;
+    const bool own = options[13].given || tests;
     if (!own && !options[15].given) f0 = .949; /* goes with the default k1 and k2 */
     holes h;
     h.f0 = f0;
@@ -596,7 +731,7 @@ int main(int argc, char **argv) {
         table_cell(&t, "%s", model_names[m]);
         for (int c = 0; c < (offered ? 3 : 2); c++) {
             char a[32], b[32];
-            answer got = ask(&q, m, cases[c], rate_error, samples, self.seed);
+            answer got = ask(&q, m, cases[c], &r, samples, self.seed);
             got.time = run(&p, m, cases[c], recovery, NULL, NULL);
             if (isnan(got.time)) common_fail("the model of %s has no answer for these numbers", model_names[m]);
             table_cell(&t, "%s", seconds(a, got.time, limit));

@@ -464,10 +464,66 @@ static void test_own_screen(void **state) {
     }
     assert_true(seconds[0] > 1.0 && seconds[0] < 20.0); /* the same screen, however it is written */
     assert_true(fabs(seconds[1] / seconds[0] - 1.0) < 1e-3 && fabs(seconds[2] / seconds[0] - 1.0) < 1e-3);
-    const char *bad[] = {"--parameters", "lab.csv", NULL}, *percent[] = {"--quick", "--data", "lab.csv", "--out", "lab", NULL};
-    result r = run_program(*state, bad, 0, 0.0);
-    if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "parameters")) fail_msg("%d, '%s'", r.status, r.err);
+    /* a deck that is fed, whose holes block as counted tests say */
+    char counts[LONGEST_PATH + 20];
+    snprintf(counts, sizeof counts, "%s/tests.csv", folder);
+    FILE *counted = fopen(counts, "w");
+    assert_non_null(counted);
+    fprintf(counted, "test,time_s,K,free_fraction\n");
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 6; j++)
+            fprintf(counted, "%d,%d,%d,%.5f\n", k + 1, 10 * j, 4 + 4 * k,
+                    0.6 + 0.05 * k + (0.39 - 0.05 * k) * exp(-0.3 * j) + 0.003 * sin(9.0 * j + k));
+    fclose(counted);
+    const char *fed[] = {"--quiet",
+                         "--parameters",
+                         "lab/parameters.json",
+                         "--rosin-rammler",
+                         "6,2.5",
+                         "--classes",
+                         "3",
+                         "--out",
+                         "lab",
+                         "--json",
+                         json,
+                         "--tests",
+                         "tests.csv",
+                         "--feed-kg-s",
+                         "4",
+                         "--deck-width-m",
+                         "1",
+                         "--deck-length-m",
+                         "3",
+                         "--travel-m-s",
+                         "0.3",
+                         NULL};
+    result r = run_program(*state, fed, 0, 0.0);
+    if (r.status != 0 || r.err[0]) fail_msg("%d, '%s'", r.status, r.err);
     forget(&r);
+    char *text = file_text(json);
+    assert_true(text && is_json(text));
+    char *found = strstr(text, "\"subasinghe\""), *deck = strstr(text, "\"deck\""), *number;
+    assert_true(found && deck);
+    number = strstr(found, "\"time_s\":");
+    assert_true(number && strtod(number + 9, NULL) > seconds[0]); /* blocking takes time */
+    number = strstr(found, "\"d50_low_m\":");
+    assert_true(number && strtod(number + 12, NULL) > 0.004);
+    number = strstr(deck, "\"passed_kg_per_s\":");
+    assert_true(number && strtod(number + 18, NULL) > 0.1 && strtod(number + 18, NULL) < 4.0);
+    free(text);
+    const char *bad[][9] = {{"--parameters", "lab.csv"},
+                            {"--tests", "lab.csv"},
+                            {"--tests", "none.csv"},
+                            {"--tests", "tests.csv", "--k1", "0.1", "--k2", "0.1"},
+                            {"--feed-kg-s", "4", "--deck-width-m", "1", "--deck-length-m", "3", "--travel-m-s", "0.3"},
+                            {"--travel-m-s", "0.3", "--parameters", "lab/parameters.json"}};
+    const char *const named[] = {"parameters", "tests", "tests", "tests", "feed-kg-s", "feed-kg-s"};
+    for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
+        r = run_program(*state, bad[i], 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, named[i])) fail_msg("%d: %d, '%s'", i, r.status, r.err);
+        forget(&r);
+    }
+    const char *percent[] = {"--quick", "--data", "lab.csv", "--out", "lab", NULL};
     FILE *file = fopen(place, "w");
     assert_non_null(file);
     fprintf(file, "%s\n1,1,50,2.5,8,1,5,0.5\n", headers[0]);
