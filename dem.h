@@ -870,6 +870,44 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 /* Duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
+/* ---- convex polyhedra ---- */
+
+#define DEM_CORNERS_MAX 32                      /* of a polyhedron: a set of corners fits into 32 bits */
+#define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* Euler, as triangles */
+#define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
+
+/* A convex polyhedron with rounded edges and corners: a core, and all that lies within a radius of it. The outer faces are those of the
+   polyhedron that it was made of; the core is that polyhedron, eroded. Volume, centroid and inertia are those of the sharp polyhedron.
+   Lengths are in the frame of the principal axes, from the centroid. Made by the three functions below. */
+typedef struct dem_convex {
+    int corners, edges, faces;
+    int is_box;                        /* 1: the core is a box along the axes of half lengths `half` */
+    double radius;                     /* of rounding [m] */
+    double reach;                      /* from the centroid to the farthest point [m] */
+    double volume;                     /* [m3] */
+    double moment[3];                  /* principal moments of inertia over density [m5] */
+    dem_vec half;                      /* [m] */
+    dem_vec centroid;                  /* in the frame that the polyhedron was given in [m] */
+    dem_vec axis[3];                   /* the principal axes in that frame, right-handed; where moments are equal, those nearest to it */
+    double corner[DEM_CORNERS_MAX][3]; /* of the core [m] */
+    double plane[DEM_FACES_MAX][4];    /* of the core: outward normal and distance from the centroid [m] */
+    uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
+    uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
+    uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
+    uint8_t edge_face[DEM_EDGES_MAX][2];    /* its faces: it runs with the corners of the first, against those of the second */
+} dem_convex;
+
+/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding: radius over the smallest
+   distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good one. DEM_BAD_ARGUMENT, with *reason (may be NULL)
+   saying why: a number that is not finite or out of range, corners in one plane, a point that is no corner (it lies inside, in a face, on
+   an edge or on another), or a core of more than DEM_CORNERS_MAX corners (where over three faces meet, it may have more of them). */
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason);
+/* A box of these lengths along its axes [m] > 0. */
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
+/* From a closed surface of triangles that is convex: refused besides if an edge has not two triangles, or a corner lies outside of a
+   triangle's plane. Triangles in one plane make one face. */
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
+
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
@@ -3043,6 +3081,859 @@ typedef struct dem__slot {
     uint64_t key;
     int32_t value, forward, backward; /* edges: triangles that run along it each way */
 } dem__slot;
+
+/* ------------------------------------------------------------------------------------ >>convex_shape */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
+   and its tables agree with each other. */
+
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: single precision, as files have it, is enough. */
+#define DEM__FLAT 1e-6
+
+/* The planes of a set of points that has all others behind them, and the points in each. */
+typedef struct dem__hull {
+    int faces;
+    uint32_t holds[DEM_FACES_MAX];
+    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
+} dem__hull;
+
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
+
+/* Half the size of a set of points: the longest half of a side of the box around it. */
+static inline double dem__half_size(const double *x, int n) {
+    double size = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double low = x[a], high = x[a];
+        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
+    }
+    return size;
+}
+
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. 0: there are too many. */
+static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
+    int f = 0;
+    while (f < hull->faces && hull->holds[f] != holds) f++;
+    if (f < hull->faces && hull->area[f] >= area) return 1;
+    if (f == DEM_FACES_MAX) return 0;
+    if (f == hull->faces) hull->faces++;
+    hull->holds[f] = holds, hull->area[f] = area;
+    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
+    return 1;
+}
+
+/* The face that three points lie in, if no point is in front of it. 0: there are too many faces. */
+static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
+                  cross = dem__cross(u, v);
+    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
+    double lowest = 0.0, highest = 0.0;
+    uint32_t holds = 0;
+    if (!(area > 1e-5 * longest)) return 1;
+    const dem_vec normal = dem__scale(1.0 / area, cross);
+    for (int k = 0; k < n; k++) {
+        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
+        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
+        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
+    }
+    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    return 1;
+}
+
+/* The faces of the hull of points. 0: there are too many. */
+static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
+    hull->faces = 0;
+    for (int a = 0; a < n; a++) {
+        for (int b = a + 1; b < n; b++) {
+            for (int c = b + 1; c < n; c++) {
+                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The corners of a face, counterclockwise from outside, after those already in the list; how many there are then, 0 if they are no
+   polygon. */
+static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
+    const dem_vec normal = dem__point(hull->plane[f]);
+    const int begin = count;
+    int first = 0, at, total = 0;
+    while (!(hull->holds[f] >> first & 1)) first++;
+    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
+    at = first;
+    do {
+        int next = -1;
+        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
+        corner[count++] = (uint8_t)at;
+        for (int k = 0; k < n; k++) {
+            if (k == at || !(hull->holds[f] >> k & 1)) continue;
+            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
+            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
+        }
+        at = next;
+    } while (at != first);
+    return count - begin == total && total > 2 ? count : 0;
+}
+
+/* The edges, from the corners of faces. 0: some edge has not two faces, or is too short, or the surface is none of a ball. */
+static inline int dem__find_edges(dem_convex *s, double shortest) {
+    s->edges = 0;
+    for (int f = 0; f < s->faces; f++) {
+        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
+            int e = 0, backward = 0;
+            for (; e < s->edges; e++) {
+                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
+                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
+            }
+            backward = e < s->edges;
+            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
+            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
+            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
+            s->edge_face[e][backward] = (uint8_t)f;
+        }
+    }
+    int sides = 0;
+    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
+    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
+}
+
+/* Faces and edges of a shape whose corners are set; NULL, or what is wrong. */
+static inline const char *dem__find_surface(dem_convex *s, double flat) {
+    dem__hull hull;
+    int count = 0, used[DEM_CORNERS_MAX] = {0};
+    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
+    if (hull.faces < 4) return "the corners lie in one plane";
+    s->faces = hull.faces;
+    for (int f = 0; f < hull.faces; f++) {
+        s->face_start[f] = (uint8_t)count;
+        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
+        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
+        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
+        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
+    }
+    s->face_start[hull.faces] = (uint8_t)count;
+    for (int k = 0; k < s->corners; k++) {
+        if (used[k] == 0) return "a point is no corner: it lies inside";
+        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
+    }
+    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
+}
+
+/* Volume, centroid and second moments of the polyhedron by signed tetrahedra from the origin to triangles of its faces. */
+typedef struct dem__moments {
+    double volume;
+    dem_vec first;
+    double second[3][3];
+} dem__moments;
+static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int f = 0; f < s->faces; f++) {
+        const double *a = s->corner[s->face_corner[s->face_start[f]]];
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
+            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
+            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+            bulk->volume += six / 6.0;
+            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+            for (int p = 0; p < 3; p++) {
+                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+            }
+        }
+    }
+}
+
+/* Turns a symmetric matrix to its principal axes (Jacobi), axis[k][a]: component a of axis k. Diagonal already, it is left as it is. */
+static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
+    const double size = m[0][0] + m[1][1] + m[2][2];
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
+    }
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (int p = 0; p < 2; p++) {
+            for (int q = p + 1; q < 3; q++) {
+                if (fabs(m[p][q]) <= 1e-13 * size) continue;
+                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int a = 0; a < 3; a++) {
+                    const double old = m[a][p];
+                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
+                }
+                for (int a = 0; a < 3; a++) {
+                    double old = m[p][a];
+                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
+                    old = axis[p][a];
+                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
+                }
+            }
+        }
+    }
+}
+
+/* Moves the corners to the centroid and turns them to the principal axes; NULL, or what is wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    double second[3][3], axis[3][3];
+    dem__integrate(s, &bulk);
+    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+    }
+    dem__principal(second, axis);
+    s->volume = bulk.volume;
+    s->centroid = dem__add(middle, c);
+    for (int a = 0; a < 3; a++) {
+        s->axis[a] = dem__point(axis[a]);
+        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
+        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
+    }
+    return NULL;
+}
+
+/* The point where three planes meet; its determinant, 0 if they hardly do. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
+    const double det = dem__dot(a, bc);
+    if (fabs(det) < 1e-6) return 0.0;
+    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
+                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    *at = dem__scale(1.0 / det, sum);
+    return fabs(det);
+}
+
+/* Adds a corner of the core unless it is there; of two that are the same the better determined one stays. 0: there are too many. */
+static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
+    int k = 0;
+    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
+    if (k == DEM_CORNERS_MAX) return 0;
+    if (k < core->corners && sure[k] >= det) return 1;
+    if (k == core->corners) core->corners++;
+    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
+    sure[k] = det;
+    return 1;
+}
+
+/* The corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. */
+static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
+    double sure[DEM_CORNERS_MAX];
+    core->corners = 0;
+    for (int a = 0; a < s->faces; a++) {
+        for (int b = a + 1; b < s->faces; b++) {
+            for (int c = b + 1; c < s->faces; c++) {
+                dem_vec x;
+                int f = 0;
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                if (det == 0.0) continue;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
+                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The smallest distance of a face from the corner opposite to it. */
+static inline double dem__least_width(const dem_convex *s) {
+    double least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        double deepest = 0.0;
+        for (int k = 0; k < s->corners; k++) {
+            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
+            deepest = depth > deepest ? depth : deepest;
+        }
+        least = deepest < least ? deepest : least;
+    }
+    return least;
+}
+
+/* Is the core a box along the axes, with its middle at the centroid? To the last bit, as its distances are computed from half lengths. */
+static inline void dem__find_box(dem_convex *s) {
+    const double *h = s->corner[0];
+    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
+    s->is_box = s->corners == 8 && s->faces == 6;
+    for (int k = 0; k < s->corners; k++) {
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-12 * s->reach;
+    }
+    for (int k = 0; k < s->corners && s->is_box; k++) {
+        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+    }
+}
+
+/* The shape from corners about their middle; NULL, or what is wrong. */
+static inline const char *dem__shape_of(dem_convex *s, dem_vec middle, double rounding) {
+    dem_convex core;
+    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
+    const char *reason;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
+    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
+    core = *s;
+    core.radius = rounding * dem__least_width(s);
+    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
+    core.reach = 0.0;
+    for (int k = 0; k < core.corners; k++) {
+        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
+        core.reach = far > core.reach ? far : core.reach;
+    }
+    dem__find_box(&core);
+    *s = core;
+    return NULL;
+}
+
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
+    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
+    for (int k = 0; k < 3 * n && !wrong; k++) {
+        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong) {
+        memset(shape, 0, sizeof *shape);
+        shape->corners = n;
+        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
+        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
+        wrong = dem__shape_of(shape, middle, rounding);
+    }
+    if (reason) *reason = wrong;
+    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+}
+
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
+    double corner[8][3];
+    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
+        if (reason) *reason = "a length is not a number above 0";
+        return DEM_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
+    return dem_make_convex(shape, 8, corner[0], rounding, reason);
+}
+
+/* Has every edge of a mesh one other triangle, which runs along it the other way? */
+static inline int dem__is_closed(const dem_mesh *mesh) {
+    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
+        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
+        int same = 0, opposite = 0;
+        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
+            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
+            same += a == from && b == to;
+            opposite += a == to && b == from;
+        }
+        if (same != 1 || opposite != 1) return 0;
+    }
+    return 1;
+}
+
+/* Is every corner of a mesh behind every triangle, or in its plane? */
+static inline int dem__is_convex(const dem_mesh *mesh) {
+    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
+    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
+        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
+                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
+                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
+        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+        const double area = dem__length(n);
+        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
+        }
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
+    }
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
+        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
+    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
+    if (reason) *reason = wrong;
+    return DEM_BAD_ARGUMENT;
+}
+
+/* --------------------------------------------------------------------------------- >>convex_distance */
+/* Distances between posed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+   returned is never more than the true one, however few rounds were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle
+   (3 corners, 3 edges, 2 faces) are cores like any other. */
+
+/* Where a core is: its centre [m] and where its own axes point. */
+typedef struct dem__placed {
+    dem_vec x, axis[3];
+} dem__placed;
+
+DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
+    return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__into_core(const dem__placed *p, dem_vec v) {
+    return dem_vec3(dem__dot(v, p->axis[0]), dem__dot(v, p->axis[1]), dem__dot(v, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int k) {
+    return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
+}
+
+/* The corner of a core that is farthest along u, in its own frame. */
+DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
+    int best = 0;
+    double most = dem__dot(u, dem__point(s->corner[0]));
+    for (int k = 1; k < s->corners; k++) {
+        const double along = dem__dot(u, dem__point(s->corner[k]));
+        best = along > most ? k : best, most = along > most ? along : most;
+    }
+    return best;
+}
+
+/* Some corners of the difference of two cores: which they are, where, and by how much the nearest point is of each. */
+typedef struct dem__simplex {
+    int n;
+    uint8_t a[4], b[4];
+    dem_vec at[4];
+    double part[4];
+} dem__simplex;
+
+/* The corners that were nearest at the last look at a pair: 12 bytes that change how fast a distance is found, not what it is. */
+typedef struct dem__nearest_cache {
+    uint8_t n, a[4], b[4], unused[3];
+} dem__nearest_cache;
+
+DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
+    for (int k = 0; k < n; k++) { /* kept ascends */
+        s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
+        s->part[k] = part[k];
+    }
+    s->n = n;
+}
+
+/* The point of segment i, j of a simplex nearest to the origin; the corners it is between are kept. */
+static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
+    const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
+    const double along = -dem__dot(p, u), length = dem__dot(u, u);
+    const int both[2] = {i < j ? i : j, i < j ? j : i};
+    if (!(along > 0.0) || !(along < length)) {
+        const int one = along > 0.0 ? j : i;
+        const double whole = 1.0;
+        dem__keep_corners(s, 1, &one, &whole);
+        return s->at[0];
+    }
+    const double t = along / length, part[2] = {i < j ? 1.0 - t : t, i < j ? t : 1.0 - t};
+    dem__keep_corners(s, 2, both, part);
+    return dem__plus(p, t, u);
+}
+
+/* Of triangle i < j < k, likewise (Ericson 2005, section 5.1.5). */
+static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
+    const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
+    const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
+    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+        const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
+        dem__simplex best = *s;
+        dem_vec least = a;
+        double shortest = HUGE_VAL;
+        for (int q = 0; q < 3; q++) {
+            dem__simplex side = *s;
+            const dem_vec v = dem__near_segment(&side, pair[q][0], pair[q][1]);
+            if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+        }
+        *s = best;
+        return least;
+    }
+    const int kept[3] = {i, j, k};
+    const double part[3] = {va / all, vb / all, vc / all};
+    dem__keep_corners(s, 3, kept, part);
+    return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
+}
+
+/* Of a tetrahedron; 0 where it holds the origin. */
+static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
+    const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+    dem__simplex best = *s;
+    dem_vec least = dem_vec3(0.0, 0.0, 0.0);
+    double shortest = HUGE_VAL;
+    for (int f = 0; f < 4; f++) {
+        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
+        const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
+        if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
+        dem__simplex side = *s;
+        const dem_vec v = dem__near_triangle(&side, face[f][0], face[f][1], face[f][2]);
+        if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+    }
+    *s = best;
+    return least;
+}
+
+static inline dem_vec dem__near_simplex(dem__simplex *s) {
+    s->part[0] = 1.0;
+    if (s->n == 1) return s->at[0];
+    if (s->n == 2) return dem__near_segment(s, 0, 1);
+    return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
+}
+
+/* What is known of two cores. */
+typedef struct dem__gap_of_cores {
+    dem_vec normal;      /* from b to a, a unit vector */
+    double separation;   /* of the two cores along it: their distance, or as much of it as is sure; less than 0 where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    int overlap, rounds; /* do they? how many corners were asked for */
+} dem__gap_of_cores;
+
+DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
+                                 const dem__placed *pb, int j) {
+    const int k = s->n++;
+    s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
+    s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
+}
+
+/* Begins with the corners of the last look, or with those that face each other. */
+static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                      const dem__placed *pb, const dem__nearest_cache *cache) {
+    s->n = 0;
+    for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
+    if (s->n > 0) return;
+    const dem_vec d = dem__sub(pa->x, pb->x);
+    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
+}
+
+/* The direction along which two overlapping cores are least deep in each other, of the normals of faces and the products of edges (the
+   separating axis theorem). */
+static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                                      dem__gap_of_cores *gap) {
+    const int axes = a->faces + b->faces + a->edges * b->edges;
+    gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
+    for (int m = 0; m < axes; m++) {
+        dem_vec n;
+        if (m < a->faces) n = dem__scale(-1.0, dem__from_core_frame(pa, dem__point(a->plane[m])));
+        else if (m < a->faces + b->faces) n = dem__from_core_frame(pb, dem__point(b->plane[m - a->faces]));
+        else {
+            const int e = (m - a->faces - b->faces) / b->edges, f = (m - a->faces - b->faces) % b->edges;
+            const dem_vec u = dem__sub(dem__corner_at(a, pa, a->edge[e][1]), dem__corner_at(a, pa, a->edge[e][0]));
+            const dem_vec v = dem__sub(dem__corner_at(b, pb, b->edge[f][1]), dem__corner_at(b, pb, b->edge[f][0]));
+            n = dem__cross(u, v);
+            const double size = dem__length(n);
+            if (!(size > 1e-6 * dem__length(u) * dem__length(v))) continue;
+            n = dem__scale((dem__dot(n, dem__sub(pa->x, pb->x)) < 0.0 ? -1.0 : 1.0) / size, n);
+        }
+        const dem_vec in_a = dem__scale(-1.0, dem__into_core(pa, n)), in_b = dem__into_core(pb, n);
+        const double low = dem__dot(n, pa->x) - dem__dot(in_a, dem__point(a->corner[dem__farthest(a, in_a)])),
+                     high = dem__dot(n, pb->x) + dem__dot(in_b, dem__point(b->corner[dem__farthest(b, in_b)]));
+        if (low - high > gap->separation) gap->separation = low - high, gap->normal = n;
+    }
+}
+
+/* The points of the two cores that a simplex is nearest at. */
+static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                       const dem__placed *pb, dem__gap_of_cores *gap) {
+    gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < s->n; k++) {
+        gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
+        gap->at_b = dem__plus(gap->at_b, s->part[k], dem__corner_at(b, pb, s->b[k]));
+    }
+}
+
+/* Distance and normal of two cores, to 1e-7 of the distance; stops as soon as they are surely farther apart than `enough`. cache: of this
+   pair, read and written, or NULL. */
+static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
+    dem__simplex s;
+    const double tiny = 1e-12 * (a->reach + b->reach);
+    gap->separation = -HUGE_VAL, gap->overlap = 0;
+    dem__begin_simplex(&s, a, pa, b, pb, cache);
+    for (gap->rounds = 0; gap->rounds < 32; gap->rounds++) {
+        const dem_vec v = dem__near_simplex(&s);
+        const double distance = dem__length(v);
+        if (!(distance > tiny)) {
+            gap->overlap = 1;
+            break;
+        }
+        const dem_vec n = dem__scale(1.0 / distance, v);
+        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
+        const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
+        int known = s.n == 4;
+        if (along > gap->separation) gap->separation = along, gap->normal = n;
+        for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
+        if (known || along > enough || distance - along <= 1e-7 * distance) break;
+        dem__add_corners(&s, a, pa, i, b, pb, j);
+    }
+    if (cache) {
+        cache->n = (uint8_t)(s.n < 4 ? s.n : 0);
+        for (int k = 0; k < cache->n; k++) cache->a[k] = s.a[k], cache->b[k] = s.b[k];
+    }
+    if (gap->overlap) dem__least_overlap(a, pa, b, pb, gap);
+    else dem__nearest_points(&s, a, pa, b, pb, gap);
+}
+
+/* A segment, or a triangle, of which the first corner is the centre and the axes are the world's. */
+static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
+    const dem_vec u = dem__sub(to, from);
+    memset(s, 0, sizeof *s);
+    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
+    s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
+    s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
+    s->edge[0][1] = 1;
+}
+static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec u = dem__sub(b, a), v = dem__sub(c, a), n = dem__cross(u, v);
+    dem__segment_core(s, p, a, b, 0.0);
+    const double area = dem__length(n), along = dem__length(v);
+    s->corners = s->edges = 3, s->faces = 2, s->reach = s->reach > along ? s->reach : along;
+    s->corner[2][0] = v.x, s->corner[2][1] = v.y, s->corner[2][2] = v.z;
+    for (int k = 0; k < 3; k++) {
+        s->edge[k][0] = (uint8_t)k, s->edge[k][1] = (uint8_t)((k + 1) % 3), s->edge_face[k][1] = 1;
+        s->face_corner[k] = (uint8_t)k, s->face_corner[3 + k] = (uint8_t)(2 - k);
+        s->plane[0][k] = dem_axis(n, k) / area, s->plane[1][k] = -s->plane[0][k];
+    }
+    s->face_start[1] = 3, s->face_start[2] = 6;
+}
+/* A point: the centre of a sphere. */
+static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
+    dem__segment_core(s, p, x, x, radius);
+    s->corners = 1, s->edges = 0;
+}
+
+/* ----------------------------------------------------------------------------------- >>convex_points */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
+   only choose whom to look at. Promises: what a point is depends on its own two features; forces along the normals of corners' points are
+   the gradient of a potential; normals, gaps and weights are continuous in the motion. */
+
+enum { DEM__POINTS_MAX = 32 }; /* of a pair: two faces of eight corners each have not more */
+
+/* Of rounded cores a and b: a sphere of a's radius about `at` touches one of b's radius about at - (gap + radii) normal. */
+typedef struct dem__convex_point {
+    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges. What history goes by */
+    dem_vec normal, at; /* from b to a; [m] */
+    double gap, weight; /* [m]; 0 .. 1, by which forces are multiplied */
+} dem__convex_point;
+
+/* From 0 to 1, with slope 0 at both ends. */
+DEM_INLINE double dem__smooth_step(double x) {
+    x = x > 0.0 ? x : 0.0;
+    x = x < 1.0 ? x : 1.0;
+    return x * x * (3.0 - 2.0 * x);
+}
+
+/* Signed distance of a point p from a box, in its frame, and the direction away from it. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
+    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
+    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
+    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    const double distance = dem__length(d);
+    if (distance > 0.0) {
+        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
+        return distance;
+    }
+    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
+    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
+    return dem_axis(out, k);
+}
+
+/* Does the foot of a point p lie within face f? */
+DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
+    const dem_vec n = dem__point(s->plane[f]);
+    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
+                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
+        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
+    }
+    return 1;
+}
+
+/* Signed distance of a point p from a core that is no box, likewise. */
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    int top = -1;
+    double highest = -HUGE_VAL, least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if (height > highest) highest = height, top = f;
+    }
+    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
+        *n = dem__point(s->plane[f]);
+        return height;
+    }
+    const dem_vec outward = *n;
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has no edge, but a corner */
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
+        const double distance = dem__length(d);
+        if (!(distance < least)) continue;
+        least = distance;
+        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+    }
+    return least;
+}
+
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
+    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+    dem_vec m;
+    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
+    *n = dem__from_core_frame(place, m);
+    return distance;
+}
+
+/* An edge in the world: where it begins, its direction, its length; in its two faces the directions away from it, and the sum of their
+   normals. */
+typedef struct dem__placed_edge {
+    dem_vec from, along, in[2], outward;
+    double length, low, high; /* [m]; heights of its ends along the normal between the cores */
+    int number;
+} dem__placed_edge;
+
+/* Corners' heights along a direction, and who is near the other core. */
+typedef struct dem__side {
+    const dem_convex *shape;
+    const dem__placed *place;
+    double height[DEM_CORNERS_MAX];
+    uint32_t near;
+} dem__side;
+
+DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
+    const double centre = dem__dot(n, side->place->x);
+    const dem_vec in_body = dem__into_core(side->place, n);
+    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
+    for (int k = 0; k < side->shape->corners; k++) {
+        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
+    }
+}
+
+/* Those corners that are not higher than `low` (or with sign -1 not lower). */
+DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
+    side->near = 0;
+    for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
+}
+
+/* Edge e, if it ends at a near corner. */
+static inline int dem__place_edge(const dem__side *side, int e, dem__placed_edge *p) {
+    const dem_convex *s = side->shape;
+    const int from = s->edge[e][0], to = s->edge[e][1];
+    if (!((side->near >> from | side->near >> to) & 1)) return 0;
+    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
+    p->number = e;
+    p->length = dem__length(u);
+    p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    const double a = side->height[from], b = side->height[to];
+    p->low = a < b ? a : b, p->high = a < b ? b : a;
+    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
+    for (int f = 0; f < 2 && s->faces > 0; f++) {
+        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
+        p->outward = dem__add(p->outward, n);
+        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
+    }
+    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
+    return 1;
+}
+
+/* By how much the direction n, away from an edge, leans over one of its faces: 0 if it is between their normals. */
+DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
+    double lean = 0.0;
+    for (int f = 0; f < 2; f++) {
+        const double over = dem__dot(n, e->in[f]);
+        lean = over > lean ? over : lean;
+    }
+    return lean;
+}
+
+/* Of a point at t along an edge: how much is left to its ends, over the way in which the ends' own contacts fade. */
+DEM_INLINE double dem__from_ends(const dem__placed_edge *e, double t, double fade) {
+    const double rest = e->length - t, least = t < rest ? t : rest;
+    return dem__smooth_step(least / fade);
+}
+
+/* The point where edge p of a crosses edge q of b; 0: they do not, or are too far apart. Its weight goes to 0 towards the ends of edges,
+   where corners' points take over; where the edges become parallel; and where the normal leans over a face by a quarter. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, dem__convex_point *out) {
+    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
+    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
+    if (!(square > 1e-4)) return 0;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along);
+    const double s = (c * on_q - on_p) / square, t = (on_q - c * on_p) / square, sine = sqrt(square);
+    if (!(s > 0.0 && s < p->length && t > 0.0 && t < q->length)) return 0;
+    const dem_vec between = dem__sub(q->outward, p->outward);
+    const dem_vec from_q = dem__sub(dem__plus(p->from, s, p->along), dem__plus(q->from, t, q->along));
+    const int known = dem__dot(between, between) > 0.0;
+    const double side = dem__dot(product, known ? between : from_q) < 0.0 ? -1.0 : 1.0;
+    out->normal = dem__scale(side / sine, product);
+    out->gap = dem__dot(out->normal, from_q) - radii;
+    if (!(out->gap < 0.0)) return 0;
+    const double lean_p = dem__lean(p, dem__scale(-1.0, out->normal)), lean_q = dem__lean(q, out->normal), fade = radii / sine;
+    out->weight = dem__smooth_step(5.0 * sine) * dem__smooth_step(1.0 - 4.0 * lean_p) * dem__smooth_step(1.0 - 4.0 * lean_q) *
+                  dem__from_ends(p, s, fade) * dem__from_ends(q, t, fade);
+    out->key = 2 * DEM_CORNERS_MAX + p->number * DEM_EDGES_MAX + q->number;
+    out->at = dem__plus(p->from, s, p->along);
+    return out->weight > 0.0;
+}
+
+/* The points of corners of a at b, from point n on; how many there are then. The numbers of b's corners begin at `key`. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
+        if (!(a->near >> k & 1)) continue;
+        dem__convex_point *p = &out[n];
+        const dem_vec x = dem__corner_at(a->shape, a->place, k);
+        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
+        p->key = key + k, p->weight = 1.0, p->at = x;
+        p->gap = distance - radii;
+        if (key > 0) { /* they have changed places */
+            p->at = dem__plus(x, -distance, p->normal);
+            p->normal = dem__scale(-1.0, p->normal);
+        }
+        n += p->gap < 0.0;
+    }
+    return n;
+}
+
+/* Those where edges cross. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    dem__placed_edge p, other[DEM_EDGES_MAX];
+    int others = 0;
+    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, &other[others]);
+    for (int e = 0; e < a->shape->edges && others > 0; e++) {
+        if (!dem__place_edge(a, e, &p)) continue;
+        for (int f = 0; f < others && n < DEM__POINTS_MAX; f++) {
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, &out[n]);
+        }
+    }
+    return n;
+}
+
+/* The points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. How many? Of a point only its own
+   corner counts, or it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
+                                   dem__convex_point *out) {
+    dem__side sa, sb;
+    const double radii = a->radius + b->radius;
+    double low_a, high_a, low_b, high_b;
+    int n = 0;
+    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    dem__find_heights(&sa, normal, &low_a, &high_a);
+    dem__find_heights(&sb, normal, &low_b, &high_b);
+    if (!(low_a - high_b < radii)) return 0;
+    dem__choose_corners(&sa, high_b + radii, 1.0);
+    dem__choose_corners(&sb, radii - low_a, -1.0);
+    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
+    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
+    return dem__find_edge_points(&sa, &sb, out, n);
+}
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

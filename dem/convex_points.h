@@ -1,0 +1,228 @@
+/* ----------------------------------------------------------------------------------- >>convex_points */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
+   only choose whom to look at. Promises: what a point is depends on its own two features; forces along the normals of corners' points are
+   the gradient of a potential; normals, gaps and weights are continuous in the motion. */
+
+enum { DEM__POINTS_MAX = 32 }; /* of a pair: two faces of eight corners each have not more */
+
+/* Of rounded cores a and b: a sphere of a's radius about `at` touches one of b's radius about at - (gap + radii) normal. */
+typedef struct dem__convex_point {
+    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges. What history goes by */
+    dem_vec normal, at; /* from b to a; [m] */
+    double gap, weight; /* [m]; 0 .. 1, by which forces are multiplied */
+} dem__convex_point;
+
+/* From 0 to 1, with slope 0 at both ends. */
+DEM_INLINE double dem__smooth_step(double x) {
+    x = x > 0.0 ? x : 0.0;
+    x = x < 1.0 ? x : 1.0;
+    return x * x * (3.0 - 2.0 * x);
+}
+
+/* Signed distance of a point p from a box, in its frame, and the direction away from it. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
+    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
+    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
+    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    const double distance = dem__length(d);
+    if (distance > 0.0) {
+        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
+        return distance;
+    }
+    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
+    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
+    return dem_axis(out, k);
+}
+
+/* Does the foot of a point p lie within face f? */
+DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
+    const dem_vec n = dem__point(s->plane[f]);
+    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
+                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
+        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
+    }
+    return 1;
+}
+
+/* Signed distance of a point p from a core that is no box, likewise. */
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    int top = -1;
+    double highest = -HUGE_VAL, least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if (height > highest) highest = height, top = f;
+    }
+    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
+        *n = dem__point(s->plane[f]);
+        return height;
+    }
+    const dem_vec outward = *n;
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has no edge, but a corner */
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
+        const double distance = dem__length(d);
+        if (!(distance < least)) continue;
+        least = distance;
+        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+    }
+    return least;
+}
+
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
+    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+    dem_vec m;
+    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
+    *n = dem__from_core_frame(place, m);
+    return distance;
+}
+
+/* An edge in the world: where it begins, its direction, its length; in its two faces the directions away from it, and the sum of their
+   normals. */
+typedef struct dem__placed_edge {
+    dem_vec from, along, in[2], outward;
+    double length, low, high; /* [m]; heights of its ends along the normal between the cores */
+    int number;
+} dem__placed_edge;
+
+/* Corners' heights along a direction, and who is near the other core. */
+typedef struct dem__side {
+    const dem_convex *shape;
+    const dem__placed *place;
+    double height[DEM_CORNERS_MAX];
+    uint32_t near;
+} dem__side;
+
+DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
+    const double centre = dem__dot(n, side->place->x);
+    const dem_vec in_body = dem__into_core(side->place, n);
+    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
+    for (int k = 0; k < side->shape->corners; k++) {
+        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
+    }
+}
+
+/* Those corners that are not higher than `low` (or with sign -1 not lower). */
+DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
+    side->near = 0;
+    for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
+}
+
+/* Edge e, if it ends at a near corner. */
+static inline int dem__place_edge(const dem__side *side, int e, dem__placed_edge *p) {
+    const dem_convex *s = side->shape;
+    const int from = s->edge[e][0], to = s->edge[e][1];
+    if (!((side->near >> from | side->near >> to) & 1)) return 0;
+    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
+    p->number = e;
+    p->length = dem__length(u);
+    p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    const double a = side->height[from], b = side->height[to];
+    p->low = a < b ? a : b, p->high = a < b ? b : a;
+    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
+    for (int f = 0; f < 2 && s->faces > 0; f++) {
+        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
+        p->outward = dem__add(p->outward, n);
+        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
+    }
+    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
+    return 1;
+}
+
+/* By how much the direction n, away from an edge, leans over one of its faces: 0 if it is between their normals. */
+DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
+    double lean = 0.0;
+    for (int f = 0; f < 2; f++) {
+        const double over = dem__dot(n, e->in[f]);
+        lean = over > lean ? over : lean;
+    }
+    return lean;
+}
+
+/* Of a point at t along an edge: how much is left to its ends, over the way in which the ends' own contacts fade. */
+DEM_INLINE double dem__from_ends(const dem__placed_edge *e, double t, double fade) {
+    const double rest = e->length - t, least = t < rest ? t : rest;
+    return dem__smooth_step(least / fade);
+}
+
+/* The point where edge p of a crosses edge q of b; 0: they do not, or are too far apart. Its weight goes to 0 towards the ends of edges,
+   where corners' points take over; where the edges become parallel; and where the normal leans over a face by a quarter. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, dem__convex_point *out) {
+    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
+    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
+    if (!(square > 1e-4)) return 0;
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along);
+    const double s = (c * on_q - on_p) / square, t = (on_q - c * on_p) / square, sine = sqrt(square);
+    if (!(s > 0.0 && s < p->length && t > 0.0 && t < q->length)) return 0;
+    const dem_vec between = dem__sub(q->outward, p->outward);
+    const dem_vec from_q = dem__sub(dem__plus(p->from, s, p->along), dem__plus(q->from, t, q->along));
+    const int known = dem__dot(between, between) > 0.0;
+    const double side = dem__dot(product, known ? between : from_q) < 0.0 ? -1.0 : 1.0;
+    out->normal = dem__scale(side / sine, product);
+    out->gap = dem__dot(out->normal, from_q) - radii;
+    if (!(out->gap < 0.0)) return 0;
+    const double lean_p = dem__lean(p, dem__scale(-1.0, out->normal)), lean_q = dem__lean(q, out->normal), fade = radii / sine;
+    out->weight = dem__smooth_step(5.0 * sine) * dem__smooth_step(1.0 - 4.0 * lean_p) * dem__smooth_step(1.0 - 4.0 * lean_q) *
+                  dem__from_ends(p, s, fade) * dem__from_ends(q, t, fade);
+    out->key = 2 * DEM_CORNERS_MAX + p->number * DEM_EDGES_MAX + q->number;
+    out->at = dem__plus(p->from, s, p->along);
+    return out->weight > 0.0;
+}
+
+/* The points of corners of a at b, from point n on; how many there are then. The numbers of b's corners begin at `key`. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
+        if (!(a->near >> k & 1)) continue;
+        dem__convex_point *p = &out[n];
+        const dem_vec x = dem__corner_at(a->shape, a->place, k);
+        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
+        p->key = key + k, p->weight = 1.0, p->at = x;
+        p->gap = distance - radii;
+        if (key > 0) { /* they have changed places */
+            p->at = dem__plus(x, -distance, p->normal);
+            p->normal = dem__scale(-1.0, p->normal);
+        }
+        n += p->gap < 0.0;
+    }
+    return n;
+}
+
+/* Those where edges cross. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    dem__placed_edge p, other[DEM_EDGES_MAX];
+    int others = 0;
+    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, &other[others]);
+    for (int e = 0; e < a->shape->edges && others > 0; e++) {
+        if (!dem__place_edge(a, e, &p)) continue;
+        for (int f = 0; f < others && n < DEM__POINTS_MAX; f++) {
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, &out[n]);
+        }
+    }
+    return n;
+}
+
+/* The points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. How many? Of a point only its own
+   corner counts, or it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
+                                   dem__convex_point *out) {
+    dem__side sa, sb;
+    const double radii = a->radius + b->radius;
+    double low_a, high_a, low_b, high_b;
+    int n = 0;
+    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    dem__find_heights(&sa, normal, &low_a, &high_a);
+    dem__find_heights(&sb, normal, &low_b, &high_b);
+    if (!(low_a - high_b < radii)) return 0;
+    dem__choose_corners(&sa, high_b + radii, 1.0);
+    dem__choose_corners(&sb, radii - low_a, -1.0);
+    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
+    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
+    return dem__find_edge_points(&sa, &sb, out, n);
+}

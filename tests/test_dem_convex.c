@@ -1,0 +1,483 @@
+/* Convex polyhedra of dem.h: their making, distances against a search through all features, points of contact. */
+#include "dem.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static void near(double a, double b, double tolerance) { assert_true(fabs(a - b) <= tolerance); }
+
+static uint64_t seed = 1;
+static double uniform(double low, double high) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+
+static dem__placed placed(dem_vec x, double w, double a, double b, double c) { /* by a quaternion of any length */
+    const double f = 1.0 / sqrt(w * w + a * a + b * b + c * c);
+    dem__placed p;
+    w *= f, a *= f, b *= f, c *= f;
+    p.x = x;
+    p.axis[0] = dem_vec3(1 - 2 * (b * b + c * c), 2 * (a * b + c * w), 2 * (a * c - b * w));
+    p.axis[1] = dem_vec3(2 * (a * b - c * w), 1 - 2 * (a * a + c * c), 2 * (b * c + a * w));
+    p.axis[2] = dem_vec3(2 * (a * c + b * w), 2 * (b * c - a * w), 1 - 2 * (a * a + b * b));
+    return p;
+}
+static dem__placed anyhow(double far) {
+    return placed(dem_vec3(uniform(-far, far), uniform(-far, far), uniform(-far, far)), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1),
+                  uniform(-1, 1));
+}
+
+static void octahedron(dem_convex *s, double a) {
+    const double x[18] = {a, 0, 0, -a, 0, 0, 0, a, 0, 0, -a, 0, 0, 0, a, 0, 0, -a};
+    assert_int_equal(dem_make_convex(s, 6, x, 0.03, NULL), DEM_OK);
+}
+static void tetrahedron(dem_convex *s, double a, double rounding) {
+    const double h = a / sqrt(8.0), x[12] = {h, h, h, h, -h, -h, -h, h, -h, -h, -h, h};
+    assert_int_equal(dem_make_convex(s, 4, x, rounding, NULL), DEM_OK);
+}
+static void prism(dem_convex *s) { /* upright, over a triangle */
+    const double x[18] = {0, 0, 0, 1, 0, 0, 0.2, 0.7, 0, 0, 0, 1.3, 1, 0, 1.3, 0.2, 0.7, 1.3};
+    assert_int_equal(dem_make_convex(s, 6, x, 0.03, NULL), DEM_OK);
+}
+static void brick(dem_convex *s) { assert_int_equal(dem_make_brick(s, dem_vec3(1.0, 1.0, 2.08), 0.03, NULL), DEM_OK); }
+
+/* Volume, moments and extents in closed form. */
+static void test_mass(void **state) {
+    (void)state;
+    dem_convex s;
+    brick(&s);
+    near(s.volume, 2.08, 1e-14);
+    near(s.moment[0] / s.volume, (1.0 + 2.08 * 2.08) / 12.0, 1e-14);
+    near(s.moment[0] / s.volume, 0.443866666667, 1e-12);
+    near(s.moment[1], s.moment[0], 1e-15);
+    near(s.moment[2] / s.volume, 1.0 / 6.0, 1e-14);
+    near(s.radius, 0.03, 1e-15);
+    near(s.half.z, 1.01, 1e-14);
+    assert_int_equal(s.is_box, 1);
+    assert_int_equal(s.edges, 12);
+    tetrahedron(&s, 2.0, 0.03);
+    near(s.volume, 8.0 / (6.0 * sqrt(2.0)), 1e-14);
+    for (int a = 0; a < 3; a++) near(s.moment[a] / s.volume, 4.0 / 20.0, 1e-14);
+    octahedron(&s, 1.5);
+    near(s.volume, 4.0 / 3.0 * 1.5 * 1.5 * 1.5, 1e-14);
+    for (int a = 0; a < 3; a++) near(s.moment[a] / s.volume, 1.5 * 1.5 / 5.0, 1e-14);
+    assert_int_equal(s.corners, 6);
+    prism(&s);
+    near(s.volume, 0.5 * 0.7 * 1.3, 1e-14);
+    near(s.centroid.x, 0.4, 1e-14);
+    near(s.centroid.y, 0.7 / 3.0, 1e-14);
+    near(s.centroid.z, 0.65, 1e-14);
+}
+
+/* Turned and shifted before it is made, a brick has the same moments, and its axes lead back. */
+static void test_turned(void **state) {
+    (void)state;
+    for (int n = 0; n < 50; n++) {
+        const dem__placed p = anyhow(5.0);
+        const double half[3] = {0.4, 0.5, 0.9};
+        double x[24];
+        dem_convex s;
+        for (int k = 0; k < 8; k++) {
+            const dem_vec v = dem_vec3(k & 1 ? half[0] : -half[0], k & 2 ? half[1] : -half[1], k & 4 ? half[2] : -half[2]);
+            const dem_vec at = dem__add(p.x, dem__from_core_frame(&p, v));
+            x[3 * k] = at.x, x[3 * k + 1] = at.y, x[3 * k + 2] = at.z;
+        }
+        assert_int_equal(dem_make_convex(&s, 8, x, 0.05, NULL), DEM_OK);
+        near(s.volume, 8 * 0.4 * 0.5 * 0.9, 1e-13);
+        assert_true(dem__length(dem__sub(s.centroid, p.x)) < 1e-13);
+        near(dem__dot(s.axis[2], dem__cross(s.axis[0], s.axis[1])), 1.0, 1e-13);
+        assert_int_equal(s.is_box, 1);
+        near(s.half.x * s.half.y * s.half.z, (0.4 - s.radius) * (0.5 - s.radius) * (0.9 - s.radius), 1e-12);
+        double sum = s.moment[0] + s.moment[1] + s.moment[2];
+        near(sum / s.volume, 2.0 / 3.0 * (0.16 + 0.25 + 0.81), 1e-12);
+    }
+}
+
+/* The core's faces lie a radius below the outer ones. */
+static void test_erosion(void **state) {
+    (void)state;
+    dem_convex s;
+    tetrahedron(&s, 2.0, 0.1);
+    for (int f = 0; f < 4; f++) near(s.plane[f][3] + s.radius, 2.0 / (2.0 * sqrt(6.0)), 1e-13); /* radius of the inscribed */
+    const double apex[15] = {1, 1, 0, -1, 1, 0, -1, -1.2, 0, 1, -1, 0, 0.2, 0.1, 2}; /* where four faces meet: the core has a ridge */
+    assert_int_equal(dem_make_convex(&s, 5, apex, 0.1, NULL), DEM_OK);
+    assert_true(s.faces == 5 && s.corners == 6 && s.edges == 9);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    dem_convex s;
+    const char *reason = NULL;
+    double cube[30];
+    for (int k = 0; k < 24; k++) cube[k] = k / 3 >> k % 3 & 1 ? 1.0 : 0.0;
+    assert_int_equal(dem_make_convex(&s, 8, cube, 0.03, &reason), DEM_OK);
+    assert_null(reason);
+    const double extra[5][3] = {{0.5, 0.5, 0.5}, {0.5, 0.5, 0.0}, {0.5, 0.0, 0.0}, {1.0, 1.0, 1.0}, {0.25, 0.75, 1e-9}};
+    for (int e = 0; e < 5; e++) {
+        for (int a = 0; a < 3; a++) cube[24 + a] = extra[e][a];
+        assert_int_equal(dem_make_convex(&s, 9, cube, 0.03, &reason), DEM_BAD_ARGUMENT);
+        assert_non_null(strstr(reason, "no corner"));
+    }
+    const double flat[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    assert_int_equal(dem_make_convex(&s, 4, flat, 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(reason, "one plane"));
+    const double same[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    assert_int_equal(dem_make_convex(&s, 4, same, 0.03, &reason), DEM_BAD_ARGUMENT);
+    const double bad[] = {NAN, HUGE_VAL, -HUGE_VAL, 1e300};
+    for (int k = 0; k < 4; k++) {
+        cube[4] = bad[k];
+        assert_int_equal(dem_make_convex(&s, 8, cube, 0.03, &reason), DEM_BAD_ARGUMENT);
+        cube[4] = 0.0;
+        assert_int_equal(dem_make_convex(&s, 8, cube, bad[k], &reason), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_make_brick(&s, dem_vec3(1.0, bad[k], 1.0), 0.03, &reason), DEM_BAD_ARGUMENT);
+    }
+    assert_int_equal(dem_make_brick(&s, dem_vec3(1.0, 0.0, 1.0), 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_brick(&s, dem_vec3(1e-300, 1e-300, 1e-300), 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_brick(&s, dem_vec3(1e-6, 1e-6, 1e-6), 0.03, &reason), DEM_OK);
+    assert_int_equal(dem_make_convex(&s, 3, cube, 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_convex(&s, DEM_CORNERS_MAX + 1, cube, 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_convex(&s, 8, cube, 0.0, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_convex(&s, 8, NULL, 0.03, NULL), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_convex(NULL, 8, cube, 0.03, NULL), DEM_BAD_ARGUMENT);
+}
+
+static void test_mesh(void **state) {
+    (void)state;
+    double x[24];
+    int32_t t[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    dem_mesh mesh;
+    dem_convex s;
+    const char *reason = NULL;
+    memset(&mesh, 0, sizeof mesh);
+    for (int k = 0; k < 24; k++) x[k] = k / 3 >> k % 3 & 1 ? 1.0 : 0.0;
+    mesh.vertices = 8, mesh.triangles = 12, mesh.vertex = x, mesh.triangle = t;
+    assert_int_equal(dem_make_convex_mesh(&s, &mesh, 0.03, &reason), DEM_OK);
+    assert_true(s.faces == 6 && s.is_box);
+    mesh.triangles = 11;
+    assert_int_equal(dem_make_convex_mesh(&s, &mesh, 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(reason, "not closed"));
+    mesh.triangles = 12;
+    t[35] = 8;
+    assert_int_equal(dem_make_convex_mesh(&s, &mesh, 0.03, &reason), DEM_BAD_ARGUMENT);
+    t[35] = 5;
+    for (int k = 0; k < 12; k++) {
+        const int32_t swap = t[3 * k];
+        t[3 * k] = t[3 * k + 1], t[3 * k + 1] = swap;
+    }
+    assert_int_equal(dem_make_convex_mesh(&s, &mesh, 0.03, &reason), DEM_BAD_ARGUMENT); /* inside out */
+    assert_non_null(strstr(reason, "not convex"));
+    for (int k = 0; k < 12; k++) {
+        const int32_t swap = t[3 * k];
+        t[3 * k] = t[3 * k + 1], t[3 * k + 1] = swap;
+    }
+    x[21] = x[22] = x[23] = 0.6; /* a corner pushed in */
+    assert_int_equal(dem_make_convex_mesh(&s, &mesh, 0.03, &reason), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(reason, "not convex"));
+    assert_int_equal(dem_make_convex_mesh(&s, NULL, 0.03, NULL), DEM_BAD_ARGUMENT);
+}
+
+/* ---- distances ---- */
+
+static double clamped(double t) { return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t; }
+
+/* Distance of two segments: the least over the inner crossing and the four ends. */
+static double of_segments(dem_vec p, dem_vec p1, dem_vec q, dem_vec q1) {
+    const dem_vec u = dem__sub(p1, p), v = dem__sub(q1, q), w = dem__sub(p, q);
+    const double a = dem__dot(u, u), b = dem__dot(u, v), c = dem__dot(v, v), d = dem__dot(u, w), e = dem__dot(v, w), det = a * c - b * b;
+    double least = HUGE_VAL;
+    for (int k = 0; k < 5; k++) {
+        double s, t;
+        if (k == 0) {
+            if (!(det > 1e-14 * a * c)) continue;
+            s = (b * e - c * d) / det, t = (a * e - b * d) / det;
+            if (s < 0.0 || s > 1.0 || t < 0.0 || t > 1.0) continue;
+        } else if (k < 3) s = k - 1.0, t = clamped((e + s * b) / c);
+        else t = k - 3.0, s = clamped((t * b - d) / a);
+        const double l = dem__length(dem__add(w, dem__sub(dem__scale(s, u), dem__scale(t, v))));
+        least = l < least ? l : least;
+    }
+    return least;
+}
+
+/* Distance of two cores that do not overlap: the least over corners at faces and edges at edges. */
+static double by_features(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb) {
+    double least = HUGE_VAL;
+    dem_vec n;
+    for (int k = 0; k < a->corners; k++) {
+        const double d = dem__from_faces(b, dem__into_core(pb, dem__sub(dem__corner_at(a, pa, k), pb->x)), &n);
+        least = d < least ? d : least;
+    }
+    for (int k = 0; k < b->corners; k++) {
+        const double d = dem__from_faces(a, dem__into_core(pa, dem__sub(dem__corner_at(b, pb, k), pa->x)), &n);
+        least = d < least ? d : least;
+    }
+    for (int e = 0; e < a->edges; e++) {
+        for (int f = 0; f < b->edges; f++) {
+            const double d = of_segments(dem__corner_at(a, pa, a->edge[e][0]), dem__corner_at(a, pa, a->edge[e][1]),
+                                         dem__corner_at(b, pb, b->edge[f][0]), dem__corner_at(b, pb, b->edge[f][1]));
+            least = d < least ? d : least;
+        }
+    }
+    return least;
+}
+
+/* Do two cores overlap? By all axes. */
+static double by_axes(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb) {
+    dem__gap_of_cores gap;
+    dem__least_overlap(a, pa, b, pb, &gap);
+    return gap.separation;
+}
+
+static void pick(dem_convex *s, int kind) {
+    switch (kind) {
+    case 0: brick(s); break;
+    case 1: octahedron(s, 0.8); break;
+    case 2: tetrahedron(s, 1.5, 0.03); break;
+    default: prism(s); break;
+    }
+}
+
+static void test_gap_against_features(void **state) {
+    (void)state;
+    double worst = 0.0;
+    int apart = 0, overlapping = 0;
+    for (int n = 0; n < 20000; n++) {
+        dem_convex a, b;
+        dem__gap_of_cores gap;
+        dem__nearest_cache cache;
+        if (n % 100 == 0) memset(&cache, 0, sizeof cache);
+        pick(&a, n / 100 % 4), pick(&b, n / 400 % 4);
+        const dem__placed pa = anyhow(1.2), pb = anyhow(0.0);
+        dem__find_gap(&a, &pa, &b, &pb, HUGE_VAL, &cache, &gap);
+        const double separated = by_axes(&a, &pa, &b, &pb);
+        if (separated <= 0.0) {
+            assert_true(gap.overlap || gap.separation < 1e-9);
+            near(gap.separation, separated, 1e-9);
+            overlapping++;
+            continue;
+        }
+        const double exact = by_features(&a, &pa, &b, &pb), points = dem__length(dem__sub(gap.at_a, gap.at_b));
+        assert_true(gap.separation <= exact + 1e-12);
+        worst = fabs(points - exact) > worst ? fabs(points - exact) : worst;
+        apart++;
+    }
+    assert_true(apart > 8000 && overlapping > 1000);
+    assert_true(worst < 1e-7);
+}
+
+/* The box's own distance is that of any polyhedron. */
+static void test_box_is_polyhedron(void **state) {
+    (void)state;
+    dem_convex s;
+    brick(&s);
+    for (int k = 0; k < 20000; k++) {
+        const dem_vec p = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1.5, 1.5));
+        dem_vec m, n;
+        const double d = dem__from_box(s.half, p, &m);
+        near(d, dem__from_faces(&s, p, &n), 1e-14);
+        if (fabs(d) > 1e-6 && d > 0.0) assert_true(dem__length(dem__sub(m, n)) < 1e-8);
+    }
+}
+
+/* A point, a segment and a triangle at a brick, and a plane at its corners. */
+static void test_simple_cores(void **state) {
+    (void)state;
+    dem_convex s, other;
+    dem__placed p, q;
+    dem__gap_of_cores gap;
+    brick(&s);
+    for (int n = 0; n < 5000; n++) {
+        dem_vec x[3], normal;
+        p = anyhow(0.1);
+        for (int k = 0; k < 3; k++) x[k] = dem_vec3(uniform(-3, 3), uniform(-3, 3), uniform(-3, 3));
+        dem__point_core(&other, &q, x[0], 0.1);
+        dem__find_gap(&other, &q, &s, &p, HUGE_VAL, NULL, &gap);
+        near(gap.separation, dem__from_core(&s, &p, x[0], &normal), 1e-7);
+        dem__segment_core(&other, &q, x[0], x[1], 0.1);
+        dem__find_gap(&other, &q, &s, &p, HUGE_VAL, NULL, &gap);
+        if (!gap.overlap) near(gap.separation, by_features(&other, &q, &s, &p), 1e-6);
+        dem__triangle_core(&other, &q, x[0], x[1], x[2]);
+        dem__find_gap(&other, &q, &s, &p, HUGE_VAL, NULL, &gap);
+        if (!gap.overlap) near(gap.separation, by_features(&other, &q, &s, &p), 1e-6);
+    }
+}
+
+/* ---- points of contact ---- */
+
+static double potential(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec *force,
+                        dem_vec *torque_a, dem_vec *torque_b, double *lightest) {
+    dem__gap_of_cores gap;
+    dem__convex_point point[DEM__POINTS_MAX];
+    double sum = 0.0;
+    dem__find_gap(a, pa, b, pb, HUGE_VAL, NULL, &gap);
+    const int n = dem__find_points(a, pa, b, pb, gap.normal, point);
+    *force = *torque_a = *torque_b = dem_vec3(0, 0, 0);
+    *lightest = 1.0;
+    for (int k = 0; k < n; k++) {
+        const dem_vec f = dem__scale(-point[k].weight * point[k].gap, point[k].normal);
+        *force = dem__add(*force, f);
+        *torque_a = dem__add(*torque_a, dem__cross(dem__sub(point[k].at, pa->x), f));
+        *torque_b = dem__sub(*torque_b, dem__cross(dem__sub(point[k].at, pb->x), f));
+        sum += 0.5 * point[k].weight * point[k].gap * point[k].gap;
+        *lightest = point[k].weight < *lightest ? point[k].weight : *lightest;
+    }
+    return sum;
+}
+
+/* A little turn about the lab's axis k. */
+static dem__placed nudged(const dem__placed *p, int k, double by) {
+    dem__placed q = *p;
+    if (k < 3) {
+        *dem_axis_of(&q.x, k) += by;
+        return q;
+    }
+    dem_vec about = dem_vec3(0, 0, 0);
+    *dem_axis_of(&about, k - 3) = 1.0;
+    for (int a = 0; a < 3; a++) {
+        const dem_vec v = q.axis[a];
+        q.axis[a] = dem__rotated(v, about, by);
+    }
+    return q;
+}
+
+/* Brings two bodies to touch lightly: along x, from far, by bisection. */
+static int bring_together(const dem_convex *a, dem__placed *pa, const dem_convex *b, const dem__placed *pb, double depth) {
+    double out = 4.0, in = 0.0;
+    for (int k = 0; k < 40; k++) {
+        dem__gap_of_cores gap;
+        pa->x.x = 0.5 * (out + in);
+        dem__find_gap(a, pa, b, pb, HUGE_VAL, NULL, &gap);
+        if (gap.separation > a->radius + b->radius - depth) out = pa->x.x;
+        else in = pa->x.x;
+    }
+    return out < 3.9 && in > 0.0;
+}
+
+/* Forces and torques are the gradient of the potential, by central differences; momentum and angular momentum are kept. */
+static void test_gradient(void **state) {
+    (void)state;
+    double worst = 0.0, unkept = 0.0;
+    int tried = 0;
+    for (int n = 0; n < 4000; n++) {
+        dem_convex a, b;
+        dem_vec f, ta, tb, g, ga, gb;
+        double lightest, light;
+        pick(&a, n % 4), pick(&b, n / 4 % 4);
+        dem__placed pa = anyhow(0.3), pb = anyhow(0.0);
+        if (!bring_together(&a, &pa, &b, &pb, 0.01)) continue;
+        const double u = potential(&a, &pa, &b, &pb, &f, &ta, &tb, &lightest);
+        if (u == 0.0) continue;
+        const dem_vec balance = dem__add(dem__add(ta, tb), dem__cross(dem__sub(pa.x, pb.x), f));
+        unkept = dem__length(balance) > unkept ? dem__length(balance) : unkept;
+        if (lightest < 1.0) continue; /* what the change of a weight does is left out */
+        const double h = 1e-7;
+        for (int k = 0; k < 6; k++) {
+            const dem__placed up = nudged(&pa, k, h), down = nudged(&pa, k, -h);
+            const double slope = (potential(&a, &up, &b, &pb, &g, &ga, &gb, &light) - potential(&a, &down, &b, &pb, &g, &ga, &gb, &light)) /
+                                 (2.0 * h),
+                         against = k < 3 ? dem_axis(f, k) : dem_axis(ta, k - 3);
+            worst = fabs(slope + against) > worst ? fabs(slope + against) : worst;
+        }
+        tried++;
+    }
+    print_message("gradient: %d pairs, largest deviation %.2g, of angular momentum %.2g\n", tried, worst, unkept);
+    assert_true(tried > 2000);
+    assert_true(unkept < 1e-14);
+    assert_true(worst < 2e-6);
+}
+
+/* Everything that fits together: twins, faces on faces, edges on edges, corners on corners, all of it exactly and nearly. No NaN, and never
+   more points than there is room for. RIDDLE_PAIRS sets how many. */
+static void test_degenerate(void **state) {
+    (void)state;
+    const char *wanted = getenv("RIDDLE_PAIRS");
+    const long pairs = wanted ? strtol(wanted, NULL, 10) : 40000;
+    const double noise[] = {0.0, 0.0, 1e-17, 1e-12, 1e-8, 1e-4};
+    dem_convex shape[4];
+    for (int k = 0; k < 4; k++) pick(&shape[k], k);
+    for (long n = 0; n < pairs; n++) {
+        const dem_convex *a = &shape[n % 4], *b = &shape[n / 4 % 3 ? n % 4 : n / 12 % 4];
+        const double e = noise[n / 7 % 6];
+        const int i = (int)uniform(0, a->corners), j = (int)uniform(0, b->corners), kind = (int)(n / 5 % 4);
+        dem__placed pb = placed(dem_vec3(0, 0, 0), 1.0, kind == 1 ? 1.0 : 0.0, 0.0, kind == 2 ? 1.0 : 0.0);
+        dem__placed pa = placed(dem_vec3(0, 0, 0), 1.0 + uniform(-e, e), uniform(-e, e), uniform(-e, e), uniform(-e, e) + (kind == 3));
+        dem__gap_of_cores gap;
+        dem__convex_point point[DEM__POINTS_MAX];
+        dem__nearest_cache cache;
+        memset(&cache, 0, sizeof cache);
+        /* corner i of a, at, or a gap beyond, corner j of b; or faces on each other */
+        const dem_vec from = dem__corner_at(a, &pa, i), to = dem__corner_at(b, &pb, j);
+        pa.x = dem__sub(to, from);
+        if (n % 3 == 0) pa.x = dem__scale(1.0 + 0.05 * uniform(-1, 1), pa.x);
+        if (n % 3 == 1) pa.x = dem_vec3(uniform(-0.2, 0.2) * (n % 2), 0.0, 2.0 * b->corner[0][2] * (n % 5 > 1 ? -1.0 : 1.0) + e);
+        dem__find_gap(a, &pa, b, &pb, HUGE_VAL, n % 2 ? &cache : NULL, &gap);
+        const int count = dem__find_points(a, &pa, b, &pb, gap.normal, point);
+        assert_true(count >= 0 && count <= DEM__POINTS_MAX);
+        assert_true(fabs(gap.separation) < 10.0);
+        near(dem__length(gap.normal), 1.0, 1e-9);
+        for (int k = 0; k < count; k++) {
+            assert_true(point[k].gap < 0.0 && point[k].gap > -10.0);
+            assert_true(point[k].weight > 0.0 && point[k].weight <= 1.0);
+            near(dem__length(point[k].normal), 1.0, 1e-9);
+            assert_true(dem__length(point[k].at) < 10.0);
+            if (k > 0) assert_true(point[k].key > point[k - 1].key);
+        }
+    }
+}
+
+/* A brick on a larger one has four points; crosswise on its like, four crossings of edges; and while it tilts, the force and its moment
+   change without a jump. */
+static void test_face_on_face(void **state) {
+    (void)state;
+    dem_convex a, b;
+    dem__gap_of_cores gap;
+    dem__convex_point point[DEM__POINTS_MAX];
+    dem_vec f, ta, tb, f0 = dem_vec3(0, 0, 0), t0 = f0;
+    double light;
+    brick(&a);
+    assert_int_equal(dem_make_brick(&b, dem_vec3(3.0, 3.0, 1.0), 0.03, NULL), DEM_OK);
+    dem__placed pb = placed(dem_vec3(0, 0, 0), 1, 0, 0, 0), pa = placed(dem_vec3(0.1, 0.2, 0.5 + 1.04 - 0.002), 1, 0, 0, 0.3);
+    dem__find_gap(&a, &pa, &b, &pb, HUGE_VAL, NULL, &gap);
+    assert_int_equal(dem__find_points(&a, &pa, &b, &pb, gap.normal, point), 4);
+    for (int k = 0; k < 4; k++) near(point[k].gap, -0.002, 1e-12);
+    b = a;
+    pb = placed(dem_vec3(0, 0, 0), 1, 1, 0, 0); /* both lie, one along y, one along x */
+    pa = placed(dem_vec3(0.03, 0.02, 0.998), 1, 0, 1, 0);
+    dem__find_gap(&a, &pa, &b, &pb, HUGE_VAL, NULL, &gap);
+    assert_int_equal(dem__find_points(&a, &pa, &b, &pb, gap.normal, point), 4);
+    for (int k = 0; k < 4; k++) {
+        near(point[k].gap, -0.002, 1e-12);
+        near(point[k].weight, 1.0, 1e-12);
+    }
+    for (int way = 0; way < 3; way++) {
+        for (int n = -2000; n <= 2000; n++) {
+            const double tilt = 2e-5 * n;
+            const dem__placed q = nudged(&pa, 3 + way, tilt);
+            potential(&a, &q, &b, &pb, &f, &ta, &tb, &light);
+            if (n > -2000) assert_true(dem__length(dem__sub(f, f0)) < 1.5e-4 && dem__length(dem__sub(ta, t0)) < 1.5e-4);
+            f0 = f, t0 = ta;
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_mass),
+        cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_erosion),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_gap_against_features),
+        cmocka_unit_test(test_box_is_polyhedron),
+        cmocka_unit_test(test_simple_cores),
+        cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_face_on_face),
+    };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
