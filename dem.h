@@ -167,6 +167,7 @@ extern "C" {
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
+#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
 #define DEM__FORMAT 9u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
@@ -224,7 +225,8 @@ typedef struct dem_pair_def {
     double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
+    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. A ball on a slope below this limit creeps at
+                                  5 g sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
 } dem_pair_def;
@@ -1234,6 +1236,11 @@ DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ---------------------------------------------------------------------------------------------- >>geometry */
+
+/* Rounds to multiples of 2e-100, which changes nothing but what is below 1e-68: speeds that decay end at 0, and neither they nor their
+   squares become subnormal numbers, with which a processor takes many times as long. Two additions cost less than a comparison. */
+DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
+DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) { return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z)); }
 
 DEM_INLINE dem_vec dem__add(dem_vec a, dem_vec b) { return dem_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 DEM_INLINE dem_vec dem__sub(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -2696,8 +2703,8 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
-    w->particle[i].v = velocity;
-    w->particle[i].spin = spin;
+    w->particle[i].v = dem__flushed_vec(velocity);
+    w->particle[i].spin = dem__flushed_vec(spin);
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -4593,7 +4600,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
         const double rate =
             (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
-        a->rate = rate;
+        a->rate = dem__flushed(rate);
         a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
         a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);
@@ -6540,7 +6547,7 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
     q->closing = m->e.closing;
     q->dt = m->e.duration;
     law->force(q, s, &r);
-    for (int a = 0; a < law->history; a++) at->state[a][0] = s[a];
+    for (int a = 0; a < law->history; a++) at->state[a][0] = dem__flushed(s[a]);
     dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
     at->force[0] = m->start = r.contact;
     if (features & DEM_FRICTION) {
@@ -6783,7 +6790,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         q.constants = p;
         q.user = user;
         law->force(&q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
         x->before[k] = old->force[k], x->was[k] = old->gap[k], x->ended[k] = r.ended;
         at->force[k] = r.contact;
         at->gap[k] = x->rows.gap[k];
@@ -6942,7 +6949,7 @@ DEM_INLINE void dem__apply_link_law(const dem_world *w, dem__work *x, const int3
         q.constants = NULL;
         q.user = user;
         law->force(&q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
         x->ended[k] = r.ended;
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
     }
@@ -7728,8 +7735,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
-        p->v = dem__plus(p->v, half, p->a);
-        p->spin = dem__plus(p->spin, half, turn);
+        p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
+        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
@@ -8154,8 +8161,8 @@ static inline void dem__step_links(dem_world *w) {
         const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(sum->load));
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         links->is_loaded[i] = links->first_link[i] >= 0;
-        p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
-        p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+        p->v = dem__flushed_vec(dem__plus(p->v, 0.5 * h, a)), p->a = dem__add(p->a, a);
+        p->spin = dem__flushed_vec(dem__plus(p->spin, 0.5 * h, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
         if (ledger->on) {
             dem__book_link_work(w, dem__motion_energy(w, i));
             for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);

@@ -86,8 +86,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
-        p->v = dem__plus(p->v, half, p->a);
-        p->spin = dem__plus(p->spin, half, turn);
+        p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
+        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;

@@ -227,8 +227,8 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
-    w->particle[i].v = velocity;
-    w->particle[i].spin = spin;
+    w->particle[i].v = dem__flushed_vec(velocity);
+    w->particle[i].spin = dem__flushed_vec(spin);
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;

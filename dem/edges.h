@@ -148,7 +148,7 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
     q->closing = m->e.closing;
     q->dt = m->e.duration;
     law->force(q, s, &r);
-    for (int a = 0; a < law->history; a++) at->state[a][0] = s[a];
+    for (int a = 0; a < law->history; a++) at->state[a][0] = dem__flushed(s[a]);
     dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
     at->force[0] = m->start = r.contact;
     if (features & DEM_FRICTION) {

@@ -164,7 +164,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         q.constants = p;
         q.user = user;
         law->force(&q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
         x->before[k] = old->force[k], x->was[k] = old->gap[k], x->ended[k] = r.ended;
         at->force[k] = r.contact;
         at->gap[k] = x->rows.gap[k];
@@ -323,7 +323,7 @@ DEM_INLINE void dem__apply_link_law(const dem_world *w, dem__work *x, const int3
         q.constants = NULL;
         q.user = user;
         law->force(&q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = s[a];
+        for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
         x->ended[k] = r.ended;
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
     }

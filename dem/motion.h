@@ -145,7 +145,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
         const double rate =
             (a->rate + half * (a->rate_change + push / a->asked.inertia)) / (1.0 + half * a->asked.damping / a->asked.inertia);
         a->coordinate += h * (a->rate + half * a->rate_change);
-        a->rate = rate;
+        a->rate = dem__flushed(rate);
         a->rate_change = (push - a->asked.damping * rate) / a->asked.inertia;
         a->asked.motion_start = h > 0.0 ? run->start_time + (double)(w->step + 1 - run->start_step) * run->dt : w->time;
         dem__rated_wall(a, a->rate);

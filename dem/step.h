@@ -140,8 +140,8 @@ static inline void dem__step_links(dem_world *w) {
         const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(sum->load));
         const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
         links->is_loaded[i] = links->first_link[i] >= 0;
-        p->v = dem__plus(p->v, 0.5 * h, a), p->a = dem__add(p->a, a);
-        p->spin = dem__plus(p->spin, 0.5 * h, b), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+        p->v = dem__flushed_vec(dem__plus(p->v, 0.5 * h, a)), p->a = dem__add(p->a, a);
+        p->spin = dem__flushed_vec(dem__plus(p->spin, 0.5 * h, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
         if (ledger->on) {
             dem__book_link_work(w, dem__motion_energy(w, i));
             for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);

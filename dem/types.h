@@ -17,6 +17,7 @@
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
+#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
 #define DEM__FORMAT 9u     /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
@@ -74,7 +75,8 @@ typedef struct dem_pair_def {
     double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0 */
+    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. A ball on a slope below this limit creeps at
+                                  5 g sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
 } dem_pair_def;
