@@ -191,6 +191,11 @@ typedef struct dem_vec {
     double x, y, z;
 } dem_vec;
 
+/* An orientation: the turn from a body's own frame into the world's, of length 1. */
+typedef struct dem_quaternion {
+    double w, x, y, z; /* cosine of half the angle; axis times the sine of it */
+} dem_quaternion;
+
 /* What a run computes; or them together. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
 enum {
     DEM_LINEAR = 1,   /* linear spring-dashpot */
@@ -476,6 +481,19 @@ typedef struct dem_energy_ledger {
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
 
+/* A body: a sphere, or several particles that move as one. Particles of a body follow each other in the arrays of the world; the mass of
+   each (dem_particle.mass) is the body's. */
+typedef struct dem_body {
+    ptrdiff_t first, pieces;    /* its particles */
+    double mass;                /* [kg] */
+    double diameter;            /* of a sphere of that mass, of the material of the first particle [m] */
+    dem_vec position, velocity; /* of the centre of mass [m], [m/s] */
+    dem_vec spin;               /* [rad/s], along the world's axes */
+    dem_quaternion orientation; /* from the frame in which its shape was given; a sphere: 1, 0, 0, 0 */
+    dem_vec moments;            /* of inertia, about the principal axes [kg m2] */
+    dem_quaternion axes;        /* from the principal axes to the world's */
+} dem_body;
+
 typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
 
 /* A law of contacts with the loop that evaluates it for these features. DEM_KERNEL(name, law, features), outside of functions, makes one:
@@ -577,11 +595,11 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
    Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index). */
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] and torque [N m] on particle i, until changed. */
+/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Takes particle i out. */
+/* Takes particle i out, and with it the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* ---- filling, feeding, removing ---- */
@@ -755,10 +773,17 @@ DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s] */
-DEM_API double dem_radius(const dem_world *world, ptrdiff_t i);    /* [m]; NaN if i is out of range */
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);      /* [kg] */
-DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all particles [kg m/s] */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
+/* From the frame in which its shape was given to the world's, now. A sphere by itself has none: 1, 0, 0, 0. */
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
+/* The body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
+/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity and spin stay.
+   DEM_BAD_ARGUMENT for a sphere by itself, which has none. */
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
+DEM_API dem_vec dem_momentum(const dem_world *world); /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
@@ -1860,6 +1885,18 @@ typedef struct dem__near {
     double distance; /* of centres, below which they are in contact [m] */
 } dem__near;
 
+/* A rigid body that has an orientation: its state at the origin step of its first particle, as that of a sphere is; moments about its
+   principal axes, of which the first two are equal if any two are. Its particles, which touch for it, lie one after the other. */
+typedef struct dem__rigid {
+    dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
+    dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
+    dem_quaternion turn;      /* of its principal axes */
+    dem_quaternion frame;     /* from its principal axes to the frame in which its shape is given */
+    dem_vec moments;          /* [kg m2] */
+    double mass;              /* [kg] */
+    int32_t first, pieces;    /* of its particles */
+} dem__rigid;
+
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* the step that others are counted from */
@@ -1911,6 +1948,10 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
+    dem__rigid *rigid; /* bodies with an orientation; NULL without any */
+    ptrdiff_t rigid_count, rigid_capacity;
+    int32_t *rigid_of;     /* of a particle: its body's number + 1, or 0 for a sphere that is its own; NULL without any such body */
+    dem_vec *offset, *arm; /* from the body's centre to the particle's, along the principal axes; in the lab, at the origin [m] */
 } dem__bodies;
 
 /* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
@@ -2065,6 +2106,11 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
+    }
+    if (bodies->rigid_capacity > 0) {
+        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
+        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
+        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
@@ -2386,6 +2432,7 @@ DEM_API void dem_free(dem_world *world) {
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
     dem__release(&a, e->bodies.block, e->bodies.bytes);
+    dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
     dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
@@ -2474,8 +2521,110 @@ static inline void dem__book_losses(dem_world *w) {
     }
 }
 
-/* ------------------------------------------------------------------------------------------------- >>scene */
+/* ------------------------------------------------------------------------------------------ >>rotation */
+/* Quaternions and the free rotation of a rigid body: pure functions. Reads nothing else. Anything may be changed here that keeps length and
+   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first. */
+DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
+    dem_quaternion q;
+    q.w = w, q.x = v.x, q.y = v.y, q.z = v.z;
+    return q;
+}
+DEM_INLINE dem_vec dem__vector_part(dem_quaternion q) { return dem_vec3(q.x, q.y, q.z); }
+DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) { return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z)); }
 
+/* The turn b, then the turn a. */
+DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
+    const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
+    return dem__quaternion(a.w * b.w - dem__dot(u, v), dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
+}
+
+/* The turn by an axis times half an angle [rad]. Below a tenth the series is as exact, and cheaper. */
+DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
+    const double square = dem__dot(half, half);
+    if (square < 0.01) {
+        const double s = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)));
+        const double c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)));
+        return dem__quaternion(c, dem__scale(s, half));
+    }
+    const double angle = sqrt(square);
+    return dem__quaternion(riddle_cos(angle), dem__scale(riddle_sin(angle) / angle, half));
+}
+
+/* A vector of the body's frame in the lab's, and the other way. */
+DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
+    const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
+    return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
+}
+DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
+
+/* Takes out what rounding has added to the length: one step of Newton's for its inverse. */
+DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
+    const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
+}
+
+/* Of any length but 0; 0 if it has no direction. */
+static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
+    const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z), most = a > b ? a : b;
+    if (!(most > 0.0 && most <= DBL_MAX) || !(fabs(q.w) + fabs(q.x) + fabs(q.y) + fabs(q.z) >= 0.0)) return 0;
+    const double w = q.w / most, x = q.x / most, y = q.y / most, z = q.z / most, f = 1.0 / sqrt(w * w + x * x + y * y + z * z);
+    *unit = dem__quaternion(f * w, dem_vec3(f * x, f * y, f * z));
+    return 1;
+}
+
+/* Vectors of the lab times the tensor of principal moments, and times its inverse: spin to angular momentum and back. */
+DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
+    const dem_vec w = dem__to_body(q, spin);
+    return dem__to_lab(q, dem_vec3(moments.x * w.x, moments.y * w.y, moments.z * w.z));
+}
+DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
+    const dem_vec l = dem__to_body(q, momentum);
+    return dem__to_lab(q, dem_vec3(l.x / moments.x, l.y / moments.y, l.z / moments.z));
+}
+
+/* Free rotation for time t of a body with moments i, i, k: exact. About the angular momentum, and about its own third axis. */
+DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, double i, double k, double t) {
+    const dem_quaternion about = dem__turn_by(dem__scale(0.5 * t / i, momentum));
+    if (i == k) return dem__turns(about, q);
+    const double own = 0.5 * t * (1.0 / k - 1.0 / i) * dem__to_body(q, momentum).z;
+    return dem__turns(dem__turns(about, q), dem__turn_by(dem_vec3(0.0, 0.0, own)));
+}
+
+/* The same with three moments, to second order: what the first differs from the second by before and after, a symmetric top between
+   (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Angular momentum stays as it is. */
+static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+    const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
+    q = dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
+    q = dem__turn_top(q, momentum, moments.y, moments.z, t);
+    return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
+}
+
+/* To sixth order: nine of those (Kahan & Li 1997, s9odr6a), in steps of at most a quarter radian. */
+static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+    static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
+                                   0.79854399093482996340};
+    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
+    const double steps = floor(4.0 * fabs(t) * dem__length(momentum) / smallest) + 1.0, h = t / steps;
+    for (double n = 0.0; n < steps; n += 1.0) {
+        for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, h * part[k < 5 ? k : 8 - k]);
+    }
+    return dem__kept_unit(q);
+}
+
+/* Free rotation for time t: closed where two moments are equal (the first two then); else by splitting, which a single step of a body under
+   torques does with second order, as everything in it is. */
+DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
+    if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
+    return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
+}
+
+/* -------------------------------------------------------------------------------------------- >>flight */
+/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
+   bodies. Promises: the same bits whenever somebody asks.
+
+   A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
+   in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as
+   parts of the body, true at the origin step and while forces are computed. In flight ask dem__at and its like, never the parabola. */
 /* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
@@ -2486,12 +2635,6 @@ DEM_INLINE double dem__wrapped(double v, double low, double high) {
     const double length = high - low, x = v - length * floor((v - low) / length);
     return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
 }
-
-/* Position on the parabola at tau after the origin step. */
-DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem_particle *p = &w->particle[i];
-    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
-}
 DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     const dem_def *d = &w->def;
     if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
@@ -2499,16 +2642,227 @@ DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
     return x;
 }
-DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
+
+/* The rigid body that particle i belongs to, or NULL. */
+DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+/* Position, velocity and spin of a rigid body at tau after its origin step, and its orientation. */
+typedef struct dem__posture {
+    dem_vec x, v, spin, momentum;
+    dem_quaternion turn;
+} dem__posture;
+static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    p.turn = tau == 0.0
+                 ? r->turn
+                 : dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
+}
+static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
+}
+
+/* Of a sphere: on the parabola at tau after the origin step. */
+DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem_particle *p = &w->particle[i];
+    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
+}
+DEM_INLINE dem_vec dem__sphere_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
+}
+DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
+/* Of any particle. */
+DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+}
+
+/* --------------------------------------------------------------------------------------------- >>rigid */
+/* Motion of rigid bodies: kick of momentum and angular momentum, free drift, kick. Reads the sums of forces on their particles; writes
+   bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one thread, so that bits do not depend on
+   threads.
+
+   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
+   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
+   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
+   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
+/* Puts the particles of a body where it is at its origin, with velocity, spin and acceleration as parts of it. */
+static inline void dem__place_pieces(dem_world *w, const dem__rigid *r) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__to_lab(r->turn, bodies->offset[i]), round = dem__cross(spin, arm);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
+        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
+        w->spin_rate[i] = rate;
+    }
+}
+
+/* Makes the present step the origin of a body. */
+static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
+    const dem__posture p = dem__posture_at(w, r, dem__now(w, r->first));
+    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
+    dem__place_pieces(w, r);
+}
+
+/* A body into the periodic box. Where gravity has a part along the box it regains potential energy. */
+static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
+    const dem_vec x = dem__in_box(w, r->x);
+    if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    r->x = x;
+}
+
+/* Moves a body to the end of a step of length h that ends at tau after its origin, its velocities to the middle: as for spheres, those that
+   kernels read, seen from half way between the arms of both ends. */
+static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const double middle = tau - 0.5 * h;
+    const int steps = tau <= h; /* else a flight ends */
+    const dem__posture end = dem__posture_at(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__posture_at(w, r, tau - h).turn;
+    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
+    dem_vec spin = dem__spin_of(end.turn, r->moments, momentum);
+    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
+    r->v = dem__plus(r->v, middle, r->a), r->x = end.x, r->momentum = momentum;
+    r->turn = dem__kept_unit(end.turn);
+    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__to_lab(end.turn, bodies->offset[i]);
+        const dem_vec before = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
+        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(before, arm))));
+    }
+}
+
+/* The force and the torque about its centre that a body's particles have been given: by contacts and, with loads, by loads. */
+static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        for (int k = 0; k < 2; k++) {
+            if (!(k ? loads : contacts)) continue;
+            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
+            *force = dem__add(*force, dem__first(six));
+            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
+        }
+    }
+}
+
+/* New accelerations of a body, and its velocities from the middle of a step to its end. Its particles are left as dem__kick_all takes them:
+   sums that give them the acceleration they have as parts of it, and velocities from which it leads them to those at the end. */
+static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int loads = bodies->loads_on || w->engine->links.on;
+    dem_vec force;
+    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
+        const dem_vec pull = dem__plus(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), 1.0 / r->mass, force);
+        dem__sum *sum = &bodies->sum[i];
+        dem_particle *p = &w->particle[i];
+        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
+        p->spin = dem__plus(spin, -half, rate);
+        for (int a = 0; a < 3; a++) {
+            sum->load[a] = dem_axis(pull, a) / sum->per_mass - (loads ? bodies->load[i][a] : 0.0);
+            sum->load[3 + a] = dem_axis(rate, a) / sum->per_inertia - (loads ? bodies->load[i][3 + a] : 0.0);
+        }
+    }
+}
+
+/* Accelerations of a body that nothing touches. */
+static inline void dem__free_body(dem_world *w, dem__rigid *r) {
+    dem_vec force;
+    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    dem__place_pieces(w, r);
+}
+
+/* An impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n; only what is not zero. */
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
+    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
+    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
+    if (shift == 0.0) return;
+    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
+    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
+    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
+    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
+        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
+}
+
+/* How fast a particle of a body may at most be against the body's centre, in flight [m/s]. */
+static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of its energy about the axis of least inertia */
+}
+
+/* Bodies whose first particles are among the active ones first .. end-1. */
+static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const double h = *(const double *)context;
+    const int64_t step = w->step + (h > 0.0);
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
+    }
+}
+static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const double half = 0.5 * *(const double *)context;
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__kick_body(w, r, half);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------- >>scene */
+
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        dem__set_body_origin(w, r);
+        return;
+    }
     const double tau = dem__now(w, i);
     dem_particle *p = &w->particle[i];
     p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
@@ -2527,15 +2881,32 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
+/* A rigid body's energy is that of its first particle: what sums over particles counts each body once. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem_vec u = dem__plus(r->v, dem__now(w, i), r->a);
+        return r->first == i ? 0.5 * r->mass * dem__dot(u, u) : 0.0;
+    }
     dem_vec v = dem__velocity_at(w, i, dem__now(w, i));
     return 0.5 * w->particle[i].mass * dem__dot(v, v);
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
+    }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const double tau = dem__now(w, i);
+        const dem_vec x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
+        return r->first == i ? -r->mass * dem__dot(dem__free_fall(w), x) : 0.0;
+    }
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
@@ -2578,6 +2949,11 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        dem__free_body(w, r);
+        return;
+    }
     const dem__sum *sum = &bodies->sum[i];
     w->particle[i].a = dem__plus(dem__free_fall(w), sum->per_mass, dem__first(bodies->load[i]));
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
@@ -2593,6 +2969,40 @@ static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
 
+/* Room for n more. */
+static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__bodies *bodies = &w->engine->bodies;
+    return w->count + n + 1 <= bodies->capacity ||
+           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
+}
+
+/* A new particle at rest, for which there is room; its number. */
+static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
+    const ptrdiff_t i = w->count++;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem_particle *p = &w->particle[i];
+    p->x = dem__in_box(w, x);
+    p->v = dem_vec3(0.0, 0.0, 0.0);
+    p->spin = dem_vec3(0.0, 0.0, 0.0);
+    for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
+    p->radius = radius;
+    p->mass = mass;
+    dem__set_inverse_mass(w, i);
+    w->particle[i].origin = w->step;
+    w->id[i] = bodies->next_id++;
+    w->material[i] = material;
+    w->group[i] = group;
+    w->alive[i] = 1;
+    w->touching[i] = bodies->activity[i] = 0;
+    w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+    w->engine->links.is_loaded[i] = 0;
+    memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
+    bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+    if (bodies->rigid) bodies->rigid_of[i] = 0;
+    return i;
+}
+
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
@@ -2604,39 +3014,89 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
             !dem__finite(centres[3 * k + 2]))
             return DEM_BAD_ARGUMENT;
     }
-    if (w->count + n + 1 > w->engine->bodies.capacity) {
-        dem__array list[DEM__ARRAYS_MAX];
-        int arrays = dem__particle_arrays(w, list);
-        if (!dem__grow_group(w, list, arrays, &w->engine->bodies.block, &w->engine->bodies.bytes, &w->engine->bodies.capacity,
-                             w->count + n + 1))
-            return DEM_OUT_OF_MEMORY;
-    }
+    if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        ptrdiff_t i = w->count++;
-        const double d = diameters[k];
-        dem_particle *p = &w->particle[i];
-        p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
-        p->v = dem_vec3(0.0, 0.0, 0.0);
-        p->spin = dem_vec3(0.0, 0.0, 0.0);
-        for (int a = 0; a < 6; a++) w->engine->bodies.load[i][a] = w->engine->bodies.external[i][a] = 0.0;
-        p->radius = 0.5 * d;
-        p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
-        dem__set_inverse_mass(w, i);
-        w->particle[i].origin = w->step;
-        w->id[i] = w->engine->bodies.next_id++;
-        w->material[i] = material;
-        w->group[i] = group;
-        w->alive[i] = 1;
-        w->touching[i] = w->engine->bodies.activity[i] = 0;
-        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-        w->engine->links.is_loaded[i] = 0;
-        memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
-        w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k], dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
         dem__free_acceleration(w, i);
         dem__book_added(w, dem__potential(w, i));
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
+}
+
+/* A rigid body to be added: see rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's */
+    ptrdiff_t pieces;      /* particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Room for n bodies more, with so many particles in all. Without any such body so far: arrays of their particles, too. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
+    if (wanted <= old) return dem__reserve_particles(w, pieces);
+    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger;
+    if (old > 0) return dem__reserve_particles(w, pieces);
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+        return 1;
+    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
+    bodies->rigid = NULL, bodies->rigid_capacity = 0;
+    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
+    return 0;
+}
+
+/* Moments in the order that the exact drift needs: the two that differ least come first, and are equal if they differ by rounding. Turns
+   the frame, and says which axis became which. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. The number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
 }
 
 static inline void dem__set_stride(dem_world *w) {
@@ -2663,12 +3123,16 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
+        dem__rigid *r = dem__rigid_of(w, i);
         dem__set_origin(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
+        if (r && r->first == i) r->a = dem__add(r->a, change);
     }
     if (w->engine->ledger.on) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            const double raised = w->alive[i] ? -w->particle[i].mass * dem__dot(change, w->particle[i].x) : 0.0;
+            const dem__rigid *r = dem__rigid_of(w, i);
+            const dem_vec x = r ? r->x : w->particle[i].x;
+            const double raised = w->alive[i] && (!r || r->first == i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
             w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
         }
     }
@@ -2690,9 +3154,30 @@ DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_d
     return DEM_OK;
 }
 
-DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     const double *e = w->engine->bodies.external[i];
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
+}
+
+/* Has it, or with a rigid body any of its particles, a load? */
+DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    int loaded = r ? 0 : dem__has_load(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
+    return loaded;
+}
+
+/* Particle i, and with it those of its rigid body, takes steps from now on. */
+DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i]) return;
+    bodies->activity[i] = 1;
+    bodies->active[bodies->active_count++] = (int32_t)i;
+}
+DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__wake_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__wake_one(w, r->first + k);
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
@@ -2701,10 +3186,16 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) i = r->first;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
+    if (r) {
+        r->v = dem__flushed_vec(velocity), r->momentum = dem__momentum_of(r->turn, r->moments, dem__flushed_vec(spin));
+        dem__place_pieces(w, r);
+    }
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -2718,17 +3209,21 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem_vec more = dem__sub(force, dem__first(external));
+        r->a = dem__plus(r->a, 1.0 / r->mass, more);
+        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
+    }
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
+    if (r) dem__place_pieces(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    if (!w->engine->bodies.activity[i]) { /* a loaded particle is no free flight: it takes steps */
-        w->engine->bodies.activity[i] = 1;
-        w->engine->bodies.active[w->engine->bodies.active_count++] = (int32_t)i;
-    }
+    dem__wake(w, i); /* a loaded particle is no free flight: it takes steps */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -4771,6 +5266,10 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 }
 
 /* From the centre of j to that of i, at a step. */
+DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
+    return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                                          dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
+}
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
@@ -4798,8 +5297,9 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace,
-                     later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2) : n > 0.0 ? n : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
+                                                                         : n > 0.0                         ? n
+                                                                                                           : 0.0;
         const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
@@ -4899,9 +5399,9 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
 }
 
 /* Looks at a pair: it is found, or its timer is to be set. */
-static inline void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step) {
+DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
-    const dem_vec d = dem__pair_separation(w, q->i, q->j, step);
+    const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
     waits->looks++;
     if (dem__dot(d, d) < q->distance * q->distance) waits->found[waits->touch++] = p;
     else if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, p, step, d);
@@ -5087,6 +5587,9 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall);
 
+/* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
+static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
+
 /* A straight bound at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
@@ -5157,8 +5660,10 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     dem__touch touch[DEM__TOUCHES];
     found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? pairs->wall_reach : links->near, touch, &least);
     if (wall->kind == DEM_EXIT) {
+        const dem__rigid *r = dem__rigid_of(w, i);
         if (least < 0.0) {
-            dem__pass_exit(w, i, k);
+            if (!r || dem__has_passed(wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, i, k);
+            else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
             return;
         }
     } else if (found > 0) {
@@ -5219,14 +5724,18 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec u = dem__add(v, impact);
-    const double turn = dem__length(impact), held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
+    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight: turns about its centre */
+    const double swing = body ? dem__swing(w, body, i) : 0.0;
+    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
+    const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
+                 held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
+    c->tolerance += swing;
     if (links->on && links->first_link[i] >= 0) c->tolerance += 2.0 * dem__link_drift(w, i);
     c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
@@ -5480,6 +5989,21 @@ static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
+/* The numbers of rigid bodies and of their first particles, after dropped particles have been taken out. Bodies keep the order of those. */
+static inline void dem__compact_bodies(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count && bodies->rigid; i++) {
+        if (bodies->rigid_of[i] == 0) continue;
+        dem__rigid *r = &bodies->rigid[n++];
+        *r = bodies->rigid[bodies->rigid_of[i] - 1];
+        r->first = (int32_t)i;
+        for (ptrdiff_t end = i + r->pieces; i < end; i++) bodies->rigid_of[i] = (int32_t)n;
+        i--;
+    }
+    if (bodies->rigid) bodies->rigid_count = n;
+}
+
 /* Takes dropped particles out of the arrays, keeping the order of the others. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -5512,6 +6036,7 @@ static inline void dem__compact(dem_world *w) {
     }
     w->count = to;
     w->engine->bodies.dropped = 0;
+    dem__compact_bodies(w);
 }
 
 /* -------------------------------------------------------------------------------------------- >>grid */
@@ -5805,6 +6330,19 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
+/* Takes out pairs of particles of one rigid body. */
+static inline void dem__drop_pairs_within_bodies(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int32_t *of = w->engine->bodies.rigid_of;
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) {
+        const dem__near q = pairs->near[p];
+        pairs->near[kept] = q;
+        kept += !(of[q.i] > 0 && of[q.i] == of[q.j]);
+    }
+    pairs->count = kept;
+}
+
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
@@ -5830,6 +6368,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
+    if (w->engine->bodies.rigid) dem__drop_pairs_within_bodies(w);
     return 1;
 }
 
@@ -6992,11 +7531,21 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
 /* ----------------------------------------------------------------------------------------- >>removal */
 /* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
    a particle that is gone stands in no list. */
+/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
+static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
+    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
+}
+
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem__posture p = dem__posture_at(w, r, tau);
+        i = r->first, x = p.x, v = p.v;
+    }
     if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
@@ -7021,13 +7570,13 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
-    p->diameter = 2.0 * w->particle[i].radius;
+    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
     p->position = x;
     p->velocity = v;
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    w->alive[i] = -1; /* leaves at the end of the step */
+    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
     run->leaving = 1;
 }
 
@@ -7069,15 +7618,21 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
 }
 
 /* An active particle that dem__check_bounds shall see to. */
-DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i] != 1) return;
     bodies->activity[i] = 2;
     bodies->to_check[bodies->to_check_count++] = (int32_t)i;
 }
+/* With it those of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__mark_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
+}
 
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
-static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
@@ -7091,6 +7646,13 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
         dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
     }
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
+}
+
+/* With it those of its rigid body. */
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__detach_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
 }
 
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all);
@@ -7270,13 +7832,19 @@ DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
+/* One contact more of particle i, and of all particles of its rigid body, or one less. */
+DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
+    for (ptrdiff_t k = r ? r->first : i, end = r ? k + r->pieces : i; k < end; k++) {
+        w->touching[k] += change;
+        dem__set_mass_share(w, k);
+    }
+}
+
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    w->touching[i]++;
-    dem__set_mass_share(w, i);
-    if (bodies->activity[i]) return;
-    bodies->activity[i] = 1;
-    bodies->active[bodies->active_count++] = (int32_t)i;
+    dem__count_contact(w, i, 1);
+    dem__wake(w, i);
 }
 
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -7373,9 +7941,9 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t born = contacts->begun, old = dem__next_slot(w) - born;
     dem__array list[4 + DEM__PLACES] = {{&contacts->i, sizeof(int32_t)},
-                          {&contacts->j, sizeof(int32_t)},
-                          {&contacts->element, sizeof(int32_t)},
-                          {&contacts->near, sizeof(int32_t)}};
+                                        {&contacts->j, sizeof(int32_t)},
+                                        {&contacts->element, sizeof(int32_t)},
+                                        {&contacts->near, sizeof(int32_t)}};
     int arrays = 4;
     for (int a = 0; walls->touch_keepers && a < DEM__PLACES; a++, arrays++)
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
@@ -7439,13 +8007,11 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
     if (w->engine->run.law && w->engine->run.law->ended) w->engine->run.law->ended(w, dem__number_of(w, c), w->user);
-    w->touching[i]--;
-    dem__set_mass_share(w, i);
+    dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
     dem__book_contact_end(w, c);
     if (j >= 0) {
-        w->touching[j]--;
-        dem__set_mass_share(w, j);
+        dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
         if (near_pair < 0 || w->engine->run.needs_lists) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
@@ -7656,29 +8222,35 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 }
 
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     const double dt = w->engine->run.dt;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
+        if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_all(w, h, first, end))
+                dem__advance_all(w, h, first, end, 0))
 static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
 }
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies_range(w, first, end, part, h);
+}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic;         /* those who leave the box are one sum */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, dem__advance_range, &h); /* to move or kick a particle is little work */
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
+                  &h); /* to move or kick a particle is little work */
 }
 
 /* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
@@ -7778,6 +8350,7 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__kicked kicked;
     double all = 0.0;
     kicked.h = h;
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -7796,11 +8369,60 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
+/* Gives particle i, or its rigid body, an impulse and an angular one, and a shift along n. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* A correction where a rigid body takes part. What a shift changes of the angular momentum about the common centre, which the velocities of
+   the centres of mass make, two opposite impulses at the particles take back. */
+static DEM__NOINLINE void dem__correct_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    if (j < 0) {
+        dem__push_any(w, i, impulse, on_i, h->shift, n);
+        const dem_vec place = w->particle[i].x, v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    dem__push_any(w, i, impulse, on_i, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
+    if (dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j))) {
+        dem__correct_bodies(w, c, has_friction);
+        return;
+    }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
@@ -7938,7 +8560,7 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 }
 
 /* Looks at the pairs that are due, in pages first .. end-1. */
-static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
@@ -7952,13 +8574,16 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
             dem__prefetch_flight(w, pairs->near[due[flight]].i);
             dem__prefetch_flight(w, pairs->near[due[flight]].j);
         }
-        if (k >= 0) dem__test_pair(w, waits, due[k], step);
+        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
     }
     dem__flush_batch(w, waits, step);
 }
 
 static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step);
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 0);
+}
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
 
 /* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
@@ -7966,7 +8591,7 @@ static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
     dem__work *work = w->engine->scratch.work;
-    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? dem__test_due_with_bodies : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)work[q].batch.looks;
@@ -7981,7 +8606,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     dem__clear_batch(&waits);
     waits.found = pairs->timers.list;
     for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
-        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step);
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
     }
     dem__new_pair_contacts(w, &waits);
 }
@@ -8012,7 +8637,10 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--, w->passed_total--;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (w->alive[i] >= 0) continue;
+        w->alive[i] = 1;
+        if (!r || r->first == i) w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
@@ -8213,7 +8841,7 @@ static inline int dem__remove_leaving(dem_world *w) {
         if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] == DEM_LEAVING) dem__detach_particle(w, i);
+        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
     }
     w->engine->run.leaving = 0;
     return 1;
@@ -8385,10 +9013,61 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+}
+
+/* Where a rigid body is now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    body.first = r ? r->first : i, body.pieces = r ? r->pieces : 1;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = r ? dem__plus(r->v, dem__now(world, i), r->a) : dem_velocity(world, i);
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, dem__now(world, i)).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    dem__set_origin(w, i);
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    r->momentum = dem__momentum_of(r->turn, r->moments, spin);
+    dem__place_pieces(w, r);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->particle[i].mass, dem_velocity(world, i)));
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
 }
@@ -9034,7 +9713,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first != i) continue;
+        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
         dem__detach_particle(w, i);
         removed++;
     }
@@ -9613,6 +10294,67 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
     }
 }
 
+static inline void dem__quaternions(dem__stream *s, dem_quaternion *q, size_t n) {
+    for (size_t k = 0; k < n; k++) dem__f64(s, &q[k].w), dem__f64(s, &q[k].x), dem__f64(s, &q[k].y), dem__f64(s, &q[k].z);
+}
+
+/* One rigid body; remap[i], without one i, is the index of particle i. */
+static inline void dem__stream_body(dem__stream *s, dem_world *w, dem__rigid *r, const int32_t *remap) {
+    int32_t first = remap && !s->loading ? remap[r->first] : r->first;
+    dem__i32(s, &first), dem__i32(s, &r->pieces);
+    if (s->loading) r->first = first;
+    dem__vecs(s, &r->x, 1), dem__vecs(s, &r->v, 1), dem__vecs(s, &r->a, 1), dem__vecs(s, &r->momentum, 1), dem__vecs(s, &r->torque, 1);
+    dem__quaternions(s, &r->turn, 1), dem__quaternions(s, &r->frame, 1);
+    dem__vecs(s, &r->moments, 1), dem__f64(s, &r->mass);
+    if (s->failed || r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) {
+        s->failed = 1;
+        return;
+    }
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        dem__vecs(s, &w->engine->bodies.offset[i], 1), dem__vecs(s, &w->engine->bodies.arm[i], 1);
+    }
+}
+
+/* Rigid bodies, if there are any, in the order of their particles. */
+static inline void dem__stream_bodies(dem__stream *s, dem_world *w, const int32_t *remap) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    int64_t present = 0;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    if (present == 0) return;
+    dem__i64(s, &present);
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        if (!w->alive[bodies->rigid[k].first]) continue;
+        dem__rigid copy = bodies->rigid[k];
+        dem__stream_body(s, w, &copy, remap);
+    }
+}
+
+/* Loads them, if a save goes on. */
+static inline dem_status dem__load_bodies(dem__stream *s, dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int64_t present = 0;
+    if (s->failed || s->size - s->at <= 8) return DEM_OK;
+    dem__i64(s, &present);
+    if (present < 1 || present > w->count || (size_t)present > s->size / 200) return DEM_BAD_DATA;
+    if (!dem__reserve_bodies(w, (ptrdiff_t)present, 0)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < present && !s->failed; k++) {
+        dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        memset(r, 0, sizeof *r);
+        dem__stream_body(s, w, r, NULL);
+        const dem_vec m = r->moments;
+        const double q = r->turn.w * r->turn.w + r->turn.x * r->turn.x + r->turn.y * r->turn.y + r->turn.z * r->turn.z;
+        if (s->failed || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z) || !dem__positive(r->mass) ||
+            !(fabs(q - 1.0) < 1e-6))
+            return DEM_BAD_DATA;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
+                return DEM_BAD_DATA;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return DEM_OK;
+}
+
 static inline void dem__number_present(const dem_world *w) {
     int32_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? n++ : -1;
@@ -9630,6 +10372,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
         if (w.wall[k].asked.drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
     dem__stream_state(&s, &w, w.engine->scratch.index, 0);
+    dem__stream_bodies(&s, &w, w.engine->scratch.index);
     return s.hash;
 }
 
@@ -9768,6 +10511,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
         dem__stream_state(&s, &w, w.engine->scratch.index, 1);
         dem__stream_passed(&s, &w);
         dem__stream_meshes(&s, &w);
+        dem__stream_bodies(&s, &w, w.engine->scratch.index);
         check = s.hash;
         dem__u64(&s, &check);
         if (s.at > capacity) break; /* too small: nothing is written */
@@ -9876,7 +10620,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
-    const dem_status meshes = dem__stream_meshes(&s, w);
+    dem_status meshes = dem__stream_meshes(&s, w);
+    if (meshes == DEM_OK) meshes = dem__load_bodies(&s, w);
     check = s.hash;
     dem__u64(&s, &found);
     if (meshes == DEM_OUT_OF_MEMORY) {
@@ -9902,8 +10647,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
         if (dem__is_loaded(w, i) && !w->engine->bodies.activity[i]) {
-            dem__activate(w, i);
-            w->touching[i]--;
+            dem__wake(w, i);
             dem__set_mass_share(w, i);
         }
     }

@@ -7,29 +7,35 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 }
 
 /* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     const double dt = w->engine->run.dt;
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
+        if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__at(w, i, t), p->v = dem__velocity_at(w, i, middle), p->spin = dem__spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle), p->spin = dem__sphere_spin_at(w, i, middle);
         if (w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_all(w, h, first, end))
+                dem__advance_all(w, h, first, end, 0))
 static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
 }
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies_range(w, first, end, part, h);
+}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic;         /* those who leave the box are one sum */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, dem__advance_range, &h); /* to move or kick a particle is little work */
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
+                  &h); /* to move or kick a particle is little work */
 }
 
 /* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
@@ -129,6 +135,7 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__kicked kicked;
     double all = 0.0;
     kicked.h = h;
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -147,11 +154,60 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
+/* Gives particle i, or its rigid body, an impulse and an angular one, and a shift along n. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* A correction where a rigid body takes part. What a shift changes of the angular momentum about the common centre, which the velocities of
+   the centres of mass make, two opposite impulses at the particles take back. */
+static DEM__NOINLINE void dem__correct_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    if (j < 0) {
+        dem__push_any(w, i, impulse, on_i, h->shift, n);
+        const dem_vec place = w->particle[i].x, v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
+        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    dem__push_any(w, i, impulse, on_i, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
 /* Impulse and shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
+    if (dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j))) {
+        dem__correct_bodies(w, c, has_friction);
+        return;
+    }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;

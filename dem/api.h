@@ -35,11 +35,11 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
    Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index). */
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] and torque [N m] on particle i, until changed. */
+/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Takes particle i out. */
+/* Takes particle i out, and with it the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* ---- filling, feeding, removing ---- */
@@ -213,10 +213,17 @@ DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s] */
-DEM_API double dem_radius(const dem_world *world, ptrdiff_t i);    /* [m]; NaN if i is out of range */
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);      /* [kg] */
-DEM_API dem_vec dem_momentum(const dem_world *world);              /* of all particles [kg m/s] */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
+/* From the frame in which its shape was given to the world's, now. A sphere by itself has none: 1, 0, 0, 0. */
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
+/* The body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
+/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity and spin stay.
+   DEM_BAD_ARGUMENT for a sphere by itself, which has none. */
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
+DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
+DEM_API dem_vec dem_momentum(const dem_world *world); /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 

@@ -1,38 +1,12 @@
 /* ------------------------------------------------------------------------------------------------- >>scene */
 
-/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
-DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
-
-DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
-
-DEM_INLINE double dem__wrapped(double v, double low, double high) {
-    if (v >= low && v < high) return v;
-    const double length = high - low, x = v - length * floor((v - low) / length);
-    return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
-}
-
-/* Position on the parabola at tau after the origin step. */
-DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem_particle *p = &w->particle[i];
-    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
-}
-DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
-    const dem_def *d = &w->def;
-    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
-    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
-    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
-    return x;
-}
-DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
-}
-
-DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
-}
-
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        dem__set_body_origin(w, r);
+        return;
+    }
     const double tau = dem__now(w, i);
     dem_particle *p = &w->particle[i];
     p->x = dem__at(w, i, tau), p->v = dem__velocity_at(w, i, tau), p->spin = dem__spin_at(w, i, tau);
@@ -51,15 +25,32 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
+/* A rigid body's energy is that of its first particle: what sums over particles counts each body once. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem_vec u = dem__plus(r->v, dem__now(w, i), r->a);
+        return r->first == i ? 0.5 * r->mass * dem__dot(u, u) : 0.0;
+    }
     dem_vec v = dem__velocity_at(w, i, dem__now(w, i));
     return 0.5 * w->particle[i].mass * dem__dot(v, v);
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
+    }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const double tau = dem__now(w, i);
+        const dem_vec x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
+        return r->first == i ? -r->mass * dem__dot(dem__free_fall(w), x) : 0.0;
+    }
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
@@ -102,6 +93,11 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
 /* Acceleration without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        dem__free_body(w, r);
+        return;
+    }
     const dem__sum *sum = &bodies->sum[i];
     w->particle[i].a = dem__plus(dem__free_fall(w), sum->per_mass, dem__first(bodies->load[i]));
     w->spin_rate[i] = dem__scale(sum->per_inertia, dem__second(bodies->load[i]));
@@ -117,6 +113,40 @@ static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
 
+/* Room for n more. */
+static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__bodies *bodies = &w->engine->bodies;
+    return w->count + n + 1 <= bodies->capacity ||
+           dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
+}
+
+/* A new particle at rest, for which there is room; its number. */
+static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
+    const ptrdiff_t i = w->count++;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem_particle *p = &w->particle[i];
+    p->x = dem__in_box(w, x);
+    p->v = dem_vec3(0.0, 0.0, 0.0);
+    p->spin = dem_vec3(0.0, 0.0, 0.0);
+    for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
+    p->radius = radius;
+    p->mass = mass;
+    dem__set_inverse_mass(w, i);
+    w->particle[i].origin = w->step;
+    w->id[i] = bodies->next_id++;
+    w->material[i] = material;
+    w->group[i] = group;
+    w->alive[i] = 1;
+    w->touching[i] = bodies->activity[i] = 0;
+    w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+    w->engine->links.is_loaded[i] = 0;
+    memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
+    bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
+    if (bodies->rigid) bodies->rigid_of[i] = 0;
+    return i;
+}
+
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
@@ -128,39 +158,89 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
             !dem__finite(centres[3 * k + 2]))
             return DEM_BAD_ARGUMENT;
     }
-    if (w->count + n + 1 > w->engine->bodies.capacity) {
-        dem__array list[DEM__ARRAYS_MAX];
-        int arrays = dem__particle_arrays(w, list);
-        if (!dem__grow_group(w, list, arrays, &w->engine->bodies.block, &w->engine->bodies.bytes, &w->engine->bodies.capacity,
-                             w->count + n + 1))
-            return DEM_OUT_OF_MEMORY;
-    }
+    if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        ptrdiff_t i = w->count++;
-        const double d = diameters[k];
-        dem_particle *p = &w->particle[i];
-        p->x = dem__in_box(w, dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]));
-        p->v = dem_vec3(0.0, 0.0, 0.0);
-        p->spin = dem_vec3(0.0, 0.0, 0.0);
-        for (int a = 0; a < 6; a++) w->engine->bodies.load[i][a] = w->engine->bodies.external[i][a] = 0.0;
-        p->radius = 0.5 * d;
-        p->mass = RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
-        dem__set_inverse_mass(w, i);
-        w->particle[i].origin = w->step;
-        w->id[i] = w->engine->bodies.next_id++;
-        w->material[i] = material;
-        w->group[i] = group;
-        w->alive[i] = 1;
-        w->touching[i] = w->engine->bodies.activity[i] = 0;
-        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-        w->engine->links.is_loaded[i] = 0;
-        memset(&w->engine->bodies.bound[i], 0, sizeof w->engine->bodies.bound[i]);
-        w->engine->bodies.impact[i] = dem_vec3(0.0, 0.0, 0.0);
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        const ptrdiff_t i = dem__put_particle(w, x, 0.5 * diameters[k], dem__sphere_mass(w, material, 0.5 * diameters[k]), material, group);
         dem__free_acceleration(w, i);
         dem__book_added(w, dem__potential(w, i));
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
+}
+
+/* A rigid body to be added: see rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's */
+    ptrdiff_t pieces;      /* particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Room for n bodies more, with so many particles in all. Without any such body so far: arrays of their particles, too. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
+    if (wanted <= old) return dem__reserve_particles(w, pieces);
+    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger;
+    if (old > 0) return dem__reserve_particles(w, pieces);
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+        return 1;
+    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
+    bodies->rigid = NULL, bodies->rigid_capacity = 0;
+    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
+    return 0;
+}
+
+/* Moments in the order that the exact drift needs: the two that differ least come first, and are equal if they differ by rounding. Turns
+   the frame, and says which axis became which. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. The number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
 }
 
 static inline void dem__set_stride(dem_world *w) {
@@ -187,12 +267,16 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
+        dem__rigid *r = dem__rigid_of(w, i);
         dem__set_origin(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
+        if (r && r->first == i) r->a = dem__add(r->a, change);
     }
     if (w->engine->ledger.on) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            const double raised = w->alive[i] ? -w->particle[i].mass * dem__dot(change, w->particle[i].x) : 0.0;
+            const dem__rigid *r = dem__rigid_of(w, i);
+            const dem_vec x = r ? r->x : w->particle[i].x;
+            const double raised = w->alive[i] && (!r || r->first == i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
             w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
         }
     }
@@ -214,9 +298,30 @@ DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_d
     return DEM_OK;
 }
 
-DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     const double *e = w->engine->bodies.external[i];
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
+}
+
+/* Has it, or with a rigid body any of its particles, a load? */
+DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    int loaded = r ? 0 : dem__has_load(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
+    return loaded;
+}
+
+/* Particle i, and with it those of its rigid body, takes steps from now on. */
+DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (bodies->activity[i]) return;
+    bodies->activity[i] = 1;
+    bodies->active[bodies->active_count++] = (int32_t)i;
+}
+DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__wake_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__wake_one(w, r->first + k);
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) { return w && i >= 0 && i < w->count && w->alive[i]; }
@@ -225,10 +330,16 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) i = r->first;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__set_origin(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
+    if (r) {
+        r->v = dem__flushed_vec(velocity), r->momentum = dem__momentum_of(r->turn, r->moments, dem__flushed_vec(spin));
+        dem__place_pieces(w, r);
+    }
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -242,17 +353,21 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem_vec more = dem__sub(force, dem__first(external));
+        r->a = dem__plus(r->a, 1.0 / r->mass, more);
+        r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
+    }
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
+    if (r) dem__place_pieces(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    if (!w->engine->bodies.activity[i]) { /* a loaded particle is no free flight: it takes steps */
-        w->engine->bodies.activity[i] = 1;
-        w->engine->bodies.active[w->engine->bodies.active_count++] = (int32_t)i;
-    }
+    dem__wake(w, i); /* a loaded particle is no free flight: it takes steps */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

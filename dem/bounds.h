@@ -22,14 +22,18 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem_vec u = dem__add(v, impact);
-    const double turn = dem__length(impact), held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
+    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight: turns about its centre */
+    const double swing = body ? dem__swing(w, body, i) : 0.0;
+    const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
+    const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
+                 held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
     dem__bound *c = &bodies->bound[i];
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
+    c->tolerance += swing;
     if (links->on && links->first_link[i] >= 0) c->tolerance += 2.0 * dem__link_drift(w, i);
     c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);

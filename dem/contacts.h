@@ -98,13 +98,19 @@ DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
+/* One contact more of particle i, and of all particles of its rigid body, or one less. */
+DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
+    for (ptrdiff_t k = r ? r->first : i, end = r ? k + r->pieces : i; k < end; k++) {
+        w->touching[k] += change;
+        dem__set_mass_share(w, k);
+    }
+}
+
 DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
-    dem__bodies *bodies = &w->engine->bodies;
-    w->touching[i]++;
-    dem__set_mass_share(w, i);
-    if (bodies->activity[i]) return;
-    bodies->activity[i] = 1;
-    bodies->active[bodies->active_count++] = (int32_t)i;
+    dem__count_contact(w, i, 1);
+    dem__wake(w, i);
 }
 
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -201,9 +207,9 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t born = contacts->begun, old = dem__next_slot(w) - born;
     dem__array list[4 + DEM__PLACES] = {{&contacts->i, sizeof(int32_t)},
-                          {&contacts->j, sizeof(int32_t)},
-                          {&contacts->element, sizeof(int32_t)},
-                          {&contacts->near, sizeof(int32_t)}};
+                                        {&contacts->j, sizeof(int32_t)},
+                                        {&contacts->element, sizeof(int32_t)},
+                                        {&contacts->near, sizeof(int32_t)}};
     int arrays = 4;
     for (int a = 0; walls->touch_keepers && a < DEM__PLACES; a++, arrays++)
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
@@ -267,13 +273,11 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
     if (w->engine->run.law && w->engine->run.law->ended) w->engine->run.law->ended(w, dem__number_of(w, c), w->user);
-    w->touching[i]--;
-    dem__set_mass_share(w, i);
+    dem__count_contact(w, i, -1);
     dem__mark_to_check(w, i);
     dem__book_contact_end(w, c);
     if (j >= 0) {
-        w->touching[j]--;
-        dem__set_mass_share(w, j);
+        dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
         if (near_pair < 0 || w->engine->run.needs_lists) return;
         if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;

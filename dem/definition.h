@@ -181,6 +181,7 @@ DEM_API void dem_free(dem_world *world) {
     const dem_allocator a = world->def.allocator;
     dem__engine *e = world->engine;
     dem__release(&a, e->bodies.block, e->bodies.bytes);
+    dem__release(&a, e->bodies.rigid, (size_t)e->bodies.rigid_capacity * sizeof *e->bodies.rigid);
     dem__release(&a, e->contacts.block, e->contacts.bytes);
     dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);

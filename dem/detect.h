@@ -44,9 +44,9 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
 }
 
 /* Looks at a pair: it is found, or its timer is to be set. */
-static inline void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step) {
+DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
-    const dem_vec d = dem__pair_separation(w, q->i, q->j, step);
+    const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
     waits->looks++;
     if (dem__dot(d, d) < q->distance * q->distance) waits->found[waits->touch++] = p;
     else if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, p, step, d);
@@ -232,6 +232,9 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall);
 
+/* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
+static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
+
 /* A straight bound at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
@@ -302,8 +305,10 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     dem__touch touch[DEM__TOUCHES];
     found = dem__touch_wall(wall, x, w->particle[i].radius, w->def.skip & DEM_SKIP_SPACE ? pairs->wall_reach : links->near, touch, &least);
     if (wall->kind == DEM_EXIT) {
+        const dem__rigid *r = dem__rigid_of(w, i);
         if (least < 0.0) {
-            dem__pass_exit(w, i, k);
+            if (!r || dem__has_passed(wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, i, k);
+            else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
             return;
         }
     } else if (found > 0) {

@@ -16,7 +16,7 @@ static inline int dem__fail(dem_world *w, dem_status status) {
 }
 
 /* Looks at the pairs that are due, in pages first .. end-1. */
-static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step) {
+DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
@@ -30,13 +30,16 @@ static inline void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptr
             dem__prefetch_flight(w, pairs->near[due[flight]].i);
             dem__prefetch_flight(w, pairs->near[due[flight]].j);
         }
-        if (k >= 0) dem__test_pair(w, waits, due[k], step);
+        if (k >= 0) dem__test_pair(w, waits, due[k], step, rigid);
     }
     dem__flush_batch(w, waits, step);
 }
 
 static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step);
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 0);
+}
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
 
 /* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
@@ -44,7 +47,7 @@ static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
     dem__work *work = w->engine->scratch.work;
-    dem__in_parts(w, parts, pairs->timers.pages, dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? dem__test_due_with_bodies : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)work[q].batch.looks;
@@ -59,7 +62,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     dem__clear_batch(&waits);
     waits.found = pairs->timers.list;
     for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
-        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step);
+        if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
     }
     dem__new_pair_contacts(w, &waits);
 }
@@ -90,7 +93,10 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] < 0) w->alive[i] = 1, w->passed_count--, w->passed_total--;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (w->alive[i] >= 0) continue;
+        w->alive[i] = 1;
+        if (!r || r->first == i) w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);

@@ -57,6 +57,18 @@ typedef struct dem__near {
     double distance; /* of centres, below which they are in contact [m] */
 } dem__near;
 
+/* A rigid body that has an orientation: its state at the origin step of its first particle, as that of a sphere is; moments about its
+   principal axes, of which the first two are equal if any two are. Its particles, which touch for it, lie one after the other. */
+typedef struct dem__rigid {
+    dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
+    dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
+    dem_quaternion turn;      /* of its principal axes */
+    dem_quaternion frame;     /* from its principal axes to the frame in which its shape is given */
+    dem_vec moments;          /* [kg m2] */
+    double mass;              /* [kg] */
+    int32_t first, pieces;    /* of its particles */
+} dem__rigid;
+
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* the step that others are counted from */
@@ -108,6 +120,10 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
+    dem__rigid *rigid; /* bodies with an orientation; NULL without any */
+    ptrdiff_t rigid_count, rigid_capacity;
+    int32_t *rigid_of;     /* of a particle: its body's number + 1, or 0 for a sphere that is its own; NULL without any such body */
+    dem_vec *offset, *arm; /* from the body's centre to the particle's, along the principal axes; in the lab, at the origin [m] */
 } dem__bodies;
 
 /* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */

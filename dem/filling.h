@@ -304,7 +304,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     ptrdiff_t removed = 0;
     if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i] || !dem_region_holds(region, dem_position(w, i))) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first != i) continue;
+        if (!w->alive[i] || !dem_region_holds(region, r ? dem__body_position(w, r) : dem_position(w, i))) continue;
         dem__detach_particle(w, i);
         removed++;
     }

@@ -204,6 +204,19 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
+/* Takes out pairs of particles of one rigid body. */
+static inline void dem__drop_pairs_within_bodies(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int32_t *of = w->engine->bodies.rigid_of;
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t p = 0; p < pairs->count; p++) {
+        const dem__near q = pairs->near[p];
+        pairs->near[kept] = q;
+        kept += !(of[q.i] > 0 && of[q.i] == of[q.j]);
+    }
+    pairs->count = kept;
+}
+
 /* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
    Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
@@ -229,6 +242,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
+    if (w->engine->bodies.rigid) dem__drop_pairs_within_bodies(w);
     return 1;
 }
 

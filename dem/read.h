@@ -22,10 +22,61 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count) return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
+}
+
+/* Where a rigid body is now, within the periodic box. */
+static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
+    const double tau = dem__now(w, r->first);
+    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    body.first = r ? r->first : i, body.pieces = r ? r->pieces : 1;
+    body.mass = world->particle[i].mass;
+    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
+    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
+    body.velocity = r ? dem__plus(r->v, dem__now(world, i), r->a) : dem_velocity(world, i);
+    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
+    const double inertia = dem__inertia(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__posture_at(world, r, dem__now(world, i)).turn : body.orientation;
+    return body;
+}
+
+DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_quaternion q;
+    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return DEM_BAD_ARGUMENT;
+    dem__book_motion(w, -dem__rotational(w, r->first));
+    dem__set_origin(w, i);
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    r->turn = dem__turns(q, r->frame);
+    r->momentum = dem__momentum_of(r->turn, r->moments, spin);
+    dem__place_pieces(w, r);
+    dem__book_motion(w, dem__rotational(w, r->first));
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        if (world->alive[i]) sum = dem__add(sum, dem__scale(world->particle[i].mass, dem_velocity(world, i)));
+        const dem__rigid *r = dem__rigid_of(world, i);
+        if (!world->alive[i] || (r && r->first != i)) continue;
+        sum = dem__add(sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
     }
     return sum;
 }

@@ -1,11 +1,21 @@
 /* ----------------------------------------------------------------------------------------- >>removal */
 /* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
    a particle that is gone stands in no list. */
+/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
+static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
+    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
+}
+
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem__posture p = dem__posture_at(w, r, tau);
+        i = r->first, x = p.x, v = p.v;
+    }
     if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
@@ -30,13 +40,13 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
-    p->diameter = 2.0 * w->particle[i].radius;
+    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
     p->position = x;
     p->velocity = v;
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    w->alive[i] = -1; /* leaves at the end of the step */
+    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
     run->leaving = 1;
 }
 
@@ -78,15 +88,21 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
 }
 
 /* An active particle that dem__check_bounds shall see to. */
-DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i] != 1) return;
     bodies->activity[i] = 2;
     bodies->to_check[bodies->to_check_count++] = (int32_t)i;
 }
+/* With it those of its rigid body. */
+DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__mark_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
+}
 
 /* Takes particle i out of all lists; its slot goes with the next rebuild. */
-static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
@@ -100,6 +116,13 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
         dem__stop_timer(&pairs->timers, pairs->adjacent[2 * a]);
     }
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
+}
+
+/* With it those of its rigid body. */
+static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) dem__detach_one(w, i);
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
 }
 
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all);

@@ -157,6 +157,67 @@ static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t
     }
 }
 
+static inline void dem__quaternions(dem__stream *s, dem_quaternion *q, size_t n) {
+    for (size_t k = 0; k < n; k++) dem__f64(s, &q[k].w), dem__f64(s, &q[k].x), dem__f64(s, &q[k].y), dem__f64(s, &q[k].z);
+}
+
+/* One rigid body; remap[i], without one i, is the index of particle i. */
+static inline void dem__stream_body(dem__stream *s, dem_world *w, dem__rigid *r, const int32_t *remap) {
+    int32_t first = remap && !s->loading ? remap[r->first] : r->first;
+    dem__i32(s, &first), dem__i32(s, &r->pieces);
+    if (s->loading) r->first = first;
+    dem__vecs(s, &r->x, 1), dem__vecs(s, &r->v, 1), dem__vecs(s, &r->a, 1), dem__vecs(s, &r->momentum, 1), dem__vecs(s, &r->torque, 1);
+    dem__quaternions(s, &r->turn, 1), dem__quaternions(s, &r->frame, 1);
+    dem__vecs(s, &r->moments, 1), dem__f64(s, &r->mass);
+    if (s->failed || r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) {
+        s->failed = 1;
+        return;
+    }
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        dem__vecs(s, &w->engine->bodies.offset[i], 1), dem__vecs(s, &w->engine->bodies.arm[i], 1);
+    }
+}
+
+/* Rigid bodies, if there are any, in the order of their particles. */
+static inline void dem__stream_bodies(dem__stream *s, dem_world *w, const int32_t *remap) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    int64_t present = 0;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    if (present == 0) return;
+    dem__i64(s, &present);
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        if (!w->alive[bodies->rigid[k].first]) continue;
+        dem__rigid copy = bodies->rigid[k];
+        dem__stream_body(s, w, &copy, remap);
+    }
+}
+
+/* Loads them, if a save goes on. */
+static inline dem_status dem__load_bodies(dem__stream *s, dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int64_t present = 0;
+    if (s->failed || s->size - s->at <= 8) return DEM_OK;
+    dem__i64(s, &present);
+    if (present < 1 || present > w->count || (size_t)present > s->size / 200) return DEM_BAD_DATA;
+    if (!dem__reserve_bodies(w, (ptrdiff_t)present, 0)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < present && !s->failed; k++) {
+        dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        memset(r, 0, sizeof *r);
+        dem__stream_body(s, w, r, NULL);
+        const dem_vec m = r->moments;
+        const double q = r->turn.w * r->turn.w + r->turn.x * r->turn.x + r->turn.y * r->turn.y + r->turn.z * r->turn.z;
+        if (s->failed || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z) || !dem__positive(r->mass) ||
+            !(fabs(q - 1.0) < 1e-6))
+            return DEM_BAD_DATA;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
+                return DEM_BAD_DATA;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return DEM_OK;
+}
+
 static inline void dem__number_present(const dem_world *w) {
     int32_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? n++ : -1;
@@ -174,6 +235,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
         if (w.wall[k].asked.drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
     }
     dem__stream_state(&s, &w, w.engine->scratch.index, 0);
+    dem__stream_bodies(&s, &w, w.engine->scratch.index);
     return s.hash;
 }
 
@@ -312,6 +374,7 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
         dem__stream_state(&s, &w, w.engine->scratch.index, 1);
         dem__stream_passed(&s, &w);
         dem__stream_meshes(&s, &w);
+        dem__stream_bodies(&s, &w, w.engine->scratch.index);
         check = s.hash;
         dem__u64(&s, &check);
         if (s.at > capacity) break; /* too small: nothing is written */
@@ -420,7 +483,8 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
     dem__stream_state(&s, w, NULL, 1);
     dem__stream_passed(&s, w);
-    const dem_status meshes = dem__stream_meshes(&s, w);
+    dem_status meshes = dem__stream_meshes(&s, w);
+    if (meshes == DEM_OK) meshes = dem__load_bodies(&s, w);
     check = s.hash;
     dem__u64(&s, &found);
     if (meshes == DEM_OUT_OF_MEMORY) {
@@ -446,8 +510,7 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
         if (dem__is_loaded(w, i) && !w->engine->bodies.activity[i]) {
-            dem__activate(w, i);
-            w->touching[i]--;
+            dem__wake(w, i);
             dem__set_mass_share(w, i);
         }
     }

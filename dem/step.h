@@ -192,7 +192,7 @@ static inline int dem__remove_leaving(dem_world *w) {
         if (w->alive[contacts->i[c]] == DEM_LEAVING || (j >= 0 && w->alive[j] == DEM_LEAVING)) contacts->ended[c] = 1;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] == DEM_LEAVING) dem__detach_particle(w, i);
+        if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
     }
     w->engine->run.leaving = 0;
     return 1;

@@ -43,6 +43,11 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++, n++) {
         list[n].address = integers[k], list[n].size = sizeof(int32_t);
     }
+    if (bodies->rigid_capacity > 0) {
+        list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
+        list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
+        list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
+    }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);
     list[n].address = &w->engine->pairs.listed_at, list[n++].size = sizeof(dem_vec);

@@ -85,6 +85,10 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
 }
 
 /* From the centre of j to that of i, at a step. */
+DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
+    return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
+                                          dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
+}
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
@@ -112,8 +116,9 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double b = r->x * r->ux + r->y * r->uy + r->z * r->uz - r->reach * r->tolerance;
         const double c = r->x * r->x + r->y * r->y + r->z * r->z - r->reach * r->reach;
         const double root = b * b - a * c, below = sqrt(root > 0.0 ? root : 0.0) - b;
-        const double n = c / (below > 0.0 ? below : 1.0) * pace,
-                     later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2) : n > 0.0 ? n : 0.0;
+        const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
+                                                                         : n > 0.0                         ? n
+                                                                                                           : 0.0;
         const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);

@@ -41,6 +41,11 @@ typedef struct dem_vec {
     double x, y, z;
 } dem_vec;
 
+/* An orientation: the turn from a body's own frame into the world's, of length 1. */
+typedef struct dem_quaternion {
+    double w, x, y, z; /* cosine of half the angle; axis times the sine of it */
+} dem_quaternion;
+
 /* What a run computes; or them together. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
 enum {
     DEM_LINEAR = 1,   /* linear spring-dashpot */
@@ -325,6 +330,19 @@ typedef struct dem_energy_ledger {
     double released;                                                   /* potential energy given up so far, at least 0 */
     double error;                                                      /* what does not add up: the integration error */
 } dem_energy_ledger;
+
+/* A body: a sphere, or several particles that move as one. Particles of a body follow each other in the arrays of the world; the mass of
+   each (dem_particle.mass) is the body's. */
+typedef struct dem_body {
+    ptrdiff_t first, pieces;    /* its particles */
+    double mass;                /* [kg] */
+    double diameter;            /* of a sphere of that mass, of the material of the first particle [m] */
+    dem_vec position, velocity; /* of the centre of mass [m], [m/s] */
+    dem_vec spin;               /* [rad/s], along the world's axes */
+    dem_quaternion orientation; /* from the frame in which its shape was given; a sphere: 1, 0, 0, 0 */
+    dem_vec moments;            /* of inertia, about the principal axes [kg m2] */
+    dem_quaternion axes;        /* from the principal axes to the world's */
+} dem_body;
 
 typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
 

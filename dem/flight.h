@@ -1,0 +1,80 @@
+/* -------------------------------------------------------------------------------------------- >>flight */
+/* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
+   bodies. Promises: the same bits whenever somebody asks.
+
+   A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
+   in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as
+   parts of the body, true at the origin step and while forces are computed. In flight ask dem__at and its like, never the parabola. */
+/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
+DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
+
+DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
+
+DEM_INLINE double dem__wrapped(double v, double low, double high) {
+    if (v >= low && v < high) return v;
+    const double length = high - low, x = v - length * floor((v - low) / length);
+    return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
+}
+DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
+    const dem_def *d = &w->def;
+    if (d->periodic[0]) x.x = dem__wrapped(x.x, d->low.x, d->high.x);
+    if (d->periodic[1]) x.y = dem__wrapped(x.y, d->low.y, d->high.y);
+    if (d->periodic[2]) x.z = dem__wrapped(x.z, d->low.z, d->high.z);
+    return x;
+}
+
+/* The rigid body that particle i belongs to, or NULL. */
+DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
+}
+
+/* Position, velocity and spin of a rigid body at tau after its origin step, and its orientation. */
+typedef struct dem__posture {
+    dem_vec x, v, spin, momentum;
+    dem_quaternion turn;
+} dem__posture;
+static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    p.turn = tau == 0.0
+                 ? r->turn
+                 : dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
+}
+static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
+    const dem__posture p = dem__posture_at(w, r, tau);
+    return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
+}
+
+/* Of a sphere: on the parabola at tau after the origin step. */
+DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem_particle *p = &w->particle[i];
+    return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
+}
+DEM_INLINE dem_vec dem__sphere_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].v, tau, w->particle[i].a);
+}
+DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
+}
+
+/* Of any particle. */
+DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
+}
+DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+}
