@@ -245,7 +245,7 @@ static inline bridge_status wet_prepare_kinds(wet_scene *s, const double *class_
             def.angle_i = s->angle[0];
             def.angle_j = s->angle[b == WET_DECK ? 1 : b == WET_SIDE ? 2 : 0];
             if (b >= WET_DECK) def.volume_max = 0.02;
-            s->liquid = def.liquid;
+            def.liquid = s->liquid;
             const bridge_status status = bridge_pair_prepare(&s->kind[a][b], &def);
             if (status != BRIDGE_OK) return status;
         }
@@ -265,6 +265,7 @@ static inline bridge_status wet_prepare(wet_scene *s, int n, const int *group, c
     s->printed = printed;
     s->angle[0] = 15.0 / 180.0 * RIDDLE_PI, s->angle[1] = WET_STEEL, s->angle[2] = side_angle;
     s->patch = 5e-3;
+    s->liquid = bridge_pair_default_def().liquid;
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *wall = &w->wall[k];
         if (wall->kind == DEM_CYLINDER || wall->kind == DEM_CONE) s->wall_radius = wall->radius;

@@ -30,7 +30,7 @@ need() {
     exit 2
 }
 
-# wish WHAT...: the same for what a build can do without: libpng. Goes on where it cannot be had; the build says what is left out then.
+# wish WHAT...: the same for what a build can do without: libpng, libyaml. Goes on where it cannot be had; the build says what is left out then.
 wish() {
     for what in "$@"; do
         is_there "$what" || (need "$what") >/dev/null 2>&1 || true
@@ -51,6 +51,7 @@ is_there() {
     pkg-config) command -v pkg-config >/dev/null 2>&1 || command -v pkgconf >/dev/null 2>&1 ;;
     cmocka) pkg-config --exists cmocka 2>/dev/null || pkgconf --exists cmocka 2>/dev/null ;;
     liblammps) pkg-config --exists liblammps 2>/dev/null ;;
+    libyaml) pkg-config --exists yaml-0.1 2>/dev/null || pkgconf --exists yaml-0.1 2>/dev/null ;;
     libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
@@ -64,6 +65,7 @@ package_of() {
     cmocka) echo libcmocka-dev ;;
     nm) echo binutils ;;
     libpng) echo libpng-dev ;;
+    libyaml) echo libyaml-dev ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
     *) echo "$1" ;;

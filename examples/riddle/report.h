@@ -1,0 +1,19 @@
+/* report.h: what a run of a scene leaves: rows of measured.csv, frames, pictures, curves, the conditions to stop. */
+#ifndef RIDDLE_REPORT_H
+#define RIDDLE_REPORT_H
+
+#include "scene.h"
+
+typedef struct report report;
+
+/* NULL with the message in the file: a stop condition names no column. */
+report *report_open(scene *s, const char *folder);
+/* To be called between two ticks: measures, writes frames. The condition that ends the run, or NULL. */
+const stop_def *report_look(report *r);
+/* CSV, curves, picture; 0, or -1 after a printed line. */
+int report_write(report *r);
+void report_json(const report *r, json *j);
+int report_exchange(report *r, scene_state *io);
+void report_free(report *r);
+
+#endif

@@ -1,0 +1,231 @@
+/* riddle - a scene from a file, without C: riddle run scene.yaml
+
+   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, feeds, liquid, what is measured,
+   when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "report.h"
+#include "scene.h"
+
+static const char *const templates[] = {"hopper", "screen", "drum", "box"};
+static const char state_name[] = "scene.state";
+static const char usage[] =
+    "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box; riddle keys; riddle run --help";
+
+typedef struct job {
+    const char *file;
+    program self;
+    bool again, check;
+    tree_file tree;
+    scene_def def;
+    scene s;
+    report *r;
+} job;
+
+static int refuse(const char *line) {
+    fprintf(stderr, "riddle: %s\n", line);
+    return 2;
+}
+
+/* ---- templates ---- */
+
+static int write_template(const char *name) {
+    char path[1000], message[300], target[64];
+    size_t size;
+    int known = 0;
+    for (size_t k = 0; k < sizeof templates / sizeof *templates; k++) known |= strcmp(templates[k], name) == 0;
+    if (!known) {
+        fprintf(stderr, "riddle: --template %.60s: hopper, screen, drum or box\n", name);
+        return 2;
+    }
+    snprintf(target, sizeof target, "%s.yaml", name);
+    FILE *there = fopen(target, "rb");
+    if (there) {
+        fclose(there);
+        fprintf(stderr, "riddle: %s is there already: move it away first\n", target);
+        return 2;
+    }
+    char original[100];
+    snprintf(original, sizeof original, "examples/riddle/%s", target);
+    char *text = input_read(output_find(path, sizeof path, original), &size, message, sizeof message);
+    if (!text) return common_fail("%s", message), 1;
+    output *file = output_open(NULL, target);
+    output_write(file, text, size);
+    free(text);
+    if (output_close(file) != RIDDLE_IO_OK) return 1;
+    printf("%s is written. Now: riddle run %s\n", target, target);
+    return 0;
+}
+
+/* ---- reading ---- */
+
+static int read_scene(job *j, bool seed_given) {
+    char message[400];
+    size_t size;
+    char *text = input_read(j->file, &size, message, sizeof message);
+    if (!text) return refuse(message);
+    const int failed = tree_read(&j->tree, j->file, text, size) || scene_read(&j->tree, &j->def);
+    free(text);
+    if (failed) return refuse(j->tree.message);
+    if (j->self.quick) j->def.duration *= 0.1;
+    if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
+        return refuse(j->tree.message);
+    j->r = report_open(&j->s, j->self.out);
+    return j->r ? 0 : refuse(j->tree.message);
+}
+
+static int exchange(job *j, scene_state *io) {
+    const int failed = scene_exchange(&j->s, io) || report_exchange(j->r, io);
+    return state_finish(io) || failed ? -1 : 0;
+}
+
+static int read_state(job *j) {
+    char path[1000], message[400];
+    size_t size;
+    scene_state io;
+    unsigned char *bytes =
+        (unsigned char *)input_read(output_path(path, sizeof path, j->self.out, state_name), &size, message, sizeof message);
+    if (!bytes) return refuse(message);
+    const int failed = state_begin_reading(&io, bytes, size) || exchange(j, &io);
+    state_free(&io);
+    if (!failed) return 0;
+    snprintf(message, sizeof message, "--continue: %.300s: no whole save, or the scene now has other walls, feeds, regions or times", path);
+    return refuse(message);
+}
+
+static int write_state(job *j) {
+    scene_state io;
+    state_begin_writing(&io);
+    int failed = exchange(j, &io);
+    if (failed) common_fail("%s: out of memory", state_name);
+    else {
+        output *file = output_open(j->self.out, state_name);
+        output_write(file, io.bytes, io.size);
+        failed = output_close(file) != RIDDLE_IO_OK;
+    }
+    state_free(&io);
+    return failed;
+}
+
+/* ---- running ---- */
+
+static const stop_def *run(job *j) {
+    const double save = j->def.output.save;
+    const stop_def *stop = NULL;
+    progress bar;
+    double saved = scene_time(&j->s);
+    progress_begin(&bar, "running", j->def.duration);
+    for (;;) {
+        if (!stop) stop = report_look(j->r);
+        const double now = scene_time(&j->s);
+        progress_update(&bar, now);
+        if (stop || common_interrupted() || now >= j->def.duration - 0.5 * j->s.tick) break;
+        if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
+        const dem_status status = scene_advance(&j->s);
+        if (status != DEM_OK) {
+            common_fail("t = %.6g s: %s (particle %llu)", j->s.world.time, dem_status_text(status),
+                        (unsigned long long)j->s.world.failed_id);
+            break;
+        }
+    }
+    progress_end(&bar);
+    return stop;
+}
+
+static void tell(const job *j, const stop_def *stop) {
+    double missed, missed_mass;
+    char hash[24];
+    json *out = json_open(j->self.json);
+    scene_missed(&j->s, &missed, &missed_mass);
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
+    json_program(out, &j->self);
+    json_string(out, "scene", j->file);
+    json_string(out, "stopped_by", stop ? stop->column : NULL);
+    json_number(out, "time_s", scene_time(&j->s));
+    json_number(out, "time_step_s", j->s.world.def.dt);
+    json_number(out, "missed_particles", missed);
+    json_number(out, "missed_kg", missed_mass);
+    json_string(out, "hash", hash);
+    report_json(j->r, out);
+    json_close(out);
+    if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
+    if (missed_mass > 0.0) common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n", missed_mass);
+    common_print("%g s in steps of %.3g s; %s has measured.csv, curves.svg, scene.png, %s\n", scene_time(&j->s), j->s.world.def.dt,
+                 j->self.out, state_name);
+}
+
+static int run_scene(job *j, bool seed_given) {
+    int failed = read_scene(j, seed_given);
+    if (!failed && j->again) failed = read_state(j);
+    if (!failed && j->check)
+        common_print("%s: %d walls, %d sources, time step %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+    else if (!failed) {
+        const stop_def *stop = run(j);
+        if (common_exit_status() != 1) write_state(j);
+        report_write(j->r);
+        tell(j, stop);
+    }
+    report_free(j->r);
+    scene_free(&j->s);
+    tree_free(&j->tree);
+    return failed ? failed : common_exit_status();
+}
+
+/* ---- the command line ---- */
+
+static bool is_given(int argc, char **argv, const char *name) {
+    const size_t length = strlen(name);
+    for (int k = 1; k < argc; k++)
+        if (strncmp(argv[k], name, length) == 0 && (argv[k][length] == '\0' || argv[k][length] == '=')) return true;
+    return false;
+}
+
+/* The options without "run FILE", and with --out out/<name of the file> where none is given. */
+static int rest_of(int argc, char **argv, const char *file, char *out, size_t size, char **rest) {
+    int n = 0;
+    rest[n++] = argv[0];
+    if (file && !is_given(argc, argv, "--out")) {
+        const char *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
+        snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
+        rest[n++] = (char *)"--out";
+        rest[n++] = out;
+    }
+    for (int k = file ? 3 : 2; k < argc; k++) rest[n++] = argv[k];
+    rest[n] = NULL;
+    return n;
+}
+
+int main(int argc, char **argv) {
+    static job j;
+    char out[600];
+    const char *pattern = NULL;
+    option options[] = {
+        option_flag("continue", &j.again, "go on from the save in --out, with the same bits as if it had never stopped"),
+        option_flag("check", &j.check, "read the file and build the scene, but do not run"),
+        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum or box"),
+    };
+    if (argc == 2 && strcmp(argv[1], "keys") == 0) {
+        fields_describe(&scene_section);
+        return 0;
+    }
+    if (argc >= 2 && strcmp(argv[1], "--help") == 0) printf("%s\n\n", usage);
+    else if (argc < 2 || strcmp(argv[1], "run") != 0) return refuse(usage);
+    j.file = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
+    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
+    char **rest = malloc(((size_t)argc + 4) * sizeof *rest);
+    if (!rest) return 1;
+    const int help = argc > 1 && strcmp(argv[1], "--help") == 0;
+    const int n = help ? argc : rest_of(argc, argv, j.file, out, sizeof out, rest);
+    if (!help && !j.file && !is_given(argc, argv, "--help")) {
+        free(rest);
+        return refuse(is_given(argc, argv, "--template") ? "--template NAME stands alone" : usage);
+    }
+    j.self = program_start("riddle", "Runs a scene from a YAML or JSON file: riddle run FILE [options].", options,
+                           sizeof options / sizeof *options, n, help ? argv : rest);
+    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, is_given(argc, argv, "--seed"));
+    free(rest);
+    return status;
+}

@@ -1,0 +1,219 @@
+/* scene.c: see scene.h */
+#include "scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene_feed.h"
+#include "scene_walls.h"
+#include "scene_wet.h"
+
+static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
+
+/* ---- definition ---- */
+
+static int define_contacts(scene *s, dem_def *def) {
+    const contact_def *c = s->def->contacts.item;
+    int seen[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX] = {{0}};
+    for (int k = 0; k < s->def->contacts.n; k++, c++) {
+        int a, b;
+        if (scene_material(s->file, s->def, &c->part, "between", c->between[0], &a) ||
+            scene_material(s->file, s->def, &c->part, "between", c->between[1], &b))
+            return -1;
+        if (seen[a < b ? a : b][a < b ? b : a]++)
+            return tree_fail(s->file, c->part.where, "contact: %s and %s stand here a second time", c->between[0], c->between[1]);
+        dem_pair_def *p = dem_pair(def, a, b);
+        p->stiffness = c->stiffness, p->tangential_ratio = c->tangential_ratio, p->restitution = c->restitution;
+        p->friction = c->friction, p->rolling = c->rolling, p->tangential_damping = c->tangential_damping;
+        p->mode = c->dashpot == 0 ? DEM_CLIPPED : DEM_NAIVE;
+    }
+    return 0;
+}
+
+static int find_features(const scene *s, const dem_def *def) {
+    bool friction = false, rolling = false;
+    for (int a = 0; a < def->materials; a++)
+        for (int b = a; b < def->materials; b++) friction |= def->pair[a][b].friction > 0.0, rolling |= def->pair[a][b].rolling > 0.0;
+    return (s->def->law == 0 ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) | (rolling ? DEM_ROLLING : 0);
+}
+
+static int define(scene *s, dem_def *def) {
+    const material_def *m = s->def->materials.item;
+    const periodic_def *p = &s->def->periodic;
+    const char *bad = "";
+    *def = dem_default_def();
+    for (int k = 0; k < s->def->materials.n; k++) dem_add_material(def, m[k].density, m[k].young_modulus, m[k].poisson_ratio);
+    if (define_contacts(s, def)) return -1;
+    for (int c = 0; p->part.where && c < 3; c++) {
+        if (!p->axis[c].part.where) continue;
+        def->periodic[c] = 1;
+        *dem_axis_of(&def->low, c) = p->axis[c].low, *dem_axis_of(&def->high, c) = p->axis[c].high;
+    }
+    def->gravity = scene_vec(s->def->gravity);
+    def->threads = s->threads;
+    s->features = find_features(s, def);
+    return dem_check_def(def, &bad) == DEM_OK ? 0 : tree_fail(s->file, s->file->root, "%s is outside its range", bad);
+}
+
+/* The step for the smallest particle that may come, against its like and against a wall of every material: asked of a world of such. */
+static int choose_step(scene *s, dem_def def, double *dt) {
+    dem_world trial;
+    *dt = s->def->time_step;
+    if (!isnan(*dt)) return 0;
+    def.periodic[0] = def.periodic[1] = def.periodic[2] = 0;
+    dem_status status = dem_init(&trial, &def, NULL);
+    double at = 0.0;
+    for (int k = 0; k < def.materials && status == DEM_OK; k++)
+        if (dem_add_plane(&trial, k, dem_vec3(0, 0, -1e6), dem_vec3(0, 0, 1)) < 0) status = DEM_TOO_MANY;
+    for (int k = 0; k < s->sources && status == DEM_OK; k++) {
+        double low, high;
+        scene_extremes(&s->source[k], &low, &high);
+        for (int twice = 0; twice < 2 && status == DEM_OK; twice++) {
+            const double centre[3] = {at, 0.0, 0.0};
+            status = dem_add_spheres(&trial, 1, centre, &low, s->source[k].feed.material, 0);
+            at += 3.0 * high;
+        }
+    }
+    if (status == DEM_OK) *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised;
+    dem_free(&trial);
+    return status == DEM_OK && *dt > 0.0 && isfinite(*dt)
+               ? 0
+               : tree_fail(s->file, s->file->root, "no time step can be advised: give time_step");
+}
+
+static int choose_tick(scene *s) {
+    double shortest = s->def->measure.every;
+    for (int k = 0; k < s->sources; k++)
+        if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
+    s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
+    const double ticks = s->def->duration / s->tick, steps = s->tick / s->world.def.dt;
+    if (!(ticks < 1e9))
+        return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million rows or feedings");
+    if (!(steps >= 1.0))
+        return tree_fail(s->file, s->def->measure.part.where, "measure: every is below the time step of %.3g s", s->world.def.dt);
+    return 0;
+}
+
+int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, int threads) {
+    dem_def d;
+    memset(s, 0, sizeof *s);
+    s->def = def, s->file = file, s->seed = seed, s->threads = threads;
+    if (define(s, &d) || scene_add_sources(s) || choose_step(s, d, &d.dt)) return -1;
+    const char *bad = "";
+    if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
+    return scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;
+}
+
+void scene_free(scene *s) {
+    dem_free(&s->world);
+    scene_wet_free(s);
+}
+
+/* ---- time ---- */
+
+double scene_time(const scene *s) { return s->ticks * s->tick; }
+
+/* Walls that are there for a part of the time only. */
+static dem_status switch_walls(scene *s, double now) {
+    const wall_def *w = s->def->walls.item;
+    dem_status status = DEM_OK;
+    for (int k = 0; k < s->def->walls.n && status == DEM_OK; k++) {
+        const double soon = now + 1e-9 * s->tick;
+        const int there = soon >= w[k].from && !(soon >= w[k].until);
+        if (s->world.wall[s->wall_of[k]].enabled != there) status = dem_enable_wall(&s->world, s->wall_of[k], there);
+    }
+    return status;
+}
+
+static void book_passed(scene *s) {
+    for (ptrdiff_t k = 0; k < s->world.passed_count; k++) {
+        const dem_passed *p = &s->world.passed[k];
+        size_group *g = &s->group[p->group];
+        const double mass = g->density * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter;
+        g->passed += mass;
+        s->exit_mass[p->exit] += mass;
+    }
+    dem_take_passed(&s->world, NULL, s->world.passed_count);
+}
+
+dem_status scene_advance(scene *s) {
+    const double now = scene_time(s), next = (s->ticks + 1.0) * s->tick;
+    dem_status status = switch_walls(s, now);
+    for (int k = 0; k < s->sources && status == DEM_OK; k++) {
+        const ptrdiff_t before = s->source[k].feed.placed;
+        status = scene_feed(s, &s->source[k], now, next);
+        if (status == DEM_OK) status = scene_wet_new(s, &s->source[k], s->source[k].feed.placed - before);
+    }
+    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, s->tick) : dem_run(&s->world, s->tick, s->features);
+    book_passed(s);
+    s->ticks += 1.0;
+    return status;
+}
+
+void scene_missed(const scene *s, double *count, double *mass) {
+    *count = *mass = 0.0;
+    for (int k = 0; k < s->sources; k++) {
+        const dem_feed *f = &s->source[k].feed;
+        *count += (double)f->missed;
+        const double each = s->source[k].density * RIDDLE_PI / 6.0 * s->source[k].cube; /* a steady feed may owe half a particle */
+        *mass += f->missed_mass + (isnan(s->source[k].def->rate) || !(f->due_mass > 2.0 * each) ? 0.0 : f->due_mass);
+    }
+}
+
+/* ---- saving ---- */
+
+static void exchange_count(scene_state *io, ptrdiff_t *value) {
+    uint64_t bits = (uint64_t)*value;
+    state_whole(io, &bits);
+    *value = (ptrdiff_t)bits;
+}
+
+static void exchange_feed(scene_state *io, source *q) {
+    double feed[] = {q->feed.placed_mass, q->feed.missed_mass, q->feed.due, q->feed.due_mass, q->feed.waiting, q->done};
+    state_numbers(io, feed, sizeof feed / sizeof *feed);
+    q->feed.placed_mass = feed[0], q->feed.missed_mass = feed[1], q->feed.due = feed[2], q->feed.due_mass = feed[3];
+    q->feed.waiting = feed[4], q->done = feed[5];
+    exchange_count(io, &q->feed.placed);
+    exchange_count(io, &q->feed.missed);
+    state_whole(io, &q->feed.random);
+}
+
+static void exchange_world(scene *s, scene_state *io) {
+    uint64_t size = io->reading ? 0 : dem_save(&s->world, NULL, 0);
+    state_whole(io, &size);
+    if (io->failed || (io->reading && size > io->size - io->at)) {
+        io->failed = 1;
+        return;
+    }
+    unsigned char *bytes = malloc((size_t)size + 1);
+    if (!bytes) io->failed = 1;
+    else if (!io->reading) dem_save(&s->world, bytes, (size_t)size);
+    if (!io->failed) state_bytes(io, bytes, (size_t)size);
+    if (io->reading && !io->failed) {
+        dem_world loaded;
+        if (dem_load(&loaded, bytes, (size_t)size, NULL) != DEM_OK) io->failed = 1;
+        else {
+            dem_free(&s->world);
+            s->world = loaded;
+            s->world.def.threads = s->threads;
+        }
+    }
+    free(bytes);
+}
+
+int scene_exchange(scene *s, scene_state *io) {
+    state_same(io, s->tick);
+    state_same(io, s->sources);
+    state_same(io, s->groups);
+    state_same(io, s->world.walls);
+    state_same(io, s->wet ? 1.0 : 0.0);
+    state_numbers(io, &s->ticks, 1);
+    for (int k = 0; k < s->sources && !io->failed; k++) exchange_feed(io, &s->source[k]);
+    for (int k = 0; k < s->groups && !io->failed; k++) state_numbers(io, &s->group[k].fed, 1), state_numbers(io, &s->group[k].passed, 1);
+    state_numbers(io, s->exit_mass, DEM_WALLS_MAX);
+    if (s->wet && !io->failed && scene_wet_exchange(s, io)) io->failed = 1;
+    if (!io->failed) exchange_world(s, io);
+    if (io->reading && s->wet && !io->failed && scene_wet_link(s)) io->failed = 1;
+    return io->failed ? -1 : 0;
+}

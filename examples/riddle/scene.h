@@ -1,0 +1,64 @@
+/* scene.h: the world that a scene file describes, its feeds and its liquid, in time. It runs in ticks of equal length: whatever is fed,
+   switched, measured or saved is so between two ticks. What a tick does depends only on what scene_exchange() saves. */
+#ifndef RIDDLE_SCENE_H
+#define RIDDLE_SCENE_H
+
+#include <stdint.h>
+
+#include "common.h"
+#include "dem_io.h"
+#include "scene_def.h"
+#include "state.h"
+
+/* One class of sizes of one feed. */
+typedef struct source {
+    const feed_def *def;
+    dem_feed feed;
+    int group;
+    double amount, density; /* [kg], [-] or [kg/s], as the feed's def says; [kg/m3] */
+    double square, cube;    /* means of d^2, d^3 by number [m2], [m3] */
+    double film;            /* thickness of liquid on a particle [m] */
+    double done;            /* 1: all at once, and that has been */
+} source;
+
+/* Particles that are told apart: a size of a label and a material. */
+typedef struct size_group {
+    char name[64];
+    double density;
+    double fed, passed; /* [kg] */
+} size_group;
+
+struct wet_scene;
+
+typedef struct scene {
+    const scene_def *def;
+    tree_file *file;
+    int threads, features;
+    uint64_t seed;
+    dem_world world;
+    int wall_of[DEM_WALLS_MAX]; /* index in the world of a wall of the file */
+    source *source;
+    int sources;
+    size_group *group;
+    int groups;
+    double exit_mass[DEM_WALLS_MAX]; /* [kg] by wall of the world */
+    double tick;                     /* [s] */
+    double ticks;                    /* done; a whole number */
+    struct wet_scene *wet;
+    int *wet_class; /* by id */
+    int wet_room;
+    double liquid; /* fed so far [m3] */
+} scene;
+
+/* The world with its walls, before the first feed. 0, or -1 with the message in the file. Free with scene_free in both cases. */
+int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, int threads);
+void scene_free(scene *s);
+double scene_time(const scene *s); /* [s] */
+/* Feeds what is due and runs a tick. */
+dem_status scene_advance(scene *s);
+/* Everything that the future depends on, into or out of a state. */
+int scene_exchange(scene *s, scene_state *io);
+/* What found no place [-], [kg]. */
+void scene_missed(const scene *s, double *count, double *mass);
+
+#endif
