@@ -2844,11 +2844,14 @@ static inline double screen__sharp_loss(screen__problem *p, const double *q) {
    is not followed further. Returns the sharp loss; *known: its number, or -1. */
 static inline double screen__run_start(screen__problem *p, double *q, int iterations, double *seen, int start, int *known) {
     int left = iterations, stages = p->loss == SCREEN_LOSS_SQUARES ? 1 : SCREEN__STAGES;
-    double loss = HUGE_VAL;
+    double loss = HUGE_VAL, price = p->shrink;
     *known = -1;
     for (int stage = 0; stage < stages; stage += p->model == SCREEN_SOLDINGER ? 2 : 1) { /* each costs 50 times as much there */
+        /* model 3's smooth losses have valleys where one step is so fast that its exponents run away: a price on them, at first only */
+        p->shrink = stage == 0 && stages > 1 && p->model == SCREEN_SOLDINGER && price < 1e-3 ? 1e-3 : price;
         loss = screen__descend(p, q, screen__rounding(stage), stage == 0 ? 150 : 40, &left);
         if (stage == 0 && screen__rates(p->model) == 2) loss = screen__second_try(p, q, loss, screen__rounding(0), &left);
+        p->shrink = price;
         if (!(loss < HUGE_VAL)) break;
         if (stage > 0 || stages == 1) continue;
         for (int k = 0; k < start; k++)

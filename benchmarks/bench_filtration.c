@@ -2,8 +2,11 @@
 
    1. Drag of a simple cubic array of spheres (solid volume fraction 0.125, K = 4.2916, Zick and Homsy 1982): largest error of four places
       of the centre within a voxel against processor time, over voxel, lattice, precision, boundary and relaxation time.
+      One row has an interpolation that needs no second fluid node.
    2. Node updates a second, bare and with one moving sphere, against the limit of memory: every population of the same memory read, changed
-      and written back, in the same run. */
+      and written back, in the same run.
+   3. A sphere that moves through liquid at rest: how its drag and the pressure beside it flicker as it crosses the lattice, over the bulk
+      viscosity; what becomes of the liquid's mass; up to which speed it holds, and how it ends beyond. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +23,7 @@ typedef struct variant {
     double tau;
 } variant;
 
-enum { VARIANTS = 6, SIZES = 3 };
+enum { VARIANTS = 7, SINGLE_NODE = 6, SIZES = 3 };
 static const variant variants[VARIANTS] = {
     {"D3Q19 double, central linear, tau 1", "q19_double_linear_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, 1.0},
     {"D3Q19 double, central linear, tau 3.5", "q19_double_linear_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR,
@@ -30,9 +33,60 @@ static const variant variants[VARIANTS] = {
      3.5},
     {"D3Q19 double, half-way, tau 1", "q19_double_half_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 1.0},
     {"D3Q19 double, half-way, tau 3.5", "q19_double_half_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 3.5},
+    {"D3Q19 double, single node, tau 1", "q19_double_single_node_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR,
+     1.0},
 };
 static const int sizes[SIZES] = {12, 16, 24};
 static const double places[4][3] = {{0, 0, 0}, {0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}, {0.1, 0.3, 0.45}};
+
+/* A sphere of a periodic row as a solid at rest. */
+typedef struct round_solid {
+    double centre[3], radius, side;
+} round_solid;
+
+static double round_distance(const void *self, const double point[3]) {
+    const round_solid *s = self;
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double d = point[a] - s->centre[a];
+        d -= s->side * floor(d / s->side + 0.5);
+        square += d * d;
+    }
+    return sqrt(square) - s->radius;
+}
+
+/* Interpolation at one node (Zhao and Yong 2017): the mean of what came to the node the step before and of what it now sends away from the
+   surface, weighed by the fraction q. Needs no second fluid node, and a number for each link: arrived [links], kept from step to step. */
+static void bounce_at_single_nodes(filtration__lattice *l, double *arrived) {
+    for (ptrdiff_t n = 0; n < l->link_count; n++) {
+        const filtration__link *k = &l->links[n];
+        const int opposite = filtration__opposite(k->i);
+        const double away = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite)), q = (double)k->fraction;
+        filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), (arrived[n] + 2.0 * q * away) / (1.0 + 2.0 * q));
+    }
+    for (ptrdiff_t n = 0; n < l->link_count; n++)
+        arrived[n] = filtration__get(l, filtration__incoming(l, l->links[n].x, l->links[n].y, l->links[n].z, l->links[n].i));
+}
+
+/* The same flow as that of filtration_fluid_permeability: superficial velocity [m/s]. */
+static filtration_status single_node_velocity(filtration_fluid *fluid, double gradient, double *velocity) {
+    const double force[3] = {0.0, 0.0, gradient};
+    double mean[3] = {0.0, 0.0, 0.0}, before = 0.0;
+    double *arrived = calloc((size_t)fluid->lattice->link_count + 1, sizeof *arrived);
+    filtration_status status = arrived ? filtration_fluid_set_body_force(fluid, force) : FILTRATION_NO_MEMORY;
+    const int64_t interval = filtration__interval(fluid);
+    for (int64_t k = 1; status == FILTRATION_OK && k < 1000000; k++) {
+        status = filtration_fluid_step(fluid, NULL);
+        bounce_at_single_nodes(fluid->lattice, arrived);
+        if (k % interval) continue;
+        filtration_fluid_mean_velocity(fluid, mean);
+        if (fabs(mean[2] - before) <= 1e-5 * fabs(mean[2])) break;
+        before = mean[2];
+    }
+    *velocity = mean[2];
+    free(arrived);
+    return status;
+}
 
 static int array_drag(const variant *v, int n, const double place[3], double *drag, double *seconds) {
     const double c = 0.125, side = n * 1e-6, radius = cbrt(3.0 * c / (4.0 * 3.14159265358979323846)) * side;
@@ -45,9 +99,14 @@ static int array_drag(const variant *v, int n, const double place[3], double *dr
     def.lattice = v->lattice, def.precision = v->precision, def.boundary = v->boundary, def.tau = v->tau;
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * side + place[a] * def.voxel;
     const filtration_spheres spheres = {1, centre, zero, zero, &r, force, torque};
+    const round_solid solid = {{centre[0], centre[1], centre[2]}, radius, side};
+    const int single = v == &variants[SINGLE_NODE];
+    if (single) def.solid.distance = round_distance, def.solid.self = &solid;
     const double began = machine_processor_seconds();
     filtration_status status = filtration_fluid_init(&fluid, &def);
-    if (status == FILTRATION_OK) status = filtration_fluid_permeability(&fluid, &spheres, 2, 100.0 * side, 1e-5, 1000000, &result);
+    if (status == FILTRATION_OK)
+        status = single ? single_node_velocity(&fluid, 100.0, &result.velocity)
+                        : filtration_fluid_permeability(&fluid, &spheres, 2, 100.0 * side, 1e-5, 1000000, &result);
     filtration_fluid_free(&fluid);
     if (status != FILTRATION_OK) return common_fail("%s", filtration_status_text(status));
     *seconds = machine_processor_seconds() - began;
@@ -66,7 +125,7 @@ static void drag_errors(const program *self, json *report) {
             const double cells = 2.0 * cbrt(3.0 * 0.125 / (4.0 * 3.14159265358979323846)) * sizes[s];
             double worst = 0.0, least = HUGE_VAL;
             for (int p = 0; p < last; p++) {
-                double drag, seconds;
+                double drag = 0.0, seconds = 0.0;
                 if (array_drag(&variants[v], sizes[s], places[p], &drag, &seconds)) return;
                 worst = fmax(worst, fabs(drag / 4.2916 - 1.0));
                 least = fmin(least, seconds); /* the least disturbed one */
@@ -170,12 +229,176 @@ static void rates(const program *self, json *report) {
     csv_close(file);
 }
 
+/* ---- a sphere that moves ---- */
+
+/* A sphere of a diameter [cells] in a periodic box of n nodes of liquid at rest, which it crosses along z, a little aslant. speed: [cells a
+   step]. */
+typedef struct crossing {
+    filtration_fluid fluid;
+    double centre[3], velocity[3], spin[3], radius, force[3], torque[3];
+    filtration_spheres spheres;
+} crossing;
+
+static filtration_status crossing_begin(crossing *c, int n, double diameter, double speed, double tau, double bulk, int walls) {
+    filtration_fluid_def def = filtration_fluid_default_def();
+    memset(c, 0, sizeof *c);
+    def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
+    def.tau = tau, def.bulk_ratio = bulk;
+    for (int f = 0; f < 6 && walls; f++) def.face[f] = FILTRATION_WALL;
+    const filtration_status status = filtration_fluid_init(&c->fluid, &def);
+    c->radius = 0.5 * diameter * def.voxel;
+    for (int a = 0; a < 3; a++) c->centre[a] = (0.5 * n + 0.13 * (a + 1)) * def.voxel;
+    c->velocity[0] = 0.11 * speed * def.voxel / c->fluid.dt, c->velocity[2] = speed * def.voxel / c->fluid.dt;
+    const filtration_spheres s = {1, c->centre, c->velocity, c->spin, &c->radius, c->force, c->torque};
+    c->spheres = s;
+    return status;
+}
+
+static filtration_status crossing_step(crossing *c) {
+    const filtration_status status = filtration_fluid_step(&c->fluid, &c->spheres);
+    for (int a = 0; a < 3; a++) c->centre[a] += c->velocity[a] * c->fluid.dt;
+    return status;
+}
+
+/* Standard deviation of n values about their straight line, over a size. */
+static double flicker(int n, const double *y, double size) {
+    double mean = 0.0, slope = 0.0, sum = 0.0;
+    for (int i = 0; i < n; i++) mean += y[i] / n;
+    for (int i = 0; i < n; i++) slope += (i - 0.5 * (n - 1)) * y[i] * 12.0 / ((double)n * n * n);
+    for (int i = 0; i < n; i++) {
+        const double off = y[i] - mean - slope * (i - 0.5 * (n - 1));
+        sum += off * off / n;
+    }
+    return sqrt(sum) / fabs(size);
+}
+
+/* Drag and pressure over ten cells travelled, after forty. */
+static void noise(const program *self, json *report) {
+    enum { SPAN = 500 };
+    static const double taus[] = {0.6, 1.0}, bulks[] = {2.0 / 3.0, 10.0, 100.0};
+    static double drag[SPAN], pressure[SPAN];
+    const int n = self->quick ? 24 : 40, lead = self->quick ? 100 : 2000;
+    table out = table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
+    csv *file = csv_open(self->out, "noise.csv", "tau,bulk_ratio,drag_flicker,pressure_flicker");
+    json_array_begin(report, "noise");
+    for (int t = 0; t < 2; t++)
+        for (int b = 0; b < 3 && !common_interrupted(); b++) {
+            crossing c;
+            filtration_sample sample;
+            filtration_status status = crossing_begin(&c, n, self->quick ? 9.0 : 15.0, 0.02, taus[t], bulks[b], 0);
+            for (int k = 0; k < lead + SPAN && status == FILTRATION_OK; k++) {
+                status = crossing_step(&c);
+                if (k < lead) continue;
+                drag[k - lead] = c.force[2];
+                filtration_fluid_at(&c.fluid, 1, 1, n / 2, &sample);
+                pressure[k - lead] = sample.pressure;
+            }
+            double mean = 0.0;
+            for (int k = 0; k < SPAN; k++) mean += drag[k] / SPAN;
+            const double of_drag = flicker(SPAN, drag, mean),
+                         of_pressure = flicker(SPAN, pressure, c.fluid.def.density * c.velocity[2] * c.velocity[2]);
+            filtration_fluid_free(&c.fluid);
+            if (status != FILTRATION_OK) {
+                common_fail("noise: %s", filtration_status_text(status));
+                continue;
+            }
+            table_cell(&out, "%.1f", taus[t]);
+            table_cell(&out, "%.3g", bulks[b]);
+            table_cell(&out, "%.3f", 100.0 * of_drag);
+            table_cell(&out, "%.3f", of_pressure);
+            csv_line(file, "%g,%.4g,%.4g,%.4g", taus[t], bulks[b], of_drag, of_pressure);
+            json_object_begin(report, NULL);
+            json_number(report, "tau", taus[t]);
+            json_number(report, "bulk_ratio", bulks[b]);
+            json_number(report, "drag_flicker", of_drag);
+            json_number(report, "pressure_flicker_over_rho_u2", of_pressure);
+            json_object_end(report);
+        }
+    json_array_end(report);
+    table_end(&out);
+    csv_close(file);
+}
+
+/* Mass of the liquid in a closed box in which a sphere goes to and fro, over what the box and the sphere leave room for. */
+static void masses(const program *self, json *report) {
+    const int steps = self->quick ? 1000 : 100000, every = 100;
+    double last[2] = {0.0, 0.0}, worst[2] = {0.0, 0.0}, added = 0.0;
+    for (int keep = 0; keep < 2 && !common_interrupted(); keep++) {
+        crossing c;
+        filtration_status status = crossing_begin(&c, 24, 8.0, 0.02, 1.0, 2.0 / 3.0, 1);
+        for (int k = 1; k <= steps && status == FILTRATION_OK; k++) {
+            status = crossing_step(&c);
+            if (k % 250 == 125) c.velocity[0] = -c.velocity[0], c.velocity[2] = -c.velocity[2];
+            if (k % every || status != FILTRATION_OK) continue;
+            if (keep) status = filtration_fluid_keep_mass(&c.fluid);
+            const double v = c.fluid.def.voxel,
+                         room = c.fluid.def.density * 24.0 * 24.0 * 24.0 * v * v * v * filtration_fluid_porosity(&c.fluid);
+            last[keep] = filtration_fluid_mass(&c.fluid) / room - 1.0;
+            worst[keep] = fmax(worst[keep], fabs(last[keep]));
+        }
+        if (status != FILTRATION_OK) common_fail("mass: %s", filtration_status_text(status));
+        if (keep) added = c.fluid.mass_correction;
+        filtration_fluid_free(&c.fluid);
+    }
+    common_print("Mass of the liquid after %d steps: off by %.2e (largest %.2e); kept every %d steps: %.1e, %.2e were added in all\n",
+                 steps, last[0], worst[0], every, worst[1], added);
+    json_integer(report, "mass_steps", steps);
+    json_number(report, "mass_drift", last[0]);
+    json_number(report, "mass_drift_largest", worst[0]);
+    json_number(report, "mass_kept_largest", worst[1]);
+    json_number(report, "mass_added", added);
+}
+
+/* Ten diameters at a Mach number and a cell Reynolds number: how it ends. */
+static void speeds(const program *self, json *report) {
+    static const double machs[] = {0.1, 0.2, 0.3}, cells[] = {5.0, 20.0, 40.0};
+    const double diameter = self->quick ? 6.0 : 15.0;
+    table out = table_begin("Mach|u dx / nu|relaxation time|ends with|step");
+    json_array_begin(report, "speeds");
+    for (int m = 0; m < 3; m++)
+        for (int r = 0; r < 3 && !common_interrupted(); r++) {
+            crossing c;
+            const double speed = machs[m] / sqrt(3.0), tau = 0.5 + 3.0 * speed / cells[r];
+            const int steps = (int)(10.0 * diameter / speed);
+            int done = 0;
+            filtration_status status = crossing_begin(&c, self->quick ? 16 : 40, diameter, 0.0, tau, 2.0 / 3.0, 0);
+            for (; done < steps && status == FILTRATION_OK; done++) { /* from rest, as nothing starts at once */
+                const double ramp = done < steps / 5 ? 5.0 * done / steps : 1.0;
+                c.velocity[2] = ramp * speed * c.fluid.def.voxel / c.fluid.dt, c.velocity[0] = 0.11 * c.velocity[2];
+                status = crossing_step(&c);
+            }
+            const char *end = status == FILTRATION_OK ? "ok" : filtration_status_text(status);
+            table_cell(&out, "%.1f", machs[m]);
+            table_cell(&out, "%.0f", cells[r]);
+            table_cell(&out, "%.4f", tau);
+            table_cell(&out, "%s", end);
+            table_cell(&out, "%d of %d", done, steps);
+            json_object_begin(report, NULL);
+            json_number(report, "mach", machs[m]);
+            json_number(report, "cell_reynolds", cells[r]);
+            json_number(report, "tau", tau);
+            json_string(report, "end",
+                        status == FILTRATION_OK         ? "ok"
+                        : status == FILTRATION_DIVERGED ? "stopped, with place and cause"
+                                                        : end);
+            json_integer(report, "steps", done);
+            json_integer(report, "of_steps", steps);
+            json_object_end(report);
+            filtration_fluid_free(&c.fluid);
+        }
+    json_array_end(report);
+    table_end(&out);
+}
+
 int main(int argc, char **argv) {
     program self = program_start(
         "bench_filtration", "Drag of a periodic array: error against run time; rate of the lattice against memory.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
     drag_errors(&self, report);
     rates(&self, report);
+    noise(&self, report);
+    masses(&self, report);
+    speeds(&self, report);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

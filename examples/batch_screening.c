@@ -255,6 +255,45 @@ static void draw_cases(const study *st) {
     plot_write(figure, st->self->out, "cases.svg");
 }
 
+/* Counterpart of the paper's figure 5: the mean time in the top layer of both classes in all cases; 95 % of the mean where there are several
+   seeds. */
+static void report_top_layer(const study *st) {
+    plot *figure = plot_new("Mean time in the top layer, 27 cases", 1, UNDERSIZE);
+    csv *file = csv_open(st->self->out, "top_layer.csv",
+                         "case,amplitude_m,frequency_hz,moisture,seeds,small_s,small_ci_s,near_mesh_s,near_mesh_ci_s");
+    for (int v = 0; v < CASES; v++) {
+        const settings *s = &st->variants[v].set;
+        char ci[UNDERSIZE][32] = {"", ""};
+        for (int c = 0; c < UNDERSIZE && st->seeds > 1; c++)
+            snprintf(ci[c], sizeof ci[c], "%.4f", measure_of(st, v, top_layer(c)).interval);
+        csv_line(file, "%d,%g,%g,%g,%d,%.4f,%s,%.4f,%s", s->case_number, s->amplitude, s->frequency, s->moisture, st->seeds,
+                 measure_of(st, v, top_layer(SMALL)).mean, ci[SMALL], measure_of(st, v, top_layer(NEAR_MESH)).mean, ci[NEAR_MESH]);
+    }
+    csv_close(file);
+    for (int c = 0; c < UNDERSIZE; c++) {
+        plot_panel_size(figure, 420, 300);
+        plot_panel(figure, 0, c, "amplitude times frequency [m/s]", "time in the top layer [s]");
+        plot_title(figure, class_name[c]);
+        double longest = 0.0;
+        for (int m = 0; m < 3; m++) {
+            double speed[9], time[9];
+            char label[20];
+            for (int i = 0; i < 9; i++) {
+                const settings *s = &st->variants[9 * m + i].set;
+                speed[i] = s->amplitude * s->frequency;
+                time[i] = measure_of(st, 9 * m + i, top_layer(c)).mean;
+                longest = fmax(longest, time[i]);
+            }
+            snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
+            plot_points(figure, label, speed, time, 9), plot_style(figure, 0, m);
+        }
+        const double initial = st->variants[4].set.amplitude * st->variants[4].set.frequency, paper = c == SMALL ? 2.05 : 3.62;
+        plot_points(figure, "text of the paper, dry", &initial, &paper, 1), plot_style(figure, 0, 3);
+        plot_range_y(figure, 0.0, 1.1 * fmax(longest, paper));
+    }
+    plot_write(figure, st->self->out, "top_layer.svg");
+}
+
 static void json_statistics(json *j, const char *key, statistics s) {
     json_object_begin(j, key);
     json_number(j, "mean", s.mean);
@@ -307,6 +346,7 @@ static void report_cases(const study *st) {
     table_end(&t);
     write_curves(st);
     draw_cases(st);
+    report_top_layer(st);
     static findings f;
     find_cases(&f, st);
     char path[4096];
