@@ -168,7 +168,7 @@ extern "C" {
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
 #define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
-#define DEM__FORMAT 9u     /* version of dem_save */
+#define DEM__FORMAT 10u    /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -369,6 +369,8 @@ typedef struct dem_wall {
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
+    int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
+    uint32_t groups;            /* bit g: acts on particles of group g, bit 31: on those of all others; by dem_set_wall_groups */
 
     dem_wall_motion asked;
 
@@ -606,18 +608,22 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 #define DEM_SIZES_MAX 32 /* sizes of a list: a sieve stack has fewer */
 
-/* A part of space, for filling, removing and measuring. Made by the three functions below; functions that take one return
+/* A part of space, for filling, removing and measuring. Made by the four functions below; functions that take one return
    DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
-typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE } dem_region_kind;
+typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE, DEM_REGION_MESH } dem_region_kind;
 typedef struct dem_region {
     dem_region_kind kind;
-    dem_vec low, high;     /* box: its corners; cylinder: centre of its bottom; sphere: its centre [m] */
+    dem_vec low, high;     /* box: its corners; of a mesh: of the box around it; cylinder: centre of its bottom; sphere: its centre [m] */
     dem_vec axis;          /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
+    const dem_mesh *mesh;  /* yours: it must stay as it is while the region is in use */
 } dem_region;
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high);                                       /* low = high along an axis: a face */
 DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
+/* The inside of a closed mesh; where shells overlap, what an odd number of them encloses. A mesh that is not closed is refused later. To
+   fill or measure sorts the triangles at each call; dem_region_holds looks at all of them. */
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
 DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 inside or on the surface */
 
@@ -663,8 +669,9 @@ typedef struct dem_feed {
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin: to be edited */
 
 /* Places so many spheres, or the number whose mass comes nearest to `mass` [kg], at random places where they touch neither spheres nor
-   enabled walls, the largest first. Spheres that find no place are dropped and counted in missed; random places fill up to about 0.3 of
-   a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then nothing has changed. */
+   enabled walls and are in no solid one (dem_set_solid), the largest first. Spheres that find no place are dropped and counted in missed;
+   random places fill up to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then
+   nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
 /* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0; call it before every dem_run of that duration, no longer
@@ -694,6 +701,11 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
 /* Six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall to be moved as one. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
+/* 1: a mesh or box is a solid body, whose inside dem_fill and the feeds leave empty; 0, as at first: a sheet, a container. DEM_BAD_ARGUMENT
+   for a wall that is not a closed mesh: an edge of one triangle only, a triangle that is there twice. DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
+/* The groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others; at first all. */
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
@@ -819,7 +831,7 @@ typedef struct dem_measure {
     ptrdiff_t count;             /* spheres whose centres lie in the region */
     double mass;                 /* of them [kg] */
     double solid_fraction;       /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere, 1e-4 for a
-                                    cylinder; what overlaps counts twice */
+                                    cylinder, 1e-2 of what the surface of a mesh cuts; what overlaps counts twice */
     double coordination;         /* contacts of a sphere, mean of those in it [-] */
     dem_vec velocity;            /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
@@ -827,7 +839,8 @@ typedef struct dem_measure {
                                     centre to centre, from a wall's point to the centre (Goldhirsch 2010, the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Along periodic axes a region is no longer than the box. A region without volume has NaN where it would be divided by. */
+/* Along periodic axes a region is no longer than the box. A region without volume has NaN where it would be divided by. With a mesh also
+   DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
 /* A block of cells; n of 1 along an axis: no profile along it. */
@@ -1687,6 +1700,9 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
 }
 
 /* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* Does a wall act on particles of a group? */
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
+
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
    becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
@@ -2453,6 +2469,11 @@ DEM_API void dem_free(dem_world *world) {
 /* ------------------------------------------------------------------------------------------- >>ledger */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
 
+/* Is a wall there, and does it act on particle i? */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
 /* The force, or the torque, of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
@@ -2486,7 +2507,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
     if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
+    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !dem__is_at_wall(w, i, -1 - j))) sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
@@ -3256,6 +3277,7 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
+    w->wall[w->walls].groups = 0xffffffffu;
     w->wall[w->walls].position = wall->asked.origin;
     w->wall[w->walls].asked.motion_start = w->time;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
@@ -4948,6 +4970,145 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
     memset(mesh, 0, sizeof *mesh);
 }
 
+/* ------------------------------------------------------------------------------------------- >>solid */
+/* Closed meshes: what is inside them. Reads meshes; owns scratch while it works. Promises: a mesh that is not closed has no inside; of one
+   that is, only points within round-off of its surface depend on how it is cut into triangles. */
+/* Does the line from p along +z cross a triangle? An edge is asked the same question by both triangles that have it, in the same order of
+   its ends, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
+    const dem_vec corner[3] = {a, b, c};
+    int inside = 0;
+    for (int e = 0; e < 3; e++) {
+        const dem_vec u = corner[e], v = corner[(e + 1) % 3];
+        const int low = u.y <= p.y;
+        if (low == (v.y <= p.y)) continue;
+        const dem_vec from = low ? u : v, to = low ? v : u;
+        inside ^= (to.x - from.x) * (p.y - from.y) > (p.x - from.x) * (to.y - from.y);
+    }
+    if (!inside) return 0;
+    const dem_vec n = dem__area(a, b, c);
+    return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
+}
+
+/* Is p, in the wall's own frame, inside a closed surface? It is if a line from it crosses the surface an odd number of times. */
+static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
+    int inside = 0;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (!(p.x >= node->low[0] && p.x <= node->high[0] && p.y >= node->low[1] && p.y <= node->high[1] && p.z <= node->high[2])) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const int32_t *c = &t->corner[3 * k];
+            inside ^= dem__is_under(t->vertex[c[0]], t->vertex[c[1]], t->vertex[c[2]], p);
+        }
+    }
+    return inside;
+}
+
+/* Is a centre inside a wall that is a solid body? */
+static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
+    return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
+}
+
+static inline dem_vec dem__mesh_vertex(const dem_mesh *m, ptrdiff_t k, int corner) {
+    const double *x = &m->vertex[3 * (ptrdiff_t)m->triangle[3 * k + corner]];
+    return dem_vec3(x[0], x[1], x[2]);
+}
+
+static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
+    int inside = 0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++)
+        inside ^= dem__is_under(dem__mesh_vertex(m, k, 0), dem__mesh_vertex(m, k, 1), dem__mesh_vertex(m, k, 2), p);
+    return inside;
+}
+
+/* DEM_OK if every edge of a surface has two triangles, or four; equal corners are one, whatever their indices, and triangles without area
+   may close T-junctions. Else DEM_BAD_ARGUMENT, also for a triangle that is there twice; DEM_OUT_OF_MEMORY. */
+static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
+    const size_t n = (size_t)triangles;
+    dem_stl_report report;
+    dem__workshop shop;
+    dem_mesh mesh;
+    int closed;
+    memset(&report, 0, sizeof report);
+    memset(&shop, 0, sizeof shop);
+    memset(&mesh, 0, sizeof mesh);
+    if (triangles > INT32_MAX / 12) return DEM_TOO_MANY;
+    shop.n = triangles;
+    for (shop.capacity = 64; shop.capacity < 6 * n;) shop.capacity *= 2;
+    const size_t bytes = n * sizeof(dem__facet) + shop.capacity * sizeof(dem__slot) + 3 * n * sizeof(dem_vec) + 6 * n * sizeof(int32_t);
+    shop.facets = (dem__facet *)memory->fn(memory->user, NULL, 0, bytes);
+    if (!shop.facets) return DEM_OUT_OF_MEMORY;
+    shop.slots = (dem__slot *)(void *)(shop.facets + n);
+    mesh.vertex = (double *)(void *)(shop.slots + shop.capacity);
+    shop.next = (int32_t *)(void *)(mesh.vertex + 9 * n);
+    mesh.triangle = shop.next + 3 * n;
+    memset(shop.facets, 0, n * sizeof(dem__facet));
+    for (size_t k = 0; k < 3 * n; k++) shop.facets[k / 3].corner[k % 3] = vertex[corner[k]];
+    dem__make_mesh(&mesh, &shop, 1.0, 0.0, &report);
+    closed = mesh.triangles > 0 && report.duplicate == 0 && report.not_finite == 0;
+    for (size_t k = 0; k < shop.capacity && closed; k++) closed = (shop.slots[k].forward + shop.slots[k].backward) % 2 == 0;
+    memory->fn(memory->user, shop.facets, bytes, 0);
+    return closed ? DEM_OK : DEM_BAD_ARGUMENT;
+}
+
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    dem_wall *w = &world->wall[wall];
+    if (solid) {
+        if (w->kind != DEM_MESH) return DEM_BAD_ARGUMENT;
+        const dem_status status = dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        if (status != DEM_OK) return status;
+    }
+    w->solid = solid != 0;
+    return DEM_OK;
+}
+
+/* Are a mesh's numbers what they should be? Its box becomes low and high. */
+static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
+    if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
+        m->triangles > INT32_MAX / 4)
+        return 0;
+    *low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), *high = dem__scale(-1.0, *low);
+    for (ptrdiff_t k = 0; k < 3 * m->triangles; k++) {
+        if (m->triangle[k] < 0 || m->triangle[k] >= m->vertices) return 0;
+    }
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) {
+        double *l = dem_axis_of(low, (int)(k % 3)), *h = dem_axis_of(high, (int)(k % 3)), x = m->vertex[k];
+        if (!(fabs(x) < 1e50)) return 0; /* so that squares of areas are finite */
+        *l = x < *l ? x : *l;
+        *h = x > *h ? x : *h;
+    }
+    return 1;
+}
+
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
+    const dem_allocator memory = {dem__default_allocator, NULL};
+    dem_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = DEM_REGION_MESH;
+    if (dem__is_mesh(mesh, &region.low, &region.high) &&
+        dem__check_closed(&memory, mesh->triangles, (const dem_vec *)(const void *)mesh->vertex, mesh->triangle) == DEM_OK)
+        region.mesh = mesh;
+    return region;
+}
+
+/* Of a closed mesh, whichever way its triangles are turned, as long as they agree. */
+static inline double dem__mesh_volume(const dem_mesh *m) {
+    const dem_vec from = dem__mesh_vertex(m, 0, 0);
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; k < m->triangles; k++) {
+        const dem_vec a = dem__sub(dem__mesh_vertex(m, k, 0), from), b = dem__sub(dem__mesh_vertex(m, k, 1), from),
+                      c = dem__sub(dem__mesh_vertex(m, k, 2), from);
+        sum += dem__dot(a, dem__cross(b, c)) / 6.0;
+    }
+    return fabs(sum);
+}
+
 /* A new motion begins where the wall is. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
@@ -5109,6 +5270,14 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].groups = groups;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
 }
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
@@ -5653,7 +5822,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     int found, touches = 0;
     dem_wall *wall = &w->wall[k];
     w->looks++;
-    if (!wall->enabled || !w->alive[i]) return;
+    if (!w->alive[i] || !dem__is_at_wall(w, i, k)) return;
     double tau = (double)(step - w->particle[i].origin) * run->dt, least, others = pairs->wall_reach;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (run->has_periodic) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */
@@ -8668,7 +8837,7 @@ static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
+        if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
     return dem__rebuild(w);
@@ -9221,6 +9390,7 @@ static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && 
 static inline int dem__is_region(const dem_region *r) {
     dem_vec unit;
     if (!r || !dem__finite_vec(r->low)) return 0;
+    if (r->kind == DEM_REGION_MESH) return r->mesh != NULL;
     if (r->kind == DEM_REGION_BOX)
         return dem__finite_vec(r->high) && dem__is_extent(r->high.x - r->low.x) && dem__is_extent(r->high.y - r->low.y) &&
                dem__is_extent(r->high.z - r->low.z);
@@ -9232,6 +9402,7 @@ static inline int dem__is_region(const dem_region *r) {
 DEM_API double dem_region_volume(const dem_region *region) {
     if (!dem__is_region(region)) return (double)NAN;
     const dem_region *r = region;
+    if (r->kind == DEM_REGION_MESH) return dem__mesh_volume(r->mesh);
     if (r->kind == DEM_REGION_BOX) return (r->high.x - r->low.x) * (r->high.y - r->low.y) * (r->high.z - r->low.z);
     return RIDDLE_PI * r->radius * r->radius * (r->kind == DEM_REGION_SPHERE ? 4.0 / 3.0 * r->radius : r->length);
 }
@@ -9241,9 +9412,10 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (!dem__is_region(r)) return 0;
     const dem_vec d = dem__sub(point, r->low);
-    if (r->kind == DEM_REGION_BOX)
-        return point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
-               point.z <= r->high.z;
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
+                       point.z >= r->low.z && point.z <= r->high.z;
+    if (r->kind == DEM_REGION_BOX) return in_box;
+    if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
     if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;
     dem__unit(r->axis, &unit);
     const double along = dem__dot(d, unit);
@@ -9254,9 +9426,10 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
 static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
+    const int has_box = r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH;
     for (int a = 0; a < 3; a++) {
-        const double at = dem_axis(r->low, a), end = r->kind == DEM_REGION_BOX ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
-        const double out = r->kind == DEM_REGION_BOX ? 0.0 : r->radius;
+        const double at = dem_axis(r->low, a), end = has_box ? dem_axis(r->high, a) : at + r->length * dem_axis(unit, a);
+        const double out = has_box ? 0.0 : r->radius;
         *dem_axis_of(low, a) = (at < end ? at : end) - out;
         *dem_axis_of(high, a) = (at > end ? at : end) + out;
     }
@@ -9416,6 +9589,7 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
+    dem_wall inside; /* of a mesh as region: its triangles at their place; else without a tree */
 } dem__room;
 
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
@@ -9444,11 +9618,33 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     return w->alive[i];
 }
 
+/* The triangles of a mesh as region, sorted. */
+static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, const dem_region *region) {
+    const dem_mesh *m = region->mesh;
+    dem_status status = DEM_OK;
+    if (region->kind != DEM_REGION_MESH) return DEM_OK;
+    inside->kind = DEM_MESH, inside->solid = 1;
+    dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
+    inside->tree =
+        dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex, m->triangles, m->triangle, &status);
+    return status;
+}
+
+/* Frees what a room holds. */
+static inline void dem__clear_room(dem__room *room, const dem_world *w) {
+    const dem_allocator *a = &w->def.allocator;
+    if (room->centre) a->fn(a->user, room->centre, room->bytes, 0);
+    if (room->inside.tree) a->fn(a->user, room->inside.tree, room->inside.tree->bytes, 0);
+    room->centre = NULL, room->inside.tree = NULL;
+}
+
 /* Makes a room for the present spheres around a region and n new ones of given radii. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
     dem_vec low, high, x;
     double widest = 0.0;
     memset(room, 0, sizeof *room);
+    const dem_status status = dem__make_inside(&room->inside, w, region);
+    if (status != DEM_OK) return status;
     dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -9485,12 +9681,17 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     return DEM_OK;
 }
 
-/* Would a sphere there overlap another, or a wall, or be beyond an exit? */
-static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius) {
+/* Would a sphere of a group there overlap another, or a wall, or be inside a solid one, beyond an exit or out of a mesh as region? */
+static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
+    if (room->inside.tree &&
+        (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
+        return 0;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].enabled && dem__touch_wall(&w->wall[k], x, radius, 0.0, touch, &least) > 0) return 0;
+        const dem_wall *wall = &w->wall[k];
+        if (!wall->enabled || !dem__acts_on(wall, group)) continue;
+        if (dem__touch_wall(wall, x, radius, 0.0, touch, &least) > 0 || dem__is_inside_wall(wall, x)) return 0;
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         const dem__grid *g = &room->grid[level];
@@ -9513,7 +9714,7 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
 
 /* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX) {
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: somewhere in the box around it */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -9612,7 +9813,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
         for (int tries = 0; tries < feed->tries && !found; tries++) {
             if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
             x = dem__in_box(w, x); /* as dem_add_spheres will */
-            found = dem__is_free(w, &room, x, radius[k]);
+            found = dem__is_free(w, &room, x, radius[k], feed->group);
         }
         if (!found) {
             if (!at_once) {
@@ -9641,7 +9842,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
             placed++;
         }
     }
-    if (room.centre) memory.fn(memory.user, room.centre, room.bytes, 0);
+    dem__clear_room(&room, w);
     if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
         dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
@@ -9786,9 +9987,46 @@ static inline double dem__discs(double q, double r, double apart) {
     return q * q * dem__acos(at_q / q) + r * r * dem__acos(at_r / r) - apart * dem__root(q * q - at_q * at_q);
 }
 
+/* Does a region hold a point? `inside`: its triangles, sorted, if it is a mesh. */
+static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_vec point) {
+    return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
+}
+
+/* Volume of a ball within a mesh: of one that the surface cuts by the points of a grid that are inside. */
+static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
+    const int points = 10;
+    const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int all = 0, in = 0;
+    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0) return dem__is_inside_wall(inside, centre) ? whole : 0.0;
+    for (int k = 0; k < points * points * points; k++) {
+        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius, y = (k / points % points + 0.5) * step - radius,
+                     z = (k / (points * points) + 0.5) * step - radius;
+        if (x * x + y * y + z * z > radius * radius) continue;
+        all++;
+        in += dem__is_inside_wall(inside, dem__add(centre, dem_vec3(x, y, z)));
+    }
+    return whole * in / all;
+}
+
+/* Share of the line from a to b that lies in a mesh, by points of it. */
+static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_vec b) {
+    const int points = 64;
+    const dem_vec way = dem__sub(b, a);
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int in = 0;
+    if (dem__touch_wall(inside, dem__plus(a, 0.5, way), 0.5 * dem__length(way), 0.0, touch, &least) == 0)
+        return dem__is_inside_wall(inside, a) ? 1.0 : 0.0;
+    for (int k = 0; k < points; k++) in += dem__is_inside_wall(inside, dem__plus(a, (k + 0.5) / points, way));
+    return (double)in / points;
+}
+
 /* Volume of a ball within a region. */
-static inline double dem__ball_in(const dem_region *r, dem_vec centre, double radius) {
+static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, dem_vec centre, double radius) {
     const dem_vec d = dem__sub(centre, r->low);
+    if (r->kind == DEM_REGION_MESH) return dem__ball_in_mesh(inside, centre, radius);
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
     if (r->kind == DEM_REGION_BOX) return dem_ball_in_box(radius, dem__sub(r->low, centre), dem__sub(r->high, centre));
     if (r->kind == DEM_REGION_SPHERE) {
@@ -9814,7 +10052,8 @@ static inline double dem__ball_in(const dem_region *r, dem_vec centre, double ra
 }
 
 /* Share of the line from a to b that lies in a region. */
-static inline double dem__share_in(const dem_region *r, dem_vec a, dem_vec b) {
+static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
+    if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
     const dem_vec way = dem__sub(b, a), d = dem__sub(a, r->low);
     double from = 0.0, to = 1.0;
     if (r->kind == DEM_REGION_BOX) {
@@ -9891,7 +10130,11 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     const dem_world *w = world;
     dem_measure m;
     dem_vec low, high, shift[27];
+    dem_wall inside;
     if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
+    memset(&inside, 0, sizeof inside);
+    const dem_status status = dem__make_inside(&inside, w, region);
+    if (status != DEM_OK) return status;
     const int images = dem__images(w, shift);
     memset(&m, 0, sizeof m);
     const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
@@ -9906,15 +10149,15 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
                 if (!(x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
                       x.z - r <= high.z))
                     continue;
-                const int inside = dem_region_holds(region, x);
-                if (pass == 0) m.solid_fraction += dem__ball_in(region, x, r) * share;
-                if (pass == 0 && inside) {
+                const int is_in = dem__holds(region, &inside, x);
+                if (pass == 0) m.solid_fraction += dem__ball_in(region, &inside, x, r) * share;
+                if (pass == 0 && is_in) {
                     m.count++;
                     m.mass += w->particle[i].mass;
                     m.coordination += w->touching[i];
                     m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
                 }
-                if (pass == 1 && inside) {
+                if (pass == 1 && is_in) {
                     const dem_vec u = dem__sub(v, m.velocity);
                     m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
                     dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
@@ -9930,10 +10173,11 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < images; image++) {
-            const double part = dem__share_in(region, dem__add(from, shift[image]), dem__add(to, shift[image]));
+            const double part = dem__share_in(region, &inside, dem__add(from, shift[image]), dem__add(to, shift[image]));
             if (part > 0.0) dem__add_stress(m.contact_stress, part * share, force, dem__sub(to, from));
         }
     }
+    if (inside.tree) w->def.allocator.fn(w->def.allocator.user, inside.tree, inside.tree->bytes, 0);
     *measure = m;
     return DEM_OK;
 }
@@ -10216,8 +10460,12 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 }
 
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive};
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive, &w->solid};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    int32_t groups = (int32_t)(w->groups ^ 0x80000000u);
+    dem__i32(s, &groups);
+    w->groups = (uint32_t)groups ^ 0x80000000u;
+    if (w->solid && w->kind != DEM_MESH) s->failed = 1;
     double *numbers[] = {&w->radius,
                          &w->high_radius,
                          &w->length,

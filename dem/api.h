@@ -46,18 +46,22 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 #define DEM_SIZES_MAX 32 /* sizes of a list: a sieve stack has fewer */
 
-/* A part of space, for filling, removing and measuring. Made by the three functions below; functions that take one return
+/* A part of space, for filling, removing and measuring. Made by the four functions below; functions that take one return
    DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
-typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE } dem_region_kind;
+typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE, DEM_REGION_MESH } dem_region_kind;
 typedef struct dem_region {
     dem_region_kind kind;
-    dem_vec low, high;     /* box: its corners; cylinder: centre of its bottom; sphere: its centre [m] */
+    dem_vec low, high;     /* box: its corners; of a mesh: of the box around it; cylinder: centre of its bottom; sphere: its centre [m] */
     dem_vec axis;          /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
+    const dem_mesh *mesh;  /* yours: it must stay as it is while the region is in use */
 } dem_region;
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high);                                       /* low = high along an axis: a face */
 DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
+/* The inside of a closed mesh; where shells overlap, what an odd number of them encloses. A mesh that is not closed is refused later. To
+   fill or measure sorts the triangles at each call; dem_region_holds looks at all of them. */
+DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
 DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 inside or on the surface */
 
@@ -103,8 +107,9 @@ typedef struct dem_feed {
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin: to be edited */
 
 /* Places so many spheres, or the number whose mass comes nearest to `mass` [kg], at random places where they touch neither spheres nor
-   enabled walls, the largest first. Spheres that find no place are dropped and counted in missed; random places fill up to about 0.3 of
-   a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then nothing has changed. */
+   enabled walls and are in no solid one (dem_set_solid), the largest first. Spheres that find no place are dropped and counted in missed;
+   random places fill up to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then
+   nothing has changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
 /* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0; call it before every dem_run of that duration, no longer
@@ -134,6 +139,11 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
 /* Six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall to be moved as one. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
+/* 1: a mesh or box is a solid body, whose inside dem_fill and the feeds leave empty; 0, as at first: a sheet, a container. DEM_BAD_ARGUMENT
+   for a wall that is not a closed mesh: an edge of one triangle only, a triangle that is there twice. DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
+/* The groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others; at first all. */
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
@@ -259,7 +269,7 @@ typedef struct dem_measure {
     ptrdiff_t count;             /* spheres whose centres lie in the region */
     double mass;                 /* of them [kg] */
     double solid_fraction;       /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere, 1e-4 for a
-                                    cylinder; what overlaps counts twice */
+                                    cylinder, 1e-2 of what the surface of a mesh cuts; what overlaps counts twice */
     double coordination;         /* contacts of a sphere, mean of those in it [-] */
     dem_vec velocity;            /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
@@ -267,7 +277,8 @@ typedef struct dem_measure {
                                     centre to centre, from a wall's point to the centre (Goldhirsch 2010, the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Along periodic axes a region is no longer than the box. A region without volume has NaN where it would be divided by. */
+/* Along periodic axes a region is no longer than the box. A region without volume has NaN where it would be divided by. With a mesh also
+   DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
 /* A block of cells; n of 1 along an axis: no profile along it. */

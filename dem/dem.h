@@ -71,6 +71,7 @@
 #include "convex_points.h"
 #include "stl.h"
 #include "stl_mesh.h"
+#include "solid.h"
 #include "motion.h"
 #include "parallel.h"
 #include "timers.h"

@@ -298,7 +298,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     int found, touches = 0;
     dem_wall *wall = &w->wall[k];
     w->looks++;
-    if (!wall->enabled || !w->alive[i]) return;
+    if (!w->alive[i] || !dem__is_at_wall(w, i, k)) return;
     double tau = (double)(step - w->particle[i].origin) * run->dt, least, others = pairs->wall_reach;
     dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     if (run->has_periodic) x = dem__in_box(w, x); /* where the step will put it: bars are told apart by their place */

@@ -7,6 +7,7 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
+    dem_wall inside; /* of a mesh as region: its triangles at their place; else without a tree */
 } dem__room;
 
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
@@ -35,11 +36,33 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     return w->alive[i];
 }
 
+/* The triangles of a mesh as region, sorted. */
+static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, const dem_region *region) {
+    const dem_mesh *m = region->mesh;
+    dem_status status = DEM_OK;
+    if (region->kind != DEM_REGION_MESH) return DEM_OK;
+    inside->kind = DEM_MESH, inside->solid = 1;
+    dem__frame(inside, dem_vec3(0.0, 0.0, 1.0), dem_vec3(1.0, 0.0, 0.0));
+    inside->tree =
+        dem__make_tree(&w->def.allocator, m->vertices, (const dem_vec *)(const void *)m->vertex, m->triangles, m->triangle, &status);
+    return status;
+}
+
+/* Frees what a room holds. */
+static inline void dem__clear_room(dem__room *room, const dem_world *w) {
+    const dem_allocator *a = &w->def.allocator;
+    if (room->centre) a->fn(a->user, room->centre, room->bytes, 0);
+    if (room->inside.tree) a->fn(a->user, room->inside.tree, room->inside.tree->bytes, 0);
+    room->centre = NULL, room->inside.tree = NULL;
+}
+
 /* Makes a room for the present spheres around a region and n new ones of given radii. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
     dem_vec low, high, x;
     double widest = 0.0;
     memset(room, 0, sizeof *room);
+    const dem_status status = dem__make_inside(&room->inside, w, region);
+    if (status != DEM_OK) return status;
     dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -76,12 +99,17 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     return DEM_OK;
 }
 
-/* Would a sphere there overlap another, or a wall, or be beyond an exit? */
-static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius) {
+/* Would a sphere of a group there overlap another, or a wall, or be inside a solid one, beyond an exit or out of a mesh as region? */
+static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
+    if (room->inside.tree &&
+        (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
+        return 0;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].enabled && dem__touch_wall(&w->wall[k], x, radius, 0.0, touch, &least) > 0) return 0;
+        const dem_wall *wall = &w->wall[k];
+        if (!wall->enabled || !dem__acts_on(wall, group)) continue;
+        if (dem__touch_wall(wall, x, radius, 0.0, touch, &least) > 0 || dem__is_inside_wall(wall, x)) return 0;
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         const dem__grid *g = &room->grid[level];
@@ -104,7 +132,7 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
 
 /* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX) {
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: somewhere in the box around it */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -203,7 +231,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
         for (int tries = 0; tries < feed->tries && !found; tries++) {
             if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
             x = dem__in_box(w, x); /* as dem_add_spheres will */
-            found = dem__is_free(w, &room, x, radius[k]);
+            found = dem__is_free(w, &room, x, radius[k], feed->group);
         }
         if (!found) {
             if (!at_once) {
@@ -232,7 +260,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
             placed++;
         }
     }
-    if (room.centre) memory.fn(memory.user, room.centre, room.bytes, 0);
+    dem__clear_room(&room, w);
     if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
         dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),

@@ -1,6 +1,11 @@
 /* ------------------------------------------------------------------------------------------- >>ledger */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
 
+/* Is a wall there, and does it act on particle i? */
+DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
+    return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
+}
+
 /* The force, or the torque, of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
@@ -34,7 +39,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
     if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !w->wall[-1 - j].enabled)) sums->removed += w->engine->contacts.elastic[c];
+    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !dem__is_at_wall(w, i, -1 - j))) sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 

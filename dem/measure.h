@@ -61,9 +61,46 @@ static inline double dem__discs(double q, double r, double apart) {
     return q * q * dem__acos(at_q / q) + r * r * dem__acos(at_r / r) - apart * dem__root(q * q - at_q * at_q);
 }
 
+/* Does a region hold a point? `inside`: its triangles, sorted, if it is a mesh. */
+static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_vec point) {
+    return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
+}
+
+/* Volume of a ball within a mesh: of one that the surface cuts by the points of a grid that are inside. */
+static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
+    const int points = 10;
+    const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int all = 0, in = 0;
+    if (dem__touch_wall(inside, centre, radius, 0.0, touch, &least) == 0) return dem__is_inside_wall(inside, centre) ? whole : 0.0;
+    for (int k = 0; k < points * points * points; k++) {
+        const double step = 2.0 * radius / points, x = (k % points + 0.5) * step - radius, y = (k / points % points + 0.5) * step - radius,
+                     z = (k / (points * points) + 0.5) * step - radius;
+        if (x * x + y * y + z * z > radius * radius) continue;
+        all++;
+        in += dem__is_inside_wall(inside, dem__add(centre, dem_vec3(x, y, z)));
+    }
+    return whole * in / all;
+}
+
+/* Share of the line from a to b that lies in a mesh, by points of it. */
+static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_vec b) {
+    const int points = 64;
+    const dem_vec way = dem__sub(b, a);
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int in = 0;
+    if (dem__touch_wall(inside, dem__plus(a, 0.5, way), 0.5 * dem__length(way), 0.0, touch, &least) == 0)
+        return dem__is_inside_wall(inside, a) ? 1.0 : 0.0;
+    for (int k = 0; k < points; k++) in += dem__is_inside_wall(inside, dem__plus(a, (k + 0.5) / points, way));
+    return (double)in / points;
+}
+
 /* Volume of a ball within a region. */
-static inline double dem__ball_in(const dem_region *r, dem_vec centre, double radius) {
+static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, dem_vec centre, double radius) {
     const dem_vec d = dem__sub(centre, r->low);
+    if (r->kind == DEM_REGION_MESH) return dem__ball_in_mesh(inside, centre, radius);
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
     if (r->kind == DEM_REGION_BOX) return dem_ball_in_box(radius, dem__sub(r->low, centre), dem__sub(r->high, centre));
     if (r->kind == DEM_REGION_SPHERE) {
@@ -89,7 +126,8 @@ static inline double dem__ball_in(const dem_region *r, dem_vec centre, double ra
 }
 
 /* Share of the line from a to b that lies in a region. */
-static inline double dem__share_in(const dem_region *r, dem_vec a, dem_vec b) {
+static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
+    if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
     const dem_vec way = dem__sub(b, a), d = dem__sub(a, r->low);
     double from = 0.0, to = 1.0;
     if (r->kind == DEM_REGION_BOX) {
@@ -166,7 +204,11 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     const dem_world *w = world;
     dem_measure m;
     dem_vec low, high, shift[27];
+    dem_wall inside;
     if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
+    memset(&inside, 0, sizeof inside);
+    const dem_status status = dem__make_inside(&inside, w, region);
+    if (status != DEM_OK) return status;
     const int images = dem__images(w, shift);
     memset(&m, 0, sizeof m);
     const double volume = dem_region_volume(region), share = volume > 0.0 ? 1.0 / volume : (double)NAN;
@@ -181,15 +223,15 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
                 if (!(x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
                       x.z - r <= high.z))
                     continue;
-                const int inside = dem_region_holds(region, x);
-                if (pass == 0) m.solid_fraction += dem__ball_in(region, x, r) * share;
-                if (pass == 0 && inside) {
+                const int is_in = dem__holds(region, &inside, x);
+                if (pass == 0) m.solid_fraction += dem__ball_in(region, &inside, x, r) * share;
+                if (pass == 0 && is_in) {
                     m.count++;
                     m.mass += w->particle[i].mass;
                     m.coordination += w->touching[i];
                     m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
                 }
-                if (pass == 1 && inside) {
+                if (pass == 1 && is_in) {
                     const dem_vec u = dem__sub(v, m.velocity);
                     m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
                     dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
@@ -205,10 +247,11 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
         dem_vec from, to, force;
         if (!dem__branch(w, k, &from, &to, &force)) continue;
         for (int image = 0; image < images; image++) {
-            const double part = dem__share_in(region, dem__add(from, shift[image]), dem__add(to, shift[image]));
+            const double part = dem__share_in(region, &inside, dem__add(from, shift[image]), dem__add(to, shift[image]));
             if (part > 0.0) dem__add_stress(m.contact_stress, part * share, force, dem__sub(to, from));
         }
     }
+    if (inside.tree) w->def.allocator.fn(w->def.allocator.user, inside.tree, inside.tree->bytes, 0);
     *measure = m;
     return DEM_OK;
 }

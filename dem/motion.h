@@ -161,6 +161,14 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
     dem__rated_wall(a, a->rate);
 }
 
+DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    world->wall[wall].groups = groups;
+    world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;

@@ -79,8 +79,12 @@ static inline void dem__stream_def(dem__stream *s, dem_def *d) {
 }
 
 static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive};
+    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive, &w->solid};
     for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
+    int32_t groups = (int32_t)(w->groups ^ 0x80000000u);
+    dem__i32(s, &groups);
+    w->groups = (uint32_t)groups ^ 0x80000000u;
+    if (w->solid && w->kind != DEM_MESH) s->failed = 1;
     double *numbers[] = {&w->radius,
                          &w->high_radius,
                          &w->length,

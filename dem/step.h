@@ -19,7 +19,7 @@ static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->j[c] < 0 && !w->wall[-1 - contacts->j[c]].enabled) contacts->ended[c] = 1;
+        if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
     return dem__rebuild(w);

@@ -18,7 +18,7 @@
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
 #define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
-#define DEM__FORMAT 9u     /* version of dem_save */
+#define DEM__FORMAT 10u    /* version of dem_save */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -219,6 +219,8 @@ typedef struct dem_wall {
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
+    int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
+    uint32_t groups;            /* bit g: acts on particles of group g, bit 31: on those of all others; by dem_set_wall_groups */
 
     dem_wall_motion asked;
 

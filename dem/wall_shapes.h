@@ -1,4 +1,7 @@
 /* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* Does a wall act on particles of a group? */
+DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
+
 /* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
    becomes a lower bound of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {

@@ -26,6 +26,7 @@ static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
     w->wall[w->walls] = *wall;
     w->wall[w->walls].enabled = 1;
+    w->wall[w->walls].groups = 0xffffffffu;
     w->wall[w->walls].position = wall->asked.origin;
     w->wall[w->walls].asked.motion_start = w->time;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;

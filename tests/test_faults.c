@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <string.h>
 
 #include "dem.h"
 
@@ -118,11 +119,234 @@ static void test_creep_of_the_default_law(void **state) {
     }
 }
 
+/* ---- solid bodies, meshes as regions, walls for some groups ---- */
+
+static void empty_world(dem_world *w) {
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 2500.0, 1e8, 0.2);
+    dem_pair(&def, m, m)->stiffness = 1e3;
+    def.dt = 1e-5;
+    assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
+}
+static dem_feed small_spheres(double diameter, double low, double high) {
+    dem_feed f = dem_default_feed();
+    f.sizes = dem_one_size(diameter);
+    f.region = dem_box_region(v3(low, low, low), v3(high, high, high));
+    return f;
+}
+static int count_in(const dem_world *w, const dem_region *r) {
+    int n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) n += dem_region_holds(r, dem_position(w, i));
+    return n;
+}
+
+/* An octahedron of radius r about the origin: volume 4/3 r^3, faces at r/sqrt(3). unwelded: three corners of its own for each face; turned:
+   every other face the wrong way round; faces: 8 or fewer. */
+typedef struct body {
+    double vertex[72];
+    int32_t triangle[24];
+    dem_mesh mesh;
+} body;
+static void octahedron(body *o, double r, int unwelded, int turned, int faces) {
+    memset(o, 0, sizeof *o);
+    for (int k = 0; k < 8; k++) {
+        const int odd = (k & 1) ^ (k >> 1 & 1) ^ (k >> 2 & 1) ^ (turned && k % 3 == 1);
+        for (int c = 0; c < 3; c++) {
+            const int axis = odd ? 2 - c : c, at = unwelded ? 3 * k + c : 2 * axis + (k >> axis & 1);
+            for (int a = 0; a < 3; a++) o->vertex[3 * at + a] = a == axis ? (k >> axis & 1 ? r : -r) : 0.0;
+            o->triangle[3 * k + c] = at;
+        }
+    }
+    o->mesh.vertex = o->vertex, o->mesh.triangle = o->triangle;
+    o->mesh.vertices = unwelded ? 24 : 6, o->mesh.triangles = faces;
+}
+static double above_octahedron(dem_vec x, double r) { return (fabs(x.x) + fabs(x.y) + fabs(x.z) - r) / sqrt(3.0); }
+
+/* No sphere is put inside a solid block, which may have been moved and turned; a container stays a sheet. */
+static void test_fill_around_solids(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        dem_world w;
+        empty_world(&w);
+        const int box = dem_add_box(&w, 0, v3(0, 0, 0), v3(0.1, 0.1, 0.1));
+        const int block = dem_add_box(&w, 0, v3(0.03, 0.03, 0.03), v3(0.07, 0.07, 0.07));
+        dem_feed f = small_spheres(0.004, 0.0, 0.1);
+        const dem_region in_block = dem_box_region(v3(0.03, 0.03, 0.03), v3(0.07, 0.07, 0.07));
+        (void)box;
+        if (k > 0) assert_int_equal(dem_set_solid(&w, block, 1), DEM_OK);
+        if (k == 2) { /* by 1 cm to the side, and saved */
+            dem_move(&w, block, v3(0.1, 0, 0));
+            run(&w, 0.1, DEM_LINEAR);
+            static unsigned char saved[1 << 20];
+            const size_t size = dem_save(&w, saved, sizeof saved);
+            assert_true(size > 0 && size <= sizeof saved);
+            dem_free(&w);
+            assert_int_equal(dem_load(&w, saved, size, NULL), DEM_OK);
+        }
+        if (k == 3) { /* turned by 45 degrees about the vertical through its middle: the corners of the old place are free */
+            dem_rotate(&w, block, v3(0.05, 0.05, 0.05), v3(0, 0, 1), RIDDLE_PI / 4.0 / 0.1);
+            run(&w, 0.1, DEM_LINEAR);
+        }
+        assert_int_equal(dem_fill(&w, &f, 3000), DEM_OK);
+        int inside = 0;
+        for (ptrdiff_t i = 0; i < w.count; i++) {
+            dem_vec x = dem_position(&w, i);
+            if (k == 2) x.x -= 0.01;
+            if (k == 3) {
+                const double p = (x.x - 0.05 + x.y - 0.05) / sqrt(2.0), q = (x.y - x.x) / sqrt(2.0);
+                x.x = 0.05 + p, x.y = 0.05 + q;
+            }
+            inside += dem_region_holds(&in_block, x);
+        }
+        assert_true(k == 0 ? inside > 50 : inside == 0);
+        assert_true(w.count > 2000);
+        dem_free(&w);
+    }
+}
+
+static void test_what_is_solid(void **state) {
+    (void)state;
+    dem_world w;
+    body o;
+    empty_world(&w);
+    dem_cone cone = dem_default_cone();
+    dem_screen screen = dem_default_screen();
+    const int no[] = {dem_add_plane(&w, 0, v3(0, 0, -1), v3(0, 0, 1)), dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 1.0, 1),
+                      dem_add_sphere_wall(&w, 0, v3(0, 0, 0), 1.0, 1), dem_add_cone(&w, 0, &cone), dem_add_screen(&w, 0, &screen),
+                      dem_add_exit(&w, v3(0, 0, -1), v3(0, 0, 1)), -1, w.walls};
+    for (size_t k = 0; k < sizeof no / sizeof *no; k++) assert_int_equal(dem_set_solid(&w, no[k], 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_solid(NULL, 0, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_solid(&w, no[0], 0), DEM_OK); /* it is none */
+    for (int k = 0; k < 8; k++) { /* whole or without a face; welded or not; turned or not */
+        octahedron(&o, 0.1, k & 1, k & 2, k & 4 ? 7 : 8);
+        const int wall = dem_add_mesh(&w, 0, &o.mesh);
+        assert_true(wall >= 0);
+        assert_int_equal(dem_set_solid(&w, wall, 1), k & 4 ? DEM_BAD_ARGUMENT : DEM_OK);
+        const dem_region r = dem_mesh_region(&o.mesh);
+        assert_int_equal(dem_region_holds(&r, v3(0, 0, 0)), !(k & 4));
+        assert_int_equal(dem_region_holds(&r, v3(0.034, 0.034, 0.034)), 0);
+        assert_int_equal(dem_region_holds(&r, v3(0.033, 0.033, 0.033)), !(k & 4));
+        if (!(k & 6)) near_relative(dem_region_volume(&r), 4.0 / 3.0 * 1e-3, 1e-12, "volume");
+        if (k & 4) assert_true(isnan(dem_region_volume(&r)));
+    }
+    octahedron(&o, 0.1, 0, 0, 8); /* a face twice */
+    memcpy(&o.triangle[21], &o.triangle[0], 3 * sizeof o.triangle[0]);
+    assert_int_equal(dem_set_solid(&w, dem_add_mesh(&w, 0, &o.mesh), 1), DEM_BAD_ARGUMENT);
+    octahedron(&o, 0.1, 0, 0, 8);
+    o.vertex[0] = (double)NAN;
+    dem_region r = dem_mesh_region(&o.mesh);
+    assert_int_equal(dem_region_holds(&r, v3(0, 0, 0)), 0);
+    r = dem_mesh_region(NULL);
+    assert_true(isnan(dem_region_volume(&r)));
+    dem_feed f = small_spheres(0.01, 0.0, 1.0);
+    f.region = r;
+    assert_int_equal(dem_fill(&w, &f, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_remove_region(&w, &r), -DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
+/* Random points: the octahedron's formula says what is inside, lines through corners and edges included. */
+static void test_inside_of_a_mesh(void **state) {
+    (void)state;
+    body o;
+    octahedron(&o, 0.1, 0, 0, 8);
+    const dem_region r = dem_mesh_region(&o.mesh);
+    int inside = 0;
+    for (int k = 0; k < 40000; k++) {
+        const dem_vec x = v3((k % 41 - 20) * 0.006, (k / 41 % 41 - 20) * 0.006, (k / 1681 - 11) * 0.0091); /* also above edges, corners */
+        const double above = above_octahedron(x, 0.1);
+        if (fabs(above) < 1e-12) continue;
+        if (dem_region_holds(&r, x) != (above < 0.0)) fail_msg("%g %g %g", x.x, x.y, x.z);
+        inside += above < 0.0;
+    }
+    assert_true(inside > 500);
+}
+
+static void test_fill_a_mesh(void **state) {
+    (void)state;
+    body o;
+    for (int as_wall = 0; as_wall < 2; as_wall++) { /* the mesh as a container of its own, or a region only */
+        dem_world w;
+        octahedron(&o, 0.1, as_wall, 0, 8);
+        empty_world(&w);
+        if (as_wall) assert_true(dem_add_mesh(&w, 0, &o.mesh) >= 0);
+        dem_feed f = small_spheres(0.008, 0.0, 1.0);
+        f.region = dem_mesh_region(&o.mesh);
+        assert_int_equal(dem_fill(&w, &f, 500), DEM_OK);
+        assert_true(w.count > 300);
+        for (ptrdiff_t i = 0; i < w.count; i++) assert_true(above_octahedron(dem_position(&w, i), 0.1) <= -0.004 + 1e-12);
+        dem_measure m, box;
+        const dem_region all = dem_box_region(v3(-1, -1, -1), v3(1, 1, 1));
+        assert_int_equal(dem_measure_region(&w, &f.region, &m), DEM_OK);
+        assert_int_equal(dem_measure_region(&w, &all, &box), DEM_OK);
+        assert_int_equal(m.count, w.count);
+        near_relative(m.solid_fraction * 4.0 / 3.0 * 1e-3, box.solid_fraction * 8.0, 1e-12, "solid volume"); /* none is cut */
+        body half; /* cuts many */
+        octahedron(&half, 0.05, 0, 0, 8);
+        const dem_region inner = dem_mesh_region(&half.mesh);
+        assert_int_equal(dem_measure_region(&w, &inner, &m), DEM_OK);
+        assert_int_equal(m.count, count_in(&w, &inner));
+        assert_true(m.solid_fraction > 0.1 && m.solid_fraction < 0.5);
+        const ptrdiff_t before = w.count;
+        assert_int_equal(dem_remove_region(&w, &inner), m.count);
+        run(&w, 1e-5, DEM_LINEAR);
+        assert_true(before > m.count && m.count > 10);
+        f.region = inner; /* there is room again: a source in a mesh */
+        assert_int_equal(dem_feed_number(&w, &f, 1e6, 1e-5), DEM_OK);
+        assert_true(f.placed > 500 - f.missed);
+        f.sizes = dem_one_size(0.2); /* larger than the box around it */
+        f.waiting = 0.0;
+        const ptrdiff_t placed = f.placed;
+        assert_int_equal(dem_fill(&w, &f, 3), DEM_OK);
+        assert_int_equal(f.placed, placed);
+        dem_free(&w);
+    }
+}
+
+/* A plane that holds group 1 only, and an exit that takes group 40 only. */
+static void test_walls_for_groups(void **state) {
+    (void)state;
+    dem_world w;
+    empty_world(&w);
+    const int plane = dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1)), exit = dem_add_exit(&w, v3(0, 0, -0.05), v3(0, 0, 1));
+    assert_int_equal(dem_set_wall_groups(&w, plane, 1u << 1), DEM_OK);
+    assert_int_equal(dem_set_wall_groups(&w, exit, 1u << 31), DEM_OK);
+    assert_int_equal(dem_set_wall_groups(&w, 7, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_wall_groups(NULL, 0, 1), DEM_BAD_ARGUMENT);
+    const int group[3] = {1, 5, 40};
+    for (int i = 0; i < 3; i++) {
+        const double c[3] = {0.01 * i, 0, 0.002}, d = 0.004;
+        assert_int_equal(dem_add_spheres(&w, 1, c, &d, 0, group[i]), DEM_OK);
+    }
+    dem_feed f = small_spheres(0.004, 0.1, 0.1045);
+    f.region.low.z = -0.0021, f.region.high.z = 0.002, f.group = 5; /* across the plane: it is not there for this group */
+    assert_int_equal(dem_fill(&w, &f, 1), DEM_OK);
+    assert_int_equal(f.placed, 1);
+    f.group = 1, f.region.low.x = 0.2, f.region.high.x = 0.2045;
+    assert_int_equal(dem_fill(&w, &f, 1), DEM_OK);
+    assert_int_equal(f.placed, 1);
+    run(&w, 0.2, DEM_LINEAR | DEM_ENERGY);
+    near_absolute(dem_position(&w, 0).z, 0.002, 1e-4, "held");
+    near_absolute(dem_position(&w, 1).z, 0.002 - 0.5 * 9.81 * 0.04, 1e-9, "fell");
+    assert_int_equal(w.passed_count, 1);
+    assert_int_equal(w.passed[0].group, 40);
+    assert_int_equal(dem_set_wall_groups(&w, plane, 0), DEM_OK); /* the floor is taken away: what the contact stores is removed */
+    run(&w, 0.1, DEM_LINEAR | DEM_ENERGY);
+    assert_true(dem_position(&w, 0).z < -0.04);
+    near_absolute(dem_energy(&w).error, 0.0, 1e-9, "ledger");
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_subnormal_numbers),
         cmocka_unit_test(test_no_subnormal_walls),
         cmocka_unit_test(test_creep_of_the_default_law),
+        cmocka_unit_test(test_fill_around_solids),
+        cmocka_unit_test(test_what_is_solid),
+        cmocka_unit_test(test_inside_of_a_mesh),
+        cmocka_unit_test(test_fill_a_mesh),
+        cmocka_unit_test(test_walls_for_groups),
     };
     return cmocka_run_group_tests_name("faults", tests, NULL, NULL);
 }
