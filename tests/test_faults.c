@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "dem.h"
@@ -337,8 +339,338 @@ static void test_walls_for_groups(void **state) {
     dem_free(&w);
 }
 
+/* ---- what the caller does between runs stands in the books ---- */
+
+static const double radius = 0.002, diameter = 0.004, stiffness = 1e3, depth = 1e-4;
+
+/* One material without loss, no gravity, dt = t_c/180. */
+static void lossless(dem_world *w, double friction) {
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 2500.0, 1e7, 0.2);
+    dem_pair_def *p = dem_pair(&def, m, m);
+    p->restitution = 1.0, p->stiffness = stiffness, p->friction = friction;
+    def.gravity = v3(0, 0, 0), def.dt = 1e-6;
+    assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
+}
+static void put(dem_world *w, double x, double y, double z) {
+    const double c[3] = {x, y, z};
+    assert_int_equal(dem_add_spheres(w, 1, c, &diameter, 0, 0), DEM_OK);
+}
+static int floor_of(dem_world *w) { return dem_add_plane(w, 0, v3(0, 0, 0), v3(0, 0, 1)); }
+static void rest_motion(void *user, double time, dem_pose *pose) { (void)user, (void)time, (void)pose; }
+
+/* A ball that has been on a floor with depth/2 of overlap since half a period, and what is done to it there. */
+enum {
+    OVERLAP_BEFORE,
+    OVERLAP_ADDED,
+    WALL_ENABLED,
+    WALL_ADDED,
+    WALL_DISABLED,
+    WALL_GROUPS,
+    REMOVED,
+    REMOVED_BY_REGION,
+    STIFFENED,
+    SOFTENED,
+    FRICTION_CHANGED,
+    RESTITUTION_CHANGED,
+    STEP_CHANGED,
+    GRAVITY_ON,
+    STRUCK,
+    LOADED,
+    WALL_MOVED,
+    WALL_VIBRATED,
+    WALL_TURNED,
+    WALL_BELTED,
+    WALL_PRESCRIBED,
+    WALL_CONTROLLED,
+    ACTS
+};
+static void pressed(dem_world *w, int act, int features) {
+    const int plane = floor_of(w);
+    if (act == OVERLAP_BEFORE) {
+        put(w, 0, 0, radius - depth);
+        return;
+    }
+    if (act == WALL_ENABLED) dem_enable_wall(w, plane, 0);
+    if (act == WALL_ENABLED || act == WALL_ADDED) {
+        put(w, 0, 0, act == WALL_ADDED ? 0.1 + radius - depth : radius - depth);
+        run(w, 1e-4, features);
+        if (act == WALL_ENABLED) assert_int_equal(dem_enable_wall(w, plane, 1), DEM_OK);
+        else assert_true(dem_add_plane(w, 0, v3(0, 0, 0.1), v3(0, 0, 1)) >= 0);
+        return;
+    }
+    put(w, 0, 0, radius + 1e-6); /* falls on the floor at a slant, and is stopped by its spring when the act comes */
+    dem_set_motion(w, 0, v3(0.05, 0, -0.2), v3(0, 3, 0));
+    run(w, 1e-6 / 0.2 + 0.5 * RIDDLE_PI * sqrt(dem_mass(w, 0) / stiffness), features);
+}
+static void do_act(dem_world *w, int act) {
+    dem_pair_def p = *dem_pair(&w->def, 0, 0);
+    const dem_region all = dem_box_region(v3(-1, -1, -1), v3(1, 1, 1));
+    dem_status status = DEM_OK;
+    switch (act) {
+    case OVERLAP_ADDED: put(w, 0, 0, 3.0 * radius - 2.0 * depth); break;
+    case WALL_DISABLED: status = dem_enable_wall(w, 0, 0); break;
+    case WALL_GROUPS: status = dem_set_wall_groups(w, 0, ~1u); break;
+    case REMOVED: status = dem_remove(w, 0); break;
+    case REMOVED_BY_REGION: assert_int_equal(dem_remove_region(w, &all), 1); break;
+    case STIFFENED: p.stiffness *= 2.0; break;
+    case SOFTENED: p.stiffness *= 0.5; break;
+    case FRICTION_CHANGED: p.friction = 0.1; break;
+    case RESTITUTION_CHANGED: p.restitution = 0.5; break;
+    case STEP_CHANGED: status = dem_set_time_step(w, 0.37e-6); break;
+    case GRAVITY_ON: status = dem_set_gravity(w, v3(3.0, 0, -9.81)); break;
+    case STRUCK: status = dem_set_motion(w, 0, v3(0.1, 0.2, -0.1), v3(10, 0, 0)); break;
+    case LOADED: status = dem_set_load(w, 0, v3(1e-3, 0, -2e-3), v3(0, 1e-6, 0)); break;
+    case WALL_MOVED: status = dem_move(w, 0, v3(0.1, 0, 0.1)); break;
+    case WALL_VIBRATED: status = dem_vibrate(w, 0, v3(0, 0, 1e-4), v3(0, 0, 1.0), 100.0); break;
+    case WALL_TURNED: status = dem_rotate(w, 0, v3(0.01, 0, 0), v3(0, 0, 1), 20.0); break;
+    case WALL_BELTED: status = dem_set_belt(w, 0, v3(0.5, 0, 0)); break;
+    case WALL_PRESCRIBED: status = dem_prescribe(w, 0, v3(0, 0, 0), rest_motion, NULL); break;
+    case WALL_CONTROLLED: status = dem_control_force(w, 0, v3(0, 0, 1), 1e-2, 0.05, 0.0); break;
+    default: break;
+    }
+    assert_int_equal(status, DEM_OK);
+    if (act >= STIFFENED && act <= RESTITUTION_CHANGED) assert_int_equal(dem_set_pair(w, 0, 0, &p), DEM_OK);
+}
+static void test_callers_acts_are_booked(void **state) {
+    (void)state;
+    for (int k = 0; k < 3 * ACTS; k++) {
+        const int act = k / 3, has_friction = k % 3 == 1, hertz = k % 3 == 2;
+        const int features = (hertz ? DEM_HERTZ : DEM_LINEAR) | (has_friction ? DEM_FRICTION : 0) | DEM_ENERGY;
+        char what[80];
+        dem_world w;
+        lossless(&w, has_friction ? 0.5 : 0.0);
+        pressed(&w, act, features);
+        do_act(&w, act);
+        run(&w, 0.005, features);
+        const dem_energy_ledger l = dem_energy(&w);
+        double scale = l.kinetic + l.rotational + l.elastic + l.removed; /* in play */
+        if (act == WALL_CONTROLLED) scale += fabs(l.wall_work);
+        snprintf(what, sizeof what, "act %d, %s", act, hertz ? "Hertz" : has_friction ? "friction" : "smooth");
+        assert_true(scale > 1e-8);
+        near_absolute(l.error / scale, 0.0, 2e-3, what);
+        if (!has_friction) near_absolute(l.sliding_loss / scale, 0.0, 1e-3, what);
+        if (act == OVERLAP_BEFORE || act == WALL_ENABLED || act == WALL_ADDED) {
+            if (!hertz) near_relative(l.kinetic + l.rotational, 0.5 * stiffness * depth * depth, 3e-3, what);
+        }
+        dem_free(&w);
+    }
+}
+
+/* What is booked has the right size. */
+static void test_size_of_the_bookings(void **state) {
+    (void)state;
+    const int features = DEM_LINEAR | DEM_ENERGY;
+    const double stored = 0.5 * stiffness * depth * depth;
+    for (int act = 0; act < 5; act++) {
+        dem_world w;
+        lossless(&w, 0.0);
+        put(&w, 0, 0, 0);
+        if (act > 0) put(&w, 0, 0, diameter - depth);
+        run(&w, 0.0, features);
+        const dem_energy_ledger before = dem_energy(&w);
+        dem_pair_def p = *dem_pair(&w.def, 0, 0);
+        p.stiffness *= 3.0;
+        if (act == 0) put(&w, 0, 0, diameter - depth);
+        if (act == 1) assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
+        if (act == 2) assert_int_equal(dem_remove(&w, 1), DEM_OK);
+        if (act == 3) assert_int_equal(dem_set_gravity(&w, v3(0, 0, -2.0)), DEM_OK);
+        if (act == 4) assert_int_equal(dem_set_motion(&w, 1, v3(0, 0, 3), v3(0, 0, 0)), DEM_OK);
+        run(&w, 0.0, features);
+        const dem_energy_ledger l = dem_energy(&w);
+        const double raised = 2.0 * dem_mass(&w, 0) * (diameter - depth), struck = 4.5 * dem_mass(&w, 0);
+        const double added[5] = {stored, 2.0 * stored, 0.0, raised, struck};
+        near_absolute(l.added - before.added, added[act], 1e-12 * (added[act] + stored), "added");
+        near_absolute(l.removed - before.removed, act == 2 ? stored : 0.0, 1e-12 * stored, "removed");
+        near_absolute(l.error, 0.0, 1e-12 * (stored + added[act]), "error");
+        dem_free(&w);
+    }
+}
+
+static void test_set_gravity(void **state) {
+    (void)state;
+    dem_world w;
+    lossless(&w, 0.5);
+    floor_of(&w);
+    put(&w, 0, 0, 1.0); /* flies */
+    put(&w, 1, 0, radius); /* will rest */
+    dem_set_motion(&w, 0, v3(1, 0, 0), v3(0, 0, 0));
+    run(&w, 0.1, DEM_LINEAR);
+    near_absolute(dem_position(&w, 0).x, 0.1, 1e-12, "free");
+    assert_int_equal(dem_set_gravity(&w, v3(0, 2, -10)), DEM_OK);
+    run(&w, 0.1, DEM_LINEAR);
+    near_absolute(dem_position(&w, 0).x, 0.2, 1e-12, "x");
+    near_absolute(dem_position(&w, 0).y, 0.01, 1e-12, "y");
+    near_absolute(dem_position(&w, 0).z, 1.0 - 0.05, 1e-12, "z");
+    near_absolute(dem_position(&w, 1).y, 0.01, 1e-12, "slides without friction");
+    assert_int_equal(dem_set_gravity(&w, v3(0, 0, 0)), DEM_OK);
+    run(&w, 0.1, DEM_LINEAR);
+    near_absolute(dem_position(&w, 0).y, 0.03, 1e-12, "goes on straight");
+    const dem_vec bad[] = {v3((double)NAN, 0, 0), v3(0, (double)INFINITY, 0), v3(0, 0, 1e100)};
+    for (size_t k = 0; k < 3; k++) assert_int_equal(dem_set_gravity(&w, bad[k]), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_gravity(NULL, v3(0, 0, 0)), DEM_BAD_ARGUMENT);
+    assert_true(w.def.gravity.x == 0.0 && w.def.gravity.y == 0.0);
+    dem_free(&w);
+}
+
+static void test_set_pair(void **state) {
+    (void)state;
+    dem_world w;
+    lossless(&w, 0.2);
+    floor_of(&w);
+    dem_set_gravity(&w, v3(0, 0, -10));
+    dem_pair_def p = *dem_pair(&w.def, 0, 0);
+    p.restitution = 0.3;
+    assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
+    put(&w, 0, 0, radius - 10.0 * 2500.0 * RIDDLE_PI / 6.0 * diameter * diameter * diameter / stiffness);
+    dem_set_motion(&w, 0, v3(5, 0, 0), v3(0, 0, 0));
+    const int features = DEM_LINEAR | DEM_FRICTION;
+    run(&w, 0.1, features);
+    near_relative(dem_velocity(&w, 0).x, 5.0 - 0.2, 1e-4, "slides with 0.2 g");
+    p.friction = 0.4;
+    assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
+    run(&w, 0.1, features);
+    near_relative(dem_velocity(&w, 0).x, 5.0 - 0.6, 1e-4, "with 0.4 g");
+    p.stiffness *= 4.0;
+    assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
+    run(&w, 0.3, features);
+    near_relative(dem_get_contact(&w, 0).gap, -10.0 * dem_mass(&w, 0) / p.stiffness, 1e-3, "overlap of the stiffer contact");
+    const dem_pair_def good = p;
+    for (int k = 0; k < 6; k++) {
+        p = good;
+        double *field[] = {&p.stiffness, &p.restitution, &p.friction, &p.rolling, &p.tangential_ratio, &p.tangential_damping};
+        *field[k] = k == 1 ? 0.0 : -1.0;
+        assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_BAD_ARGUMENT);
+        *field[k] = (double)NAN;
+        assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_BAD_ARGUMENT);
+    }
+    assert_int_equal(dem_set_pair(&w, 0, 0, NULL), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_pair(&w, 0, 1, &good), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_pair(&w, -1, 0, &good), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_pair(NULL, 0, 0, &good), DEM_BAD_ARGUMENT);
+    assert_memory_equal(dem_pair(&w.def, 0, 0), &good, sizeof good);
+    dem_free(&w);
+}
+
+static void test_set_time_step(void **state) {
+    (void)state;
+    dem_world w;
+    lossless(&w, 0.5);
+    floor_of(&w);
+    dem_set_gravity(&w, v3(0, 0, -10));
+    put(&w, 0, 0, 1.0);
+    dem_set_motion(&w, 0, v3(1, 0, 0), v3(0, 0, 7));
+    double time = 0.0;
+    for (int k = 0; k < 20; k++) {
+        assert_int_equal(dem_set_time_step(&w, 1e-6 * (1.0 + 0.31 * k)), DEM_OK);
+        run(&w, 0.01, DEM_LINEAR | DEM_FRICTION);
+        time += 0.01;
+        near_absolute(w.time + w.owed, time, 1e-12, "time and what is owed");
+        near_absolute(dem_position(&w, 0).z, 1.0 - 5.0 * w.time * w.time, 1e-11, "parabola");
+    }
+    const double bad[] = {0.0, -1e-6, (double)NAN, (double)INFINITY, 1e9};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_time_step(NULL, 1e-6), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
+/* ---- records do not pile up ---- */
+
+static size_t held; /* bytes of the world under test */
+static void *counting(void *user, void *old, size_t old_size, size_t new_size) {
+    (void)user;
+    held += new_size - old_size;
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    return realloc(old, new_size);
+}
+
+/* A source and an exit: who takes the records holds a constant amount of memory, and loses none of them. */
+static void test_records_are_taken(void **state) {
+    (void)state;
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 2500.0, 1e7, 0.2);
+    dem_pair(&def, m, m)->stiffness = 1e3;
+    def.dt = 4e-6, def.allocator.fn = counting;
+    dem_world w;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    dem_add_exit(&w, v3(0, 0, -0.02), v3(0, 0, 1));
+    dem_feed f = dem_default_feed();
+    f.region = dem_box_region(v3(0, 0, 0), v3(0.05, 0.05, 0.01));
+    f.sizes = dem_one_size(0.001), f.velocity = v3(0, 0, -1);
+    size_t first = 0, save = 0;
+    ptrdiff_t taken = 0;
+    double latest = 0.0;
+    dem_passed records[40];
+    for (int k = 0; k < 400; k++) {
+        assert_int_equal(dem_feed_number(&w, &f, 20000.0, 0.005), DEM_OK);
+        run(&w, 0.005, DEM_LINEAR);
+        ptrdiff_t n;
+        while ((n = dem_take_passed(&w, records, 40)) > 0) {
+            for (ptrdiff_t q = 0; q < n; q++) {
+                assert_true(records[q].time >= latest);
+                latest = records[q].time;
+            }
+            taken += n;
+        }
+        assert_int_equal(n, 0);
+        assert_int_equal(w.passed_count, 0);
+        if (k == 40) first = held, save = dem_save(&w, NULL, 0);
+    }
+    assert_int_equal(taken, w.passed_total);
+    assert_true(taken > 30000);
+    ptrdiff_t present = 0;
+    for (ptrdiff_t i = 0; i < w.count; i++) present += w.alive[i] == DEM_PRESENT;
+    assert_int_equal(f.placed, taken + present);
+    assert_true(held < 2 * first);
+    assert_true(dem_save(&w, NULL, 0) < 3 * save / 2);
+    assert_int_equal(dem_take_passed(&w, records, -1), -DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_take_passed(NULL, records, 1), -DEM_BAD_ARGUMENT);
+    run(&w, 0.05, DEM_LINEAR);
+    const ptrdiff_t left = w.passed_count;
+    assert_true(left > 100);
+    assert_int_equal(dem_take_passed(&w, NULL, 10), 10); /* dropped */
+    assert_int_equal(w.passed_count, left - 10);
+    assert_int_equal(dem_take_passed(&w, NULL, left), left - 10);
+    dem_free(&w);
+    assert_int_equal(held, 0);
+}
+
+/* The same from a stream that nobody takes: a save has them all, and they can be taken after loading. */
+static void test_records_are_saved(void **state) {
+    (void)state;
+    dem_world w, again;
+    empty_world(&w);
+    dem_add_exit(&w, v3(0, 0, -0.01), v3(0, 0, 1));
+    for (int i = 0; i < 20; i++) {
+        const double c[3] = {0.01 * i, 0, 0.001 * i}, d = 0.004;
+        dem_add_spheres(&w, 1, c, &d, 0, i);
+    }
+    run(&w, 0.2, DEM_LINEAR);
+    assert_int_equal(w.passed_count, 20);
+    assert_int_equal(dem_take_passed(&w, NULL, 5), 5);
+    static unsigned char bytes[100000];
+    const size_t size = dem_save(&w, bytes, sizeof bytes);
+    assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+    dem_passed p[20];
+    assert_int_equal(again.passed_total, 20);
+    assert_int_equal(dem_take_passed(&again, p, 20), 15);
+    assert_int_equal(p[0].group, 5);
+    dem_free(&w);
+    dem_free(&again);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_callers_acts_are_booked),
+        cmocka_unit_test(test_size_of_the_bookings),
+        cmocka_unit_test(test_set_gravity),
+        cmocka_unit_test(test_set_pair),
+        cmocka_unit_test(test_set_time_step),
+        cmocka_unit_test(test_records_are_taken),
+        cmocka_unit_test(test_records_are_saved),
         cmocka_unit_test(test_no_subnormal_numbers),
         cmocka_unit_test(test_no_subnormal_walls),
         cmocka_unit_test(test_creep_of_the_default_law),
