@@ -352,7 +352,7 @@ typedef struct blocking_law {
     double sse, dof, s;     /* sum of squares, degrees of freedom, spread of a reading [-] (1 where sigma is given) */
     double student;         /* of the ranges, for 95 % */
     double low[3], high[3]; /* K, x_h and moisture of the tests: beyond is extrapolation */
-    double covariance[2 * BLOCKING_LAW_TERMS][2 * BLOCKING_LAW_TERMS]; /* of a and b, 0 for unused terms */
+    double covariance[2 * BLOCKING_LAW_TERMS][2 * BLOCKING_LAW_TERMS]; /* of a and b; what the choice of the form leaves open is in it */
     size_t tests, readings;
 } blocking_law;
 
@@ -2107,35 +2107,28 @@ static inline double blocking__aicc(const blocking__tests *all, const blocking__
     return fit + 2.0 * q + 2.0 * q * (q + 1.0) / (n - q - 1.0);
 }
 
-/* From scaled covariates to plain ones: a_j = x_j/width_j, and what that shifts goes into a_0. */
-static inline void blocking__law_plain(const blocking__tests *all, const blocking__law_trial *trial, blocking_law *out) {
-    double map[BLOCKING__MOST][BLOCKING__MOST] = {{0.0}}, half[BLOCKING__MOST][BLOCKING__MOST], inverse[BLOCKING__MOST][BLOCKING__MOST];
+/* From scaled covariates to plain ones: a_j = x_j/width_j, and what that shifts goes into a_0. spread: covariance of x. */
+static inline void blocking__law_plain(const blocking__tests *all, const blocking__law_trial *trial,
+                                       double spread[BLOCKING__MOST][BLOCKING__MOST], blocking_law *out) {
+    double map[BLOCKING__MOST][BLOCKING__MOST] = {{0.0}}, half[BLOCKING__MOST][BLOCKING__MOST];
     for (int i = 0; i < BLOCKING__MOST; i++) {
         int first = i - i % BLOCKING_LAW_TERMS, j = i % BLOCKING_LAW_TERMS;
         map[i][i] = j == 0 ? 1.0 : all->width[j - 1] > 0.0 ? 1.0 / all->width[j - 1] : 0.0;
         if (j > 0) map[first][i] = -map[i][i] * all->centre[j - 1];
     }
     for (int i = 0; i < BLOCKING__MOST; i++) {
-        double column[BLOCKING__MOST] = {0.0};
-        int on = (i < BLOCKING_LAW_TERMS ? trial->used_a >> i : trial->used_b >> (i - BLOCKING_LAW_TERMS)) & 1;
-        column[i] = on;
-        if (on && !blocking__law_solve(trial, 0.0, column))
-            for (int j = 0; j < BLOCKING__MOST; j++) column[j] = (double)NAN;
-        for (int j = 0; j < BLOCKING__MOST; j++) inverse[j][i] = column[j];
-    }
-    for (int i = 0; i < BLOCKING__MOST; i++) {
         double value = 0.0;
         for (int j = 0; j < BLOCKING__MOST; j++) {
             value += map[i][j] * trial->x[j];
             half[i][j] = 0.0;
-            for (int k = 0; k < BLOCKING__MOST; k++) half[i][j] += map[i][k] * inverse[k][j];
+            for (int k = 0; k < BLOCKING__MOST; k++) half[i][j] += map[i][k] * spread[k][j];
         }
         *(i < BLOCKING_LAW_TERMS ? &out->a[i] : &out->b[i - BLOCKING_LAW_TERMS]) = value;
     }
     for (int i = 0; i < BLOCKING__MOST; i++)
         for (int j = 0; j < BLOCKING__MOST; j++) {
             out->covariance[i][j] = 0.0;
-            for (int k = 0; k < BLOCKING__MOST; k++) out->covariance[i][j] += out->s * out->s * half[i][k] * map[j][k];
+            for (int k = 0; k < BLOCKING__MOST; k++) out->covariance[i][j] += half[i][k] * map[j][k];
         }
 }
 
@@ -2194,21 +2187,30 @@ static inline void blocking__law_best(const blocking__tests *all, const blocking
     if (other.sse < trial->sse) *trial = other;
 }
 
-/* Every form, from its best parent with one term less and from single tests; the best by AICc in *best. */
-static inline void blocking__law_forms(const blocking__tests *all, blocking__law_trial *best, blocking_law *out) {
-    blocking__law_trial form[64];
+/* All forms, bits 0 to 2 of their number: the terms of a, bits 3 to 5: those of b. */
+enum { BLOCKING__FORMS = 64 };
+typedef struct blocking__law_set {
+    blocking__law_trial form[BLOCKING__FORMS];
+    double aicc[BLOCKING__FORMS]; /* infinite: not to be had */
+    int best;
+} blocking__law_set;
+
+/* Every form, from its best parent with one term less and from single tests; the best by AICc. */
+static inline void blocking__law_forms(const blocking__tests *all, blocking__law_set *set) {
+    blocking__law_trial *form = set->form;
     blocking__law_guess guess;
     blocking__law_single(all, &guess);
     blocking__law_start(all, &form[0]);
     blocking__law_best(all, &guess, &form[0]);
-    *best = form[0];
-    out->aicc = out->aicc_constant = blocking__aicc(all, best);
+    set->best = 0;
+    set->aicc[0] = blocking__aicc(all, &form[0]);
     for (int terms = 1; terms <= 6; terms++)
-        for (int f = 1; f < 64; f++) {
+        for (int f = 1; f < BLOCKING__FORMS; f++) {
             int a = f & 7, b = f >> 3, parent = -1, idle = 0;
+            double unused[BLOCKING__MOST] = {0.0};
             if (blocking__bits(a) + blocking__bits(b) != terms) continue;
             for (int j = 0; j < 3; j++) idle |= !(all->width[j] > 0.0) && ((a | b) >> j & 1);
-            form[f].sse = HUGE_VAL;
+            form[f].sse = set->aicc[f] = HUGE_VAL;
             for (int j = 0; j < 6; j++)
                 if ((f >> j & 1) && (parent < 0 || form[f ^ (1 << j)].sse < form[parent].sse)) parent = f ^ (1 << j);
             if (idle || parent < 0 || !(form[parent].sse < HUGE_VAL)) continue;
@@ -2217,12 +2219,41 @@ static inline void blocking__law_forms(const blocking__tests *all, blocking__law
             form[f].used_b = 1 | b << 1;
             form[f].terms = 2 + terms;
             blocking__law_best(all, &guess, &form[f]);
-            double aicc = blocking__aicc(all, &form[f]), unused[BLOCKING__MOST] = {0.0};
-            if (aicc < out->aicc && blocking__law_solve(&form[f], 0.0, unused)) {
-                out->aicc = aicc;
-                *best = form[f];
-            }
+            if (blocking__law_solve(&form[f], 0.0, unused)) set->aicc[f] = blocking__aicc(all, &form[f]);
+            if (set->aicc[f] < set->aicc[set->best]) set->best = f;
         }
+}
+
+static inline double blocking__law_dof(const blocking__tests *all, const blocking__law_trial *trial) {
+    return (double)all->readings - (double)all->n - trial->terms;
+}
+
+/* Covariance of the best form's coefficients, with what the choice of the form adds: every form by its Akaike weight, its own covariance
+   and the square of how far it is off the best (Burnham and Anderson 2002, section 4.3). NaN where the best has none. */
+static inline void blocking__law_spread(const blocking__tests *all, const blocking__law_set *set,
+                                        double spread[BLOCKING__MOST][BLOCKING__MOST]) {
+    double weights = 0.0;
+    for (int i = 0; i < BLOCKING__MOST; i++)
+        for (int j = 0; j < BLOCKING__MOST; j++) spread[i][j] = 0.0;
+    for (int f = 0; f < BLOCKING__FORMS; f++) {
+        const double behind = set->aicc[f] - set->aicc[set->best], weight = f == set->best ? 1.0 : riddle_exp(-0.5 * behind);
+        if (f != set->best && !(behind < 40.0)) continue;
+        const blocking__law_trial *form = &set->form[f];
+        const double variance = all->test[0].sigma ? 1.0 : form->sse / blocking__law_dof(all, form);
+        for (int i = 0; i < BLOCKING__MOST; i++) {
+            double column[BLOCKING__MOST] = {0.0};
+            int on = (i < BLOCKING_LAW_TERMS ? form->used_a >> i : form->used_b >> (i - BLOCKING_LAW_TERMS)) & 1;
+            column[i] = on;
+            if (on && !blocking__law_solve(form, 0.0, column))
+                for (int j = 0; j < BLOCKING__MOST; j++) column[j] = f == set->best ? (double)NAN : 0.0;
+            for (int j = 0; j < BLOCKING__MOST; j++)
+                spread[j][i] +=
+                    weight * (variance * column[j] + (form->x[i] - set->form[set->best].x[i]) * (form->x[j] - set->form[set->best].x[j]));
+        }
+        weights += weight;
+    }
+    for (int i = 0; i < BLOCKING__MOST; i++)
+        for (int j = 0; j < BLOCKING__MOST; j++) spread[i][j] /= weights;
 }
 
 BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test) {
@@ -2241,21 +2272,26 @@ BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t
     blocking_status status = blocking__check_tests(tests, n_tests, &all, test);
     if (status != BLOCKING_OK) return status;
     if (all.readings < n_tests + 3) return BLOCKING_TOO_FEW;
-    blocking__law_trial best;
-    blocking__law_forms(&all, &best, out);
+    blocking__law_set set;
+    double spread[BLOCKING__MOST][BLOCKING__MOST];
+    blocking__law_forms(&all, &set);
+    const blocking__law_trial *best = &set.form[set.best];
     out->tests = n_tests;
     out->readings = all.readings;
-    out->used_a = best.used_a;
-    out->used_b = best.used_b;
-    out->sse = best.sse;
-    out->dof = (double)all.readings - (double)n_tests - best.terms;
-    out->s = tests[0].sigma ? 1.0 : sqrt(best.sse / out->dof);
+    out->aicc = set.aicc[set.best];
+    out->aicc_constant = set.aicc[0];
+    out->used_a = best->used_a;
+    out->used_b = best->used_b;
+    out->sse = best->sse;
+    out->dof = blocking__law_dof(&all, best);
+    out->s = tests[0].sigma ? 1.0 : sqrt(best->sse / out->dof);
     out->student = blocking_student(1.959963984540054, tests[0].sigma ? HUGE_VAL : out->dof);
     for (int j = 0; j < 3; j++) {
         out->low[j] = all.centre[j] - all.width[j];
         out->high[j] = all.centre[j] + all.width[j];
     }
-    blocking__law_plain(&all, &best, out);
+    blocking__law_spread(&all, &set, spread);
+    blocking__law_plain(&all, best, spread, out);
     return out->covariance[0][0] == out->covariance[0][0] ? BLOCKING_OK : BLOCKING_UNDETERMINED;
 }
 
