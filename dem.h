@@ -159,6 +159,7 @@ extern "C" {
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
 #define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: more make neighbours look sooner */
 #define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
 #define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
 #define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
@@ -182,6 +183,7 @@ extern "C" {
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
+    X(DEM_NO_FIELD, "a world with a force field was loaded, and the field's law is a function, which dem_set_force_field must name again")    \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -468,6 +470,47 @@ typedef struct dem_law {
    0, 0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
+/* ---- force fields ---- */
+
+/* What the law of a force field sees of a particle. */
+typedef struct dem_force_point {
+    dem_vec position; /* of its centre, within the periodic box [m] */
+    dem_vec velocity; /* [m/s] */
+    double radius;    /* [m] */
+    double mass;      /* [kg] */
+    double time;      /* [s] */
+    dem_vec gravity;  /* [m/s2] */
+    const void *user; /* that of the field */
+} dem_force_point;
+
+struct dem__field_task;
+typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
+
+/* A force on every particle, in flight and touching. Made by dem_default_force_field(), copied by dem_set_force_field(). */
+typedef struct dem_force_field {
+    dem_field_fn kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
+    const void *user;    /* handed to the law; default NULL */
+    double length;       /* a flight's step goes no further [m] > 0: half the size of the field's finest detail; default HUGE_VAL */
+    double interval;     /* and takes no longer [s] > 0: a tenth of the time in which the field changes at a place; default HUGE_VAL */
+    double accuracy;     /* largest error of position in a flight's step over the particle's radius, 1e-12 .. 1e-4; default 1e-6 */
+} dem_force_field;
+
+/* A gas: at rest, or by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the caller's. */
+typedef struct dem_gas {
+    double density;   /* [kg/m3] > 0; default 1.2 */
+    double viscosity; /* [Pa s] > 0; default 1.81e-5 */
+    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
+    int buoyancy;     /* 1: the weight of the displaced gas is taken off. Leave it 0 if pressure_gradient has the gas's own weight in it;
+                         default 0 */
+    dem_vec low, high;               /* corners of the grid in the frame [m]: beyond them there is no gas; default -HUGE_VAL, HUGE_VAL */
+    int n[3];                        /* nodes by axis, corners included, >= 2 where there are values */
+    const double *velocity;          /* at the nodes, seen from the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at rest */
+    const double *pressure_gradient; /* likewise [Pa/m]; its force -V grad p is added; NULL: none */
+    const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
+    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves [m/s]; default 0, (0, 0, 1), 0 */
+    double spin, start;              /* at this rate [rad/s]; time at which frame and world agree [s]; default 0 */
+} dem_gas;
+
 /* ---- the world ---- */
 
 /* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
@@ -475,6 +518,7 @@ typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
+    double field_work;     /* done on them by a force field */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
     double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
                               whose constants are changed by it, gravity */
@@ -780,6 +824,33 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
    Links follow a particle's leaving: ended is called, and the link is gone. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
+
+/* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
+/* Sets the force field from now on, or with NULL takes it off. A particle in flight advances by steps of its own, chosen by the error (Cash
+   & Karp 1990); between their ends it is on a parabola that is there in place and within `accuracy`, so that velocities read meanwhile are
+   off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, bit for
+   bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step must
+   be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
+
+/* Constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6 and
+   surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B),
+   B its mean area seen across the flow; both 0 < .. <= 100. A convex body that turns at random has all three equal. {NaN} else. */
+DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
+/* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
+DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
+/* A force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its length. */
+DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
+/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it goes with it from now on. DEM_BAD_ARGUMENT for others. */
+DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
+/* Velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
+/* Porosity at the grid's nodes from the volumes of the spheres now, each shared among the nodes around it; at least 0.2. Cells should be
+   3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be. DEM_BAD_ARGUMENT without a finite grid. */
+DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
 
 /* ---- reading ---- */
 
@@ -1840,6 +1911,132 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
     return dem__add(w->acceleration, dem__add(inward, dem__scale(w->spin_rate, dem__cross(w->spin_axis, arm))));
 }
+
+/* ---------------------------------------------------------------------------------------------- >>gas-laws */
+/* Drag coefficient times Reynolds number, c_D Re [-], of Re = density |slip| d/viscosity, d the diameter of the sphere of equal volume. The
+   force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
+typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
+
+/* Stokes 1851. */
+DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
+    (void)gas;
+    return reynolds >= 0.0 ? 24.0 : (double)NAN;
+}
+
+/* Schiller & Naumann 1933, for spheres; beyond 1000 Newton's 0.44. */
+DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
+    (void)gas;
+    if (!(reynolds >= 0.0)) return (double)NAN;
+    if (reynolds > 1000.0) return 0.44 * reynolds;
+    return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
+}
+
+/* Hoelzer & Sommerfeld 2008, by gas->shape, which dem_shape_of_drag() fills. */
+DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
+    return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+}
+
+/* Exponent chi of the porosity (Di Felice 1994): the drag on a particle among others is that on one alone, both at the superficial slip,
+   times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+DEM_INLINE double dem_di_felice(double reynolds) {
+    if (!(reynolds >= 0.0)) return (double)NAN;
+    const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
+    return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
+}
+
+/* The frame of a gas at a time: where its centre is, and what turns it. */
+typedef struct dem__gas_frame {
+    dem_vec centre;
+    double s, c; /* sine and cosine of its angle */
+} dem__gas_frame;
+DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
+    const double t = time - gas->start;
+    dem__gas_frame f;
+    f.centre = dem__plus(gas->centre, t, gas->drift);
+    f.s = 0.0, f.c = 1.0;
+    if (gas->spin != 0.0) {
+        const double turns = gas->spin * t / (2.0 * RIDDLE_PI), angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
+        f.s = riddle_sin(angle), f.c = riddle_cos(angle);
+    }
+    return f;
+}
+/* v turned by the frame's angle, or with sign -1 back. */
+DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
+    const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
+    return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
+}
+
+/* A place of the grid: the node below, and how far it is beyond it, in cells. 0 beyond the grid. */
+typedef struct dem__gas_cell {
+    ptrdiff_t first, next[3];
+    double part[3];
+} dem__gas_cell;
+DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
+    ptrdiff_t stride = 1;
+    cell->first = 0;
+    for (int a = 0; a < 3; a++) {
+        const double low = dem_axis(gas->low, a), high = dem_axis(gas->high, a), x = dem_axis(at, a);
+        cell->next[a] = 0, cell->part[a] = 0.0;
+        if (!(x >= low && x <= high)) return 0;
+        if (gas->n[a] < 2) continue;
+        const double u = (x - low) / (high - low) * (gas->n[a] - 1);
+        int k = (int)u;
+        k = k > gas->n[a] - 2 ? gas->n[a] - 2 : k;
+        cell->first += k * stride;
+        cell->next[a] = stride;
+        cell->part[a] = u - k;
+        stride *= gas->n[a];
+    }
+    return 1;
+}
+/* Trilinear: component `of` of `size` at a place. */
+DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = 1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * size + of];
+    }
+    return sum;
+}
+DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, const double *values, const dem__gas_cell *cell) {
+    return dem__turned(
+        gas, f, dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1), dem__gas_value(values, cell, 3, 2)), 1.0);
+}
+
+/* Velocity of the gas in the world at x, which lies in a cell. */
+DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
+    dem_vec u = gas->drift;
+    if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
+    return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
+}
+
+/* Force of a gas on a particle [N]: drag on its own and in the crowd, pressure gradient, buoyancy. 0 beyond the grid. */
+DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
+    const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
+    const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
+    double factor = RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, gas);
+    if (porosity < 1.0) factor *= riddle_exp((1.0 - dem_di_felice(reynolds)) * riddle_log(porosity));
+    dem_vec force = dem__scale(factor, slip);
+    if (gas->pressure_gradient) force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
+    return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
+}
+
+/* The kernel of a force field of drag in a gas, by a drag law: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
+#define DEM_GAS(name, drag)                                                                                                                \
+    DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
+    DEM_FORCE_FIELD(name, name##_force)
 #ifdef DEM__BODIES
 
 /* -------------------------------------------------------------------------------------------- >>engine */
@@ -2044,6 +2241,22 @@ typedef struct dem__links {
     dem__wrench *evaluated_at;       /* of a particle: position and spin when links were evaluated last */
 } dem__links;
 
+/* A force field, and the flights in it. Written by field.h. */
+typedef struct dem__field {
+    int on; /* a field was set; after loading without its law */
+    dem_force_field def;
+    dem__timers timers;  /* of flights: the step in which the next one begins */
+    int64_t rebuilds;    /* of the list that the timers were made for */
+    int32_t *stepping;   /* those that took the last step, */
+    ptrdiff_t steppers;  /* so many */
+    int64_t *until;      /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
+    dem_vec *end_velocity; /* there [m/s] */
+    dem_vec *force;      /* on one that takes steps, in the last one [N] */
+    double *work;        /* of the field along the flight [J] */
+    double *booked;      /* part of it that the ledger has [J] */
+} dem__field;
+#define DEM__NO_FLIGHT INT64_MAX
+
 /* Where energy went. Written by ledger.h. */
 typedef struct dem__ledger {
     int on, started;     /* are the arrays there; has a run with DEM_ENERGY begun? */
@@ -2070,6 +2283,7 @@ typedef struct dem__engine {
     dem__links links;
     dem__ledger ledger;
     dem__scratch scratch;
+    dem__field field;
 } dem__engine;
 
 /* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
@@ -2094,6 +2308,19 @@ typedef struct dem__array {
     size_t size;   /* of an entry */
 } dem__array;
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
+
+/* Of particles in a force field. */
+static inline int dem__field_arrays(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
 
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -2135,7 +2362,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    return n;
+    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
 }
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
@@ -2453,6 +2680,7 @@ DEM_API void dem_free(dem_world *world) {
     dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
+    dem__release(&a, e->field.timers.block, e->field.timers.bytes);
     dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
@@ -2499,6 +2727,11 @@ DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential)
 /* Books work of links [J]. */
 DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
+}
+
+/* Books work of a force field [J]. */
+DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
 /* Books what a contact in slot c has stored at its end: as removed if the caller or an exit ended it; else its
@@ -2714,6 +2947,16 @@ DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
 DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
+}
+/* The same as exactly as is known: in a force field a flight's parabola is right in place at both ends, but not in velocity; what its end
+   differs by tells how the acceleration changes. */
+static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem_vec v = dem__velocity_at(w, i, tau);
+    if (!field->on || w->engine->bodies.activity[i] || field->until[i] == DEM__NO_FLIGHT) return v;
+    const double whole = (double)(field->until[i] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return v;
+    return dem__plus(v, share * (3.0 * share - 2.0), dem__sub(field->end_velocity[i], dem__velocity_at(w, i, whole)));
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -7709,7 +7952,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
         const dem__posture p = dem__posture_at(w, r, tau);
@@ -7859,7 +8102,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
-        !dem__not_negative(near))
+        !dem__not_negative(near) || w->engine->field.on)
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
@@ -8816,6 +9059,477 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     return 0;
 }
 
+/* ------------------------------------------------------------------------------------------- >>field */
+/* A force field: on what flies by steps of its own, on what touches in each step. Reads bodies, the law; writes bodies, their bounds and
+   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped. */
+
+/* What is asked of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
+enum {
+    DEM__FIND_FLIGHTS,    /* of particles: begin flights now */
+    DEM__RENEW_FLIGHTS,   /* of particles: keep the flights that the law still gives, begin the others anew */
+    DEM__END_FLIGHTS,     /* of particles: end flights now, from here on they take steps */
+    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the step of h that is being computed */
+    DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
+    DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
+    DEM__FIELD_FORCES,    /* on all that take steps: dem__add_field_forces */
+    DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
+    DEM__RUN_IN_FIELD     /* n steps */
+};
+typedef struct dem__field_task {
+    int task;
+    const int32_t *particle;
+    ptrdiff_t n;
+    double h; /* [s] */
+    const dem_kernel *kernel; /* of contacts */
+} dem__field_task;
+
+/* Asks for one of the tasks that need only a number; for a run. 0 after a failure. */
+static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.task = task, q.n = n;
+    return w->engine->field.def.kernel(w, &q);
+}
+static inline int dem__ask_field_to_run(dem_world *w, ptrdiff_t steps, const dem_kernel *kernel) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.task = DEM__RUN_IN_FIELD, q.n = steps, q.kernel = kernel;
+    return w->engine->field.def.kernel(w, &q);
+}
+
+DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
+    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
+}
+
+/* Acceleration by the law of particle i at x with v [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    dem_force_point at;
+    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
+    at.velocity = v;
+    at.radius = w->particle[i].radius, at.mass = w->particle[i].mass;
+    at.time = time;
+    at.gravity = dem__free_fall(w);
+    at.user = w->engine->field.def.user;
+    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+}
+
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+
+/* What a step of a flight leads to. */
+typedef struct dem__flown {
+    dem_vec way;      /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
+    dem_vec gain;     /* of velocity, at its end [m/s] */
+    double work;      /* of the field [J] */
+    double error;     /* of place [m] */
+    int zero;         /* the law has given 0 all the way */
+} dem__flown;
+
+/* A step of h from x with v at a time, of the fifth order with an error of the fourth (Cash & Karp 1990). */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
+                               dem_vec (*law)(const dem_force_point *)) {
+    enum { STAGES = 6 };
+    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
+    static const double by[STAGES][STAGES - 1] = {{0.0, 0.0, 0.0, 0.0, 0.0},
+                                                  {0.2, 0.0, 0.0, 0.0, 0.0},
+                                                  {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+                                                  {0.3, -0.9, 1.2, 0.0, 0.0},
+                                                  {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+                                                  {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0, 277.0 / 14336.0, 0.25};
+    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
+    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem__flown q;
+    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
+    for (int s = 0; s < STAGES; s++) {
+        dem_vec way = none;
+        gain[s] = none;
+        for (int r = 0; r < s; r++) {
+            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
+            way = dem__plus(way, h * by[s][r], gain[r]);
+        }
+        const dem_vec now = dem__add(v, gain[s]);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
+        q.zero &= dem__is_zero(pull[s]);
+        q.way = dem__plus(q.way, fifth[s], gain[s]);
+        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
+        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
+        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
+        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+    }
+    q.error = dem__length(off) + dem__length(stray);
+    return q;
+}
+
+/* Steps of the world in a time [s], at least one, at most as many as a list can last. */
+DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
+    const double n = time * w->engine->pairs.steps_per_second;
+    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
+}
+
+/* Steps that a flight from x with v may take by its error, and what they lead to; first: the law's pull there. The error of place of a
+   parabola that is right at both ends is 1/13.5 of what its acceleration differs from the first one times the time squared. */
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
+                                  dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_field *def = &w->engine->field.def;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * w->particle[i].radius, probe = 16.0 * dt;
+    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec soon = dem__field_pull(w, i, dem__plus(x, probe, dem__plus(v, 0.5 * probe, a)), dem__plus(v, probe, a), time + probe, law);
+    const double jerk = dem__length(dem__sub(soon, first)) / probe;
+    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
+    double longest = far < def->interval ? far : def->interval;
+    if (jerk > 0.0) {
+        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
+        longest = guess < longest ? guess : longest;
+    }
+    int n = dem__steps_within(w, longest);
+    for (;;) {
+        const double h = (double)n * dt;
+        *q = dem__fly(w, i, x, v, time, h, law);
+        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* of the ends, which add up */
+        if (n == 1 || error <= limit) return n;
+        const double part = 0.9 * riddle_cbrt(limit / error);
+        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
+        n = fewer > 1 ? fewer : 1;
+    }
+}
+
+/* Begins a flight now. Where the law gives 0 and gave 0 before, the parabola is the one that there is. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    dem_particle *p = &w->particle[i];
+    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const dem_vec x = dem__at(w, i, tau), v = field->until[i] == w->step ? field->end_velocity[i] : dem__velocity_at(w, i, tau);
+    const dem_vec g = dem__free_fall(w);
+    dem__flown q;
+    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const double h = (double)n * dt;
+    field->until[i] = w->step + n;
+    field->work[i] = q.work, field->booked[i] = 0.0;
+    if (!(q.zero && p->a.x == g.x && p->a.y == g.y && p->a.z == g.z)) {
+        p->spin = dem__spin_at(w, i, tau);
+        p->x = x, p->v = v;
+        p->a = q.zero ? g : dem__scale(2.0 / h, q.way);
+        p->origin = w->step;
+    }
+    field->end_velocity[i] = q.zero ? dem__velocity_at(w, i, (double)(w->step + n - p->origin) * dt) : dem__add(v, q.gain);
+}
+
+/* Is the flight of particle i what the law makes of its origin? Where it is 0: does it stay so to the end? */
+DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const dem_particle *p = &w->particle[i];
+    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX;
+    const dem_vec g = dem__free_fall(w);
+    const double dt = w->engine->run.dt, tau = dem__now(w, i);
+    if (!(end > w->step && end < last && p->origin <= w->step && end - p->origin < 2 * (int64_t)last)) return 0;
+    const int zero = p->a.x == g.x && p->a.y == g.y && p->a.z == g.z;
+    const double h = (double)(end - (zero ? w->step : p->origin)) * dt;
+    const dem_vec v = zero ? dem__velocity_at(w, i, tau) : p->v;
+    const dem__flown q = dem__fly(w, i, zero ? dem__at(w, i, tau) : p->x, v, zero ? w->time : dem__time_of(w, p->origin), h, law);
+    const dem_vec a = dem__scale(2.0 / h, q.way);
+    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
+    if (!zero && !(a.x == p->a.x && a.y == p->a.y && a.z == p->a.z)) return 0;
+    field->end_velocity[i] = zero ? dem__velocity_at(w, i, (double)(end - p->origin) * dt) : dem__add(v, q.gain);
+    field->work[i] = q.work;
+    return 1;
+}
+
+/* Ends the flight of particle i now: its place is that on the parabola, its velocity is found anew. */
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    dem_particle *p = &w->particle[i];
+    const dem_vec g = dem__free_fall(w);
+    const double tau = dem__now(w, i);
+    const dem_vec x = dem__at(w, i, tau);
+    dem_vec v = dem__velocity_at(w, i, tau);
+    const int falls = p->a.x == g.x && p->a.y == g.y && p->a.z == g.z;
+    field->work[i] = 0.0;
+    if (tau > 0.0 && !falls) {
+        const dem__flown q = dem__fly(w, i, p->x, p->v, dem__time_of(w, p->origin), tau, law);
+        v = dem__add(p->v, q.gain);
+        field->work[i] = q.work;
+    }
+    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    field->force[i] = dem__scale(p->mass, pull);
+    field->until[i] = DEM__NO_FLIGHT;
+    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    p->x = x, p->v = v, p->spin = dem__spin_at(w, i, tau);
+    p->origin = w->step;
+    dem__free_acceleration(w, i);
+    p->a = dem__add(p->a, pull);
+}
+
+/* The law's force on particle i, which takes steps, where the step of h leads and at the velocity that it leads to as far as is known. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+    const dem_particle *p = &w->particle[i];
+    const dem_vec pull = dem__field_pull(w, i, p->x, dem__plus(p->v, 0.5 * h, p->a), dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_vec force = dem__scale(p->mass, pull);
+    double *load = w->engine->bodies.sum[i].load;
+    load[0] += force.x, load[1] += force.y, load[2] += force.z;
+    w->engine->field.force[i] = force;
+}
+
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+    for (ptrdiff_t k = 0; k < q->n; k++) {
+        const ptrdiff_t i = q->particle[k];
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+    }
+}
+#define DEM_FORCE_FIELD(name, law)                                                                                                         \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
+        dem__field_kernel(world, task, law);                                                                                               \
+        return 1;                                                                                                                          \
+    }
+
+/* A task of the kernel for a list of particles, by one thread or several. */
+static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__field_task q = *(const dem__field_task *)context;
+    (void)part;
+    q.particle += first, q.n = end - first;
+    w->engine->field.def.kernel(w, &q);
+}
+static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.particle = particle, q.n = n, q.task = task, q.h = h;
+    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
+}
+
+/* What the field has done along a flight up to now: the energy that the particle has gained since its origin [J]. */
+static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
+    const dem_particle *p = &w->particle[i];
+    const double tau = dem__now(w, i);
+    const dem_vec v = dem__velocity_at(w, i, tau), way = dem__sub(dem__at(w, i, tau), p->x), g = dem__free_fall(w);
+    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(p->v, p->v)) - dem__dot(g, way);
+    return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
+}
+
+/* Books of all flights what has been done up to now, or of those that leave. */
+static inline void dem__book_flights(dem_world *w, int leaving) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
+        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double gain = dem__flight_gain(w, i);
+        dem__book_field_work(w, gain - field->booked[i]);
+        field->booked[i] = gain;
+    }
+}
+
+/* Of particle i in flight: how far its velocity can be from that of its bound to the end of the flight [m/s]. */
+DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
+    const dem__field *field = &w->engine->field;
+    const dem__bound *c = &w->engine->bodies.bound[i];
+    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
+    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
+    const dem_vec now = dem__sub(dem__plus(dem__velocity_at(w, i, dem__now(w, i)), -t, g), u);
+    const double here = dem__length(now), there = dem__length(dem__plus(now, left, dem__sub(w->particle[i].a, g))),
+                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
+    const double most = here > there ? here : there;
+    return most > end ? most : end;
+}
+
+/* A bound for particle i in flight: it holds for about DEM__FLIGHTS like this one. */
+static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
+    const dem__field *field = &w->engine->field;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double left = (double)(field->until[i] - w->step) * dt;
+    const dem_vec g = dem__free_fall(w), x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(w->particle[i].a, g)), u = dem__add(v, turn);
+    dem__bound *c = &w->engine->bodies.bound[i];
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i);
+    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
+    c->reach = w->particle[i].radius + pairs->position_tolerance - t * c->tolerance;
+    w->engine->bodies.shifted[i] = 0.0;
+}
+
+/* Timers of n flights that have just been found, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
+static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
+    dem__field *field = &w->engine->field;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__outcome news = dem__no_outcome(w);
+    ptrdiff_t reset = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = list[k];
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) dem__wrap(w, i);
+        dem__set_timer(&field->timers, i, field->until[i]);
+        if (dem__flight_deviation(w, i) < bodies->bound[i].tolerance) continue; /* false for NaN */
+        const double shifted = bodies->shifted[i], tau = dem__now(w, i);
+        dem__bound_flight(w, i);
+        w->engine->scratch.index[reset++] = i;
+        if (dem__apply_bound(w, i, w->step, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau), shifted, &news))
+            dem__advance_wall_timers(w, i, w->step);
+    }
+    dem__apply_outcome(w, &news);
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    return w->status == DEM_OK;
+}
+
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
+
+/* Timers and bounds of all flights, for a list of near pairs made anew. */
+static inline int dem__list_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    dem__stop_timers(&field->timers, 0, w->count);
+    field->timers.from = w->step;
+    field->rebuilds = w->rebuilds;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = i;
+        n += dem__is_flying(w, i);
+    }
+    return dem__follow_flights(w, field->timers.list, n);
+}
+
+/* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
+static inline int dem__prepare_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0, ended = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = field->stepping[ended] = i;
+        n += dem__is_flying(w, i);
+        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && field->until[i] != DEM__NO_FLIGHT;
+        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
+    }
+    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
+    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
+    for (ptrdiff_t k = 0; k < n; k++) field->booked[field->timers.list[k]] = dem__flight_gain(w, field->timers.list[k]);
+    field->steppers = 0;
+    return dem__list_flights(w);
+}
+
+/* Before a step: flights that are over go on by new ones. */
+static inline int dem__continue_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n, flying = 0;
+    int32_t *list = field->timers.list;
+    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
+    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = list[k];
+        if (!dem__is_flying(w, i)) continue;
+        dem__book_field_work(w, field->work[i] - field->booked[i]);
+        list[flying++] = i;
+    }
+    if (flying == 0) return 1;
+    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, flying);
+}
+
+/* Ends the flights of those whose contacts begin, in the slots that contacts.slots lists. */
+static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
+    dem__field *field = &w->engine->field;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const double t = dem__since_listed(w, w->step);
+    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
+        const int32_t c = contacts->slots[k / 2], i = k % 2 ? contacts->j[c] : contacts->i[c];
+        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double booked = field->booked[i];
+        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
+        dem__book_field_work(w, field->work[i] - booked);
+        dem__set_tolerance_left(w, i, dem__length(dem__deviation(w, i, t)));
+        dem__stop_timer(&field->timers, i);
+    }
+}
+
+/* The field's forces on those that take steps, to the end of a step; notes who they are. Work by the mean of the forces at both ends. */
+static inline void dem__add_field_forces(dem_world *w, double h) {
+    dem__field *field = &w->engine->field;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->active_count;
+    memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
+    field->steppers = n;
+    for (ptrdiff_t k = 0; k < n && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        dem__book_field_work(w, 0.5 * h * dem__dot(field->force[i], w->particle[i].v));
+    }
+    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
+    for (ptrdiff_t k = 0; k < n && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        dem__book_field_work(w, 0.5 * h * dem__dot(field->force[i], w->particle[i].v));
+    }
+}
+
+/* After a step: those whose last contact is over begin flights. */
+static inline int dem__begin_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    int32_t *list = field->stepping;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = 0; k < field->steppers; k++) {
+        const int32_t i = list[k];
+        if (dem__is_flying(w, i)) list[n++] = i;
+    }
+    field->steppers = 0;
+    if (n == 0) return 1;
+    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, n);
+}
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
+    dem_force_field field;
+    field.kernel = kernel;
+    field.user = user;
+    field.length = field.interval = HUGE_VAL;
+    field.accuracy = 1e-6;
+    return field;
+}
+
+/* Takes the field off: whoever flies falls freely from now on. */
+static inline void dem__drop_field(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
+        if (!dem__is_flying(w, i)) continue;
+        dem__set_origin(w, i);
+        dem__free_acceleration(w, i);
+    }
+    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    memset(field, 0, sizeof *field);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+}
+
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
+    dem_world *w = world;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (!field) {
+        dem__drop_field(w);
+        return DEM_OK;
+    }
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
+        w->engine->links.on)
+        return DEM_BAD_ARGUMENT;
+    if (!w->engine->field.on) {
+        w->engine->field.on = 1;
+        if (w->engine->bodies.capacity > 0 &&
+            !dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
+                             &w->engine->bodies.capacity, w->engine->bodies.capacity)) {
+            w->engine->field.on = 0;
+            return DEM_OUT_OF_MEMORY;
+        }
+    }
+    w->engine->field.def = *field;
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
 /* -------------------------------------------------------------------------------------------- >>step */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed. */
@@ -8840,7 +9554,7 @@ static inline int dem__prepare_lists(dem_world *w) {
         if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
-    return dem__rebuild(w);
+    return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
 /* Finds the damping ratios of all pairs of materials. */
@@ -8863,6 +9577,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     }
     const ptrdiff_t begun = contacts->begun;
     dem__commit_begun(w, 0.0);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -8890,11 +9605,12 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     const double stored = dem__stored_energy(w);
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
     dem__book_callers_contacts(w, stored);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
     dem__remove_ended(w, w->step, 0);
     dem__check_bounds(w);
-    return w->status == DEM_OK;
+    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
 /* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
@@ -9016,30 +9732,55 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step; `keep`: forces of contacts are kept for readers. Returns 0 after a failure. */
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+/* Advances the world by one step; `keep`: forces of contacts are kept for readers; in_field: a constant. Returns 0 after a failure. */
+DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    if (in_field && !dem__continue_flights(w)) return 0;
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
+    if (in_field) dem__end_flights(w, begun);
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
+    if (in_field) dem__add_field_forces(w, h);
     if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
     if (!finite) return dem__fail(w, DEM_NOT_FINITE);
+    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
+    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
     if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) dem__step_links(w);
     return w->status == DEM_OK;
+}
+
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
+
+/* So many steps in a force field. At the end flights that are over go on, so that a caller who changes particles meets none. */
+static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
+    int going = 1;
+    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
+    switch (q->task) {
+    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
+    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
+    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
+    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
+    default: return dem__run_in_field(w, q);
+    }
 }
 
 /* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
@@ -9061,6 +9802,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
+    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -9106,7 +9848,9 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     w->owed = 0.0; /* of a run that fails */
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
+    else
+        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
@@ -9167,7 +9911,7 @@ DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
 
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__velocity_at(world, i, dem__now(world, i));
+    return dem__true_velocity_at(world, i, dem__now(world, i));
 }
 
 DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
@@ -9244,7 +9988,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
 /* The part of the ledger that does not add up [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
     return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
-           l->start - l->added - l->wall_work - l->external_work - l->link_work;
+           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
 }
 
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
@@ -9353,6 +10097,129 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         count.free -= holding;
     }
     return count;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>gas */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
+DEM_API dem_gas dem_default_gas(void) {
+    dem_gas gas;
+    memset(&gas, 0, sizeof gas);
+    gas.density = 1.2;
+    gas.viscosity = 1.81e-5;
+    gas.shape[0] = 24.0, gas.shape[1] = 3.0, gas.shape[2] = 0.42;
+    gas.low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+    gas.high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+    gas.axis = dem_vec3(0.0, 0.0, 1.0);
+    return gas;
+}
+
+static inline int dem__is_grid(const dem_gas *gas) {
+    double number = 1.0;
+    for (int a = 0; a < 3; a++) {
+        if (gas->n[a] < 2 || !dem__positive(dem_axis(gas->high, a) - dem_axis(gas->low, a))) return 0;
+        number *= gas->n[a];
+    }
+    return number < 1073741824.0;
+}
+
+static const char *dem__bad_gas(const dem_gas *gas) {
+    if (!gas) return "gas";
+    if (!dem__positive(gas->density)) return "density";
+    if (!dem__positive(gas->viscosity)) return "viscosity";
+    for (int k = 0; k < 3; k++) {
+        if (!dem__not_negative(gas->shape[k])) return "shape";
+        if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";
+    }
+    if ((gas->velocity || gas->pressure_gradient || gas->porosity) && !dem__is_grid(gas)) return "n";
+    if (!dem__finite_vec(gas->centre)) return "centre";
+    if (!dem__finite_vec(gas->axis) || !(fabs(dem__length(gas->axis) - 1.0) < 1e-9)) return "axis";
+    if (!dem__moderate_vec(gas->drift)) return "drift";
+    if (!dem__moderate(gas->spin)) return "spin";
+    return dem__finite(gas->start) ? NULL : "start";
+}
+
+DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field) {
+    const char *bad = dem__bad_gas(gas);
+    if (field) *field = bad;
+    return bad ? DEM_BAD_DEFINITION : DEM_OK;
+}
+
+DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas) {
+    dem_force_field field = dem_default_force_field(kernel, gas);
+    for (int a = 0; gas && a < 3; a++) {
+        const double half = 0.5 * (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] > 1 ? gas->n[a] - 1 : 1);
+        field.length = half < field.length ? half : field.length;
+    }
+    return field;
+}
+
+DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall) {
+    if (!gas || !world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    const dem_wall *w = &world->wall[wall];
+    if (w->asked.drive != DEM_KINEMATIC || w->asked.frequency != 0.0) return DEM_BAD_ARGUMENT;
+    gas->start = world->time;
+    gas->drift = w->asked.drift;
+    gas->spin = w->spin;
+    if (w->spin == 0.0) return DEM_OK;
+    gas->axis = w->spin_axis;
+    gas->centre = dem__plus(w->asked.spin_centre, world->time - w->asked.motion_start, w->asked.drift);
+    return DEM_OK;
+}
+
+DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time) {
+    const dem_vec none = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    dem__gas_cell cell;
+    if (dem__bad_gas(gas)) return none;
+    const dem__gas_frame f = dem__gas_frame_at(gas, time);
+    const dem_vec place = dem__turned(gas, &f, dem__sub(position, f.centre), -1.0);
+    return dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell) ? dem__gas_speed(gas, &f, &cell, position) : none;
+}
+
+DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity) {
+    const dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !porosity || dem__bad_gas(gas) || !dem__is_grid(gas)) return DEM_BAD_ARGUMENT;
+    const ptrdiff_t row = gas->n[0], layer = row * gas->n[1], all = layer * gas->n[2];
+    const dem__gas_frame f = dem__gas_frame_at(gas, w->time);
+    double size = 1.0;
+    for (int a = 0; a < 3; a++) size *= (dem_axis(gas->high, a) - dem_axis(gas->low, a)) / (gas->n[a] - 1);
+    for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__gas_cell cell;
+        const double d = 2.0 * w->particle[i].radius;
+        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_position(w, i), f.centre), -1.0);
+        if (w->alive[i] <= 0 || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) continue;
+        for (int corner = 0; corner < 8; corner++) {
+            ptrdiff_t node = cell.first;
+            double share = RIDDLE_PI / 6.0 * d * d * d;
+            for (int a = 0; a < 3; a++) {
+                node += corner >> a & 1 ? cell.next[a] : 0;
+                share *= corner >> a & 1 ? cell.part[a] : 1.0 - cell.part[a];
+            }
+            porosity[node] += share;
+        }
+    }
+    for (ptrdiff_t k = 0; k < all; k++) {
+        const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
+        double room = size; /* of the node: half a cell less at a face of the grid */
+        for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
+        const double left = 1.0 - porosity[k] / room;
+        porosity[k] = left > 0.2 ? left : 0.2;
+    }
+    return DEM_OK;
+}
+
+DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]) {
+    const double psi[3] = {sphericity, crosswise, lengthwise};
+    if (!shape) return;
+    for (int k = 0; k < 3; k++) shape[k] = (double)NAN;
+    for (int k = 0; k < 3; k++) {
+        if (!(psi[k] > 0.0 && psi[k] <= (k == 0 ? 1.0 : 100.0))) return;
+    }
+    const double flat = -riddle_log(sphericity) / 2.302585092994045684; /* -log10 */
+    shape[0] = 8.0 / sqrt(lengthwise) + 16.0 / sqrt(sphericity);
+    shape[1] = 3.0 / sqrt(sphericity * sqrt(sphericity));
+    shape[2] = 0.42 / crosswise;
+    if (flat > 0.0) shape[2] *= riddle_exp(2.302585092994045684 * 0.4 * riddle_exp(0.2 * riddle_log(flat)));
 }
 
 /* -------------------------------------------------------------------------------------------------- >>feed */

@@ -219,6 +219,33 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
+/* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
+/* Sets the force field from now on, or with NULL takes it off. A particle in flight advances by steps of its own, chosen by the error (Cash
+   & Karp 1990); between their ends it is on a parabola that is there in place and within `accuracy`, so that velocities read meanwhile are
+   off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, bit for
+   bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step must
+   be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
+
+/* Constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6 and
+   surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B),
+   B its mean area seen across the flow; both 0 < .. <= 100. A convex body that turns at random has all three equal. {NaN} else. */
+DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
+/* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
+DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
+/* A force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its length. */
+DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
+/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it goes with it from now on. DEM_BAD_ARGUMENT for others. */
+DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
+/* Velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
+/* Porosity at the grid's nodes from the volumes of the spheres now, each shared among the nodes around it; at least 0.2. Cells should be
+   3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be. DEM_BAD_ARGUMENT without a finite grid. */
+DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
+
 /* ---- reading ---- */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */

@@ -186,6 +186,7 @@ DEM_API void dem_free(dem_world *world) {
     dem__release(&a, e->links.block, e->links.bytes);
     dem__release(&a, e->pairs.timers.block, e->pairs.timers.bytes);
     dem__release(&a, e->walls.timers.block, e->walls.timers.bytes);
+    dem__release(&a, e->field.timers.block, e->field.timers.bytes);
     dem__release(&a, e->pairs.adjacent, (size_t)e->pairs.adjacent_capacity * sizeof(int32_t));
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);

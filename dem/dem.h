@@ -55,6 +55,7 @@
 #include "shapes.h"
 #include "mesh_shapes.h"
 #include "wall_shapes.h"
+#include "gas_laws.h"
 #ifdef DEM__BODIES
 #include "engine.h"
 #include "store.h"
@@ -88,8 +89,10 @@
 #include "forces.h"
 #include "advance.h"
 #include "due.h"
+#include "field.h"
 #include "step.h"
 #include "read.h"
+#include "gas.h"
 #include "feed.h"
 #include "filling.h"
 #include "measure.h"

@@ -200,6 +200,22 @@ typedef struct dem__links {
     dem__wrench *evaluated_at;       /* of a particle: position and spin when links were evaluated last */
 } dem__links;
 
+/* A force field, and the flights in it. Written by field.h. */
+typedef struct dem__field {
+    int on; /* a field was set; after loading without its law */
+    dem_force_field def;
+    dem__timers timers;  /* of flights: the step in which the next one begins */
+    int64_t rebuilds;    /* of the list that the timers were made for */
+    int32_t *stepping;   /* those that took the last step, */
+    ptrdiff_t steppers;  /* so many */
+    int64_t *until;      /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
+    dem_vec *end_velocity; /* there [m/s] */
+    dem_vec *force;      /* on one that takes steps, in the last one [N] */
+    double *work;        /* of the field along the flight [J] */
+    double *booked;      /* part of it that the ledger has [J] */
+} dem__field;
+#define DEM__NO_FLIGHT INT64_MAX
+
 /* Where energy went. Written by ledger.h. */
 typedef struct dem__ledger {
     int on, started;     /* are the arrays there; has a run with DEM_ENERGY begun? */
@@ -226,6 +242,7 @@ typedef struct dem__engine {
     dem__links links;
     dem__ledger ledger;
     dem__scratch scratch;
+    dem__field field;
 } dem__engine;
 
 /* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */

@@ -74,6 +74,16 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
+/* The same as exactly as is known: in a force field a flight's parabola is right in place at both ends, but not in velocity; what its end
+   differs by tells how the acceleration changes. */
+static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem_vec v = dem__velocity_at(w, i, tau);
+    if (!field->on || w->engine->bodies.activity[i] || field->until[i] == DEM__NO_FLIGHT) return v;
+    const double whole = (double)(field->until[i] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return v;
+    return dem__plus(v, share * (3.0 * share - 2.0), dem__sub(field->end_velocity[i], dem__velocity_at(w, i, whole)));
+}
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);

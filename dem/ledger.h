@@ -33,6 +33,11 @@ DEM_INLINE void dem__book_link_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.link_work += work;
 }
 
+/* Books work of a force field [J]. */
+DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
+    if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
+}
+
 /* Books what a contact in slot c has stored at its end: as removed if the caller or an exit ended it; else its
    tangential spring is let go as if it slid. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {

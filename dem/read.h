@@ -7,7 +7,7 @@ DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
 
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    return dem__velocity_at(world, i, dem__now(world, i));
+    return dem__true_velocity_at(world, i, dem__now(world, i));
 }
 
 DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i) {
@@ -84,7 +84,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
 /* The part of the ledger that does not add up [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
     return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
-           l->start - l->added - l->wall_work - l->external_work - l->link_work;
+           l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
 }
 
 DEM_API dem_energy_ledger dem_energy(const dem_world *world) {

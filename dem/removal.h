@@ -10,7 +10,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
+    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
         const dem__posture p = dem__posture_at(w, r, tau);
@@ -160,7 +160,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
-        !dem__not_negative(near))
+        !dem__not_negative(near) || w->engine->field.on)
         return DEM_BAD_ARGUMENT;
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;

@@ -22,7 +22,7 @@ static inline int dem__prepare_lists(dem_world *w) {
         if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
-    return dem__rebuild(w);
+    return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
 /* Finds the damping ratios of all pairs of materials. */
@@ -45,6 +45,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     }
     const ptrdiff_t begun = contacts->begun;
     dem__commit_begun(w, 0.0);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_CONTACTS, begun);
     dem__list_active(w);
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -72,11 +73,12 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     const double stored = dem__stored_energy(w);
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
     dem__book_callers_contacts(w, stored);
+    if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_FORCES, 0);
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
     dem__kick_walls(w, 0.0);
     dem__remove_ended(w, w->step, 0);
     dem__check_bounds(w);
-    return w->status == DEM_OK;
+    return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
 /* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
@@ -198,30 +200,55 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step; `keep`: forces of contacts are kept for readers. Returns 0 after a failure. */
-static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
+/* Advances the world by one step; `keep`: forces of contacts are kept for readers; in_field: a constant. Returns 0 after a failure. */
+DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
     if (w->step >= w->engine->pairs.next_check && !dem__check_list(w)) return 0;
+    if (in_field && !dem__continue_flights(w)) return 0;
     if (!dem__find_contacts_that_begin(w)) return dem__undo_detection(w);
     const ptrdiff_t begun = w->engine->contacts.begun;
     dem__commit_begun(w, 1.0);
+    if (in_field) dem__end_flights(w, begun);
     dem__advance(w, h);
     dem__prepare_begun(w, kernel->law, begun, features);
     dem__evaluate(w, kernel->loop, h, has_friction, keep);
+    if (in_field) dem__add_field_forces(w, h);
     if (features & DEM_ENERGY) dem__book_losses(w);
     const int finite = dem__kick(w, h);
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
     if (!finite) return dem__fail(w, DEM_NOT_FINITE);
+    if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
+    if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
     if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) dem__step_links(w);
     return w->status == DEM_OK;
+}
+
+static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
+
+/* So many steps in a force field. At the end flights that are over go on, so that a caller who changes particles meets none. */
+static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
+    int going = 1;
+    for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
+    switch (q->task) {
+    case DEM__PREPARE_FIELD: return dem__prepare_flights(w);
+    case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
+    case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
+    case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
+    default: return dem__run_in_field(w, q);
+    }
 }
 
 /* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
@@ -243,6 +270,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
+    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -288,7 +316,9 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     w->owed = 0.0; /* of a run that fails */
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
+    else
+        for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;

@@ -15,6 +15,19 @@ typedef struct dem__array {
 } dem__array;
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
+/* Of particles in a force field. */
+static inline int dem__field_arrays(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {{&field->until, sizeof *field->until},
+                                 {&field->end_velocity, sizeof *field->end_velocity},
+                                 {&field->force, sizeof *field->force},
+                                 {&field->work, sizeof *field->work},
+                                 {&field->booked, sizeof *field->booked}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -55,7 +68,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     list[n].address = &w->id, list[n++].size = sizeof(uint64_t);
     list[n].address = &bodies->bound, list[n++].size = sizeof(dem__bound);
     list[n].address = &bodies->sum, list[n++].size = sizeof(dem__sum);
-    return n;
+    return w->engine->field.on ? n + dem__field_arrays(w, list + n) : n;
 }
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }

@@ -9,6 +9,7 @@
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
 #define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
 #define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: more make neighbours look sooner */
 #define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
 #define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
 #define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
@@ -32,6 +33,7 @@
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
+    X(DEM_NO_FIELD, "a world with a force field was loaded, and the field's law is a function, which dem_set_force_field must name again")    \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -318,6 +320,47 @@ typedef struct dem_law {
    0, 0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
+/* ---- force fields ---- */
+
+/* What the law of a force field sees of a particle. */
+typedef struct dem_force_point {
+    dem_vec position; /* of its centre, within the periodic box [m] */
+    dem_vec velocity; /* [m/s] */
+    double radius;    /* [m] */
+    double mass;      /* [kg] */
+    double time;      /* [s] */
+    dem_vec gravity;  /* [m/s2] */
+    const void *user; /* that of the field */
+} dem_force_point;
+
+struct dem__field_task;
+typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
+
+/* A force on every particle, in flight and touching. Made by dem_default_force_field(), copied by dem_set_force_field(). */
+typedef struct dem_force_field {
+    dem_field_fn kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
+    const void *user;    /* handed to the law; default NULL */
+    double length;       /* a flight's step goes no further [m] > 0: half the size of the field's finest detail; default HUGE_VAL */
+    double interval;     /* and takes no longer [s] > 0: a tenth of the time in which the field changes at a place; default HUGE_VAL */
+    double accuracy;     /* largest error of position in a flight's step over the particle's radius, 1e-12 .. 1e-4; default 1e-6 */
+} dem_force_field;
+
+/* A gas: at rest, or by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the caller's. */
+typedef struct dem_gas {
+    double density;   /* [kg/m3] > 0; default 1.2 */
+    double viscosity; /* [Pa s] > 0; default 1.81e-5 */
+    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
+    int buoyancy;     /* 1: the weight of the displaced gas is taken off. Leave it 0 if pressure_gradient has the gas's own weight in it;
+                         default 0 */
+    dem_vec low, high;               /* corners of the grid in the frame [m]: beyond them there is no gas; default -HUGE_VAL, HUGE_VAL */
+    int n[3];                        /* nodes by axis, corners included, >= 2 where there are values */
+    const double *velocity;          /* at the nodes, seen from the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at rest */
+    const double *pressure_gradient; /* likewise [Pa/m]; its force -V grad p is added; NULL: none */
+    const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
+    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves [m/s]; default 0, (0, 0, 1), 0 */
+    double spin, start;              /* at this rate [rad/s]; time at which frame and world agree [s]; default 0 */
+} dem_gas;
+
 /* ---- the world ---- */
 
 /* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
@@ -325,6 +368,7 @@ typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
+    double field_work;     /* done on them by a force field */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
     double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
                               whose constants are changed by it, gravity */
