@@ -42,7 +42,9 @@
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file, which alone has DEM_KERNEL.
-   Not here  non-spherical particles, fluids, heat, files, printing. */
+   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
+   Not here  non-spherical particles, the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
 
@@ -183,7 +185,7 @@ extern "C" {
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a world with a force field was loaded, and the field's law is a function, which dem_set_force_field must name again")    \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                           \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -830,9 +832,9 @@ DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
 /* Sets the force field from now on, or with NULL takes it off. A particle in flight advances by steps of its own, chosen by the error (Cash
    & Karp 1990); between their ends it is on a parabola that is there in place and within `accuracy`, so that velocities read meanwhile are
-   off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, bit for
-   bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step must
-   be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+   off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, to
+   the bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step must
+   be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or rigid bodies; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6 and
@@ -3133,6 +3135,13 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
+/* The same where a caller changes particle i between runs: in a force field with its velocity as exactly as is known. */
+static inline void dem__restart(dem_world *w, ptrdiff_t i) {
+    const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
+    dem__set_origin(w, i);
+    if (w->engine->field.on) w->particle[i].v = v;
+}
+
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
@@ -3371,7 +3380,7 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
@@ -3388,7 +3397,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem__rigid *r = dem__rigid_of(w, i);
-        dem__set_origin(w, i);
+        dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
         if (r && r->first == i) r->a = dem__add(r->a, change);
     }
@@ -3453,7 +3462,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
-    dem__set_origin(w, i);
+    dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) {
@@ -3469,7 +3478,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
-    dem__set_origin(w, i);
+    dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
@@ -9175,7 +9184,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * w->particle[i].radius, probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
-    const dem_vec soon = dem__field_pull(w, i, dem__plus(x, probe, dem__plus(v, 0.5 * probe, a)), dem__plus(v, probe, a), time + probe, law);
+    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
     const double jerk = dem__length(dem__sub(soon, first)) / probe;
     const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
     double longest = far < def->interval ? far : def->interval;
@@ -9394,6 +9404,12 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
+/* Has the caller given particle i, which takes steps, an acceleration without the field's? */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
 /* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -9405,7 +9421,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         field->timers.list[n] = field->stepping[ended] = i;
         n += dem__is_flying(w, i);
-        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && field->until[i] != DEM__NO_FLIGHT;
+        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
         if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
@@ -9496,7 +9512,7 @@ static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
         if (!dem__is_flying(w, i)) continue;
-        dem__set_origin(w, i);
+        dem__restart(w, i);
         dem__free_acceleration(w, i);
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
@@ -9514,7 +9530,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         return DEM_OK;
     }
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on)
+        w->engine->links.on || w->engine->bodies.rigid_count > 0)
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
@@ -9803,6 +9819,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
     if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
+    if (w->engine->field.on && w->engine->bodies.rigid_count > 0) return DEM_BAD_ARGUMENT;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;

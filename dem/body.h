@@ -13,6 +13,13 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
+/* The same where a caller changes particle i between runs: in a force field with its velocity as exactly as is known. */
+static inline void dem__restart(dem_world *w, ptrdiff_t i) {
+    const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
+    dem__set_origin(w, i);
+    if (w->engine->field.on) w->particle[i].v = v;
+}
+
 /* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
@@ -251,7 +258,7 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
-    for (ptrdiff_t i = 0; i < w->count; i++) dem__set_origin(w, i);
+    for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
     w->def.dt = w->engine->run.dt = dt;
@@ -268,7 +275,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         dem__rigid *r = dem__rigid_of(w, i);
-        dem__set_origin(w, i);
+        dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
         if (r && r->first == i) r->a = dem__add(r->a, change);
     }
@@ -333,7 +340,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
-    dem__set_origin(w, i);
+    dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) {
@@ -349,7 +356,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
-    dem__set_origin(w, i);
+    dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};

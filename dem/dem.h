@@ -41,7 +41,9 @@
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file, which alone has DEM_KERNEL.
-   Not here  non-spherical particles, fluids, heat, files, printing. */
+   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
+             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
+   Not here  non-spherical particles, the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
 

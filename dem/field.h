@@ -114,7 +114,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * w->particle[i].radius, probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
-    const dem_vec soon = dem__field_pull(w, i, dem__plus(x, probe, dem__plus(v, 0.5 * probe, a)), dem__plus(v, probe, a), time + probe, law);
+    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
     const double jerk = dem__length(dem__sub(soon, first)) / probe;
     const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
     double longest = far < def->interval ? far : def->interval;
@@ -333,6 +334,12 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
+/* Has the caller given particle i, which takes steps, an acceleration without the field's? */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
 /* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -344,7 +351,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
         field->timers.list[n] = field->stepping[ended] = i;
         n += dem__is_flying(w, i);
-        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && field->until[i] != DEM__NO_FLIGHT;
+        ended += w->alive[i] > 0 && !dem__is_flying(w, i) && (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
         if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
@@ -435,7 +442,7 @@ static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
         if (!dem__is_flying(w, i)) continue;
-        dem__set_origin(w, i);
+        dem__restart(w, i);
         dem__free_acceleration(w, i);
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
@@ -453,7 +460,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         return DEM_OK;
     }
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on)
+        w->engine->links.on || w->engine->bodies.rigid_count > 0)
         return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;

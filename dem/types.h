@@ -33,7 +33,7 @@
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a world with a force field was loaded, and the field's law is a function, which dem_set_force_field must name again")    \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                           \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
