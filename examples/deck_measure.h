@@ -123,7 +123,7 @@ typedef struct deck_window {
 
 typedef struct deck_books {
     deck_classes classes;
-    ptrdiff_t grains, grain_room, events, event_room, passed, windows, window_room;
+    ptrdiff_t grains, grain_room, events, event_room, windows, window_room;
     deck_grain *grain; /* by id */
     deck_event *event;
     deck_window *window;
@@ -198,9 +198,9 @@ static inline int deck_book_level(deck_books *b, const deck_def *d, uint64_t id,
 }
 
 /* Grains that left: over the end of the deck that their centre is above, or as underflow. */
-static inline int deck_book_left(deck_books *b, const deck_machine *k, deck_window *w) {
-    for (; b->passed < k->world.passed_count; b->passed++) {
-        const dem_passed *p = &k->world.passed[b->passed];
+static inline int deck_book_left(deck_books *b, deck_machine *k, deck_window *w) {
+    for (ptrdiff_t q = 0; q < k->world.passed_count; q++) {
+        const dem_passed *p = &k->world.passed[q];
         if (p->id >= (uint64_t)b->grains) return -1;
         deck_grain *g = &b->grain[p->id];
         if (deck_book_level(b, &k->def, p->id, p->time, fmin(p->position.x, k->def.length), p->position.z)) return -1;
@@ -211,6 +211,7 @@ static inline int deck_book_left(deck_books *b, const deck_machine *k, deck_wind
         b->first_left = fmin(b->first_left, p->time);
         if (g->level == 0) b->first_over = fmin(b->first_over, p->time);
     }
+    dem_take_passed(&k->world, NULL, k->world.passed_count);
     return 0;
 }
 
@@ -232,7 +233,7 @@ static inline void deck_book_hole(deck_grain *g, const deck_machine *k, dem_vec 
 }
 
 /* One look, after a step of deck_advance. 0, or -1 out of memory. */
-static inline int deck_look(deck_books *b, const deck_machine *k) {
+static inline int deck_look(deck_books *b, deck_machine *k) {
     const deck_def *d = &k->def;
     const ptrdiff_t number = (ptrdiff_t)((k->world.time - 0.5 * k->step) / b->window_time);
     while (b->windows <= number) {

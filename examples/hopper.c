@@ -32,7 +32,7 @@ static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}};
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
     double rate, error, bulk_density, filled, ended; /* [kg/s], standard error, [kg/m3], [kg], time of the end [s] */
-    int spheres, passed;                             /* numbers */
+    int spheres, passed, room;                       /* numbers; of those that passed there is room for */
     double *time, *mass;                             /* [passed] of each that fell out [s], sum so far [kg] */
     dem_status status;
 } discharge;
@@ -133,6 +133,28 @@ static void find_rate(discharge *d, int first, int last) {
     d->error = sqrt(fmax(square / BLOCKS - sum * sum / BLOCKS / BLOCKS, 0.0) / (BLOCKS - 1));
 }
 
+/* Takes the records of the spheres that fell out. */
+static void take(dem_world *world, const silo *s, double begin, discharge *d) {
+    const int all = d->passed + (int)world->passed_count;
+    if (all > d->room) {
+        const int room = 2 * all;
+        double *time = realloc(d->time, (size_t)room * sizeof *time), *mass = time ? realloc(d->mass, (size_t)room * sizeof *mass) : NULL;
+        d->time = time ? time : d->time, d->mass = mass ? mass : d->mass;
+        if (!mass) {
+            d->status = DEM_OUT_OF_MEMORY;
+            return;
+        }
+        d->room = room;
+    }
+    for (int k = d->passed; k < all; k++) {
+        const dem_passed *p = &world->passed[k - d->passed];
+        d->time[k] = p->time - begin;
+        d->mass[k] = (k ? d->mass[k - 1] : 0.0) + RIDDLE_PI / 6.0 * s->density * p->diameter * p->diameter * p->diameter;
+    }
+    dem_take_passed(world, NULL, world->passed_count);
+    d->passed = all;
+}
+
 static int run(int index, void *user) {
     study *st = user;
     const silo *s = &st->s;
@@ -152,10 +174,10 @@ static int run(int index, void *user) {
     if (shown && st->film) reel = world_movie_open(st->self->out, "hopper.mp4", &view);
     double last_passing = 0.0, next_frame = 0.0, next_shot = 0.0, done = 0.0;
     bool pictured = false;
-    ptrdiff_t first = -1; /* that passed when the rate had become steady */
+    int first = -1; /* that passed when the rate had become steady */
     feed.region = dem_cylinder_region(dem_vec3(0, 0, d->height), dem_vec3(0, 0, 1), 4.0 * s->diameter, d->radius);
     while (d->status == DEM_OK && !common_interrupted() && world.time - begin < s->time) {
-        const ptrdiff_t before = world.passed_count;
+        const int before = d->passed;
         if (shown && world.time - begin < 2.0 * pace(s) && world.time - begin >= next_shot) {
             world_movie_add(&reel, &world);
             next_shot += 0.02 * pace(s);
@@ -166,7 +188,8 @@ static int run(int index, void *user) {
             next_frame = s->dosta ? next_frame + s->time / FRAMES : fmax(next_frame * 1.1, next_frame + 0.02 * pace(s));
         }
         d->status = dem_run(&world, sample, features(s));
-        const ptrdiff_t passed = world.passed_count;
+        take(&world, s, begin, d);
+        const int passed = d->passed;
         if (!s->dosta && d->status == DEM_OK) d->status = dem_feed_number(&world, &feed, (double)(passed - before) / sample, sample);
         if (passed > before) last_passing = world.time;
         if (first < 0 && world.time - begin >= start_up) first = passed;
@@ -180,16 +203,7 @@ static int run(int index, void *user) {
     if (series.particles) dem_io_close(&series);
     world_movie_close(&reel);
     d->ended = world.time - begin;
-    d->passed = (int)world.passed_count;
-    d->time = malloc((size_t)(d->passed + 1) * 2 * sizeof *d->time);
-    if (!d->time) d->passed = 0;
-    d->mass = d->time + d->passed;
-    for (int k = 0; k < d->passed; k++) {
-        const dem_passed *p = &world.passed[k];
-        d->time[k] = p->time - begin;
-        d->mass[k] = (k ? d->mass[k - 1] : 0.0) + RIDDLE_PI / 6.0 * s->density * p->diameter * p->diameter * p->diameter;
-    }
-    if (first >= 0) find_rate(d, (int)first, s->dosta && d->passed > 0.8 * d->spheres ? (int)(0.8 * d->spheres) : d->passed - 1);
+    if (first >= 0) find_rate(d, first, s->dosta && d->passed > 0.8 * d->spheres ? (int)(0.8 * d->spheres) : d->passed - 1);
     else d->rate = d->error = (double)NAN;
     dem_free(&world);
     return d->status != DEM_OK;
@@ -391,6 +405,6 @@ int main(int argc, char **argv) {
         if (st.run[r].status != DEM_OK) common_fail("orifice %g mm: %s", 1e3 * st.run[r].orifice, dem_status_text(st.run[r].status));
     }
     if (common_exit_status() == 0) report(&st, k);
-    for (int r = 0; r < st.runs; r++) free(st.run[r].time);
+    for (int r = 0; r < st.runs; r++) free(st.run[r].time), free(st.run[r].mass);
     return common_exit_status();
 }
