@@ -66,6 +66,7 @@ package_of() {
     nm) echo binutils ;;
     libpng) echo libpng-dev ;;
     libyaml) echo libyaml-dev ;;
+    wasm-ld) echo lld ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
     *) echo "$1" ;;
