@@ -171,7 +171,8 @@ extern "C" {
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
 #define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
-#define DEM__FORMAT 10u    /* version of dem_save */
+#define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
+#define DEM__FORMAT 11u            /* of its records: new fields need no new one */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -2160,6 +2161,7 @@ typedef struct dem__bodies {
     double *wall_speed;         /* speed that its wall timers count on [m/s] */
     double *mass_share;         /* 1 / contacts [-] */
     int32_t *activity;          /* DEM__FLYING .. */
+    int32_t *number;            /* how many of those present come before it: its number without gaps */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
@@ -2340,6 +2342,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->engine->pairs.cell_of,
                             &w->engine->scratch.index,
                             &bodies->activity,
+                            &bodies->number,
                             &links->first_link,
                             &links->is_loaded,
                             &bodies->to_check};
@@ -3264,6 +3267,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
+    bodies->number[i] = (int32_t)(i - bodies->dropped);
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;
@@ -8086,6 +8090,15 @@ static inline void dem__free_untouched(dem_world *w) {
     }
 }
 
+/* Numbers the particles present, after some have been taken out. */
+static inline void dem__number_present(dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        w->engine->bodies.number[i] = n;
+        n += w->alive[i] != 0;
+    }
+}
+
 /* Ends the contacts of those who have been taken out. */
 static inline void dem__end_contacts_of_removed(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8093,6 +8106,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
         const int32_t j = contacts->j[c];
         if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
     }
+    dem__number_present(w);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     dem__remove_ended(w, w->step, 1);
     dem__free_untouched(w);
@@ -9744,6 +9758,7 @@ static inline int dem__remove_leaving(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
     }
+    dem__number_present(w);
     w->engine->run.leaving = 0;
     return 1;
 }
@@ -11263,408 +11278,845 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     return unlike / (all * 2.0 * p * (1.0 - p));
 }
 
-/* ---- bytes in and out: one description serves saving, loading and hashing ---- */
+/* ------------------------------------------------------------------------------------------- >>records */
+/* A saved world as records: a name, the bytes of an entry, how many, and the entries, little-endian. Knows bytes and memory, no physics.
+   Relies on nothing; saved.h names what is saved, save.h and load.h use both.
+   May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
 
+/* What becomes a record: n entries of some numbers each, `stride` bytes apart in memory. */
+enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
+typedef struct dem__field {
+    char name[DEM__NAME_BYTES]; /* at most 23 characters */
+    void *data;                 /* of the first entry */
+    size_t stride;
+    int numbers, width; /* of an entry; bytes of a number: 1, 4 or 8 */
+} dem__field;
+#define DEM__DOUBLES(name, first, stride)                                                                                                  \
+    { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
+#define DEM__INTEGER(name, first, stride)                                                                                                  \
+    { name, &(first), stride, 1, (int)sizeof(first) }
+
+/* Bytes that are written, or counted only, or read. */
 typedef struct dem__stream {
-    unsigned char *to;         /* saving, or NULL to count */
-    const unsigned char *from; /* loading */
-    size_t size, at;
-    uint64_t hash;
-    int loading, failed;
+    unsigned char *to;         /* NULL: count only */
+    const unsigned char *from; /* NULL: write */
+    size_t at;
 } dem__stream;
 
-static inline void dem__u64(dem__stream *s, uint64_t *v) {
-    unsigned char byte[8];
-    if (s->loading) {
-        if (s->size - s->at < 8) {
-            s->failed = 1;
-            *v = 0;
-            return;
-        }
-        *v = 0;
-        for (int k = 0; k < 8; k++) *v |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+/* FNV-1a of bytes. */
+static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Writes or reads a number of 1, 4 or 8 bytes in memory. */
+static inline void dem__stream_number(dem__stream *s, void *number, int width) {
+    uint64_t bits = 0;
+    uint32_t half;
+    unsigned char byte;
+    if (s->from) {
+        for (int k = 0; k < width; k++) bits |= (uint64_t)s->from[s->at + (size_t)k] << (8 * k);
+        half = (uint32_t)bits, byte = (unsigned char)bits;
+        memcpy(number, width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, (size_t)width);
+    } else if (s->to) {
+        memcpy(width == 8 ? (void *)&bits : width == 4 ? (void *)&half : (void *)&byte, number, (size_t)width);
+        bits = width == 8 ? bits : width == 4 ? half : byte;
+        for (int k = 0; k < width; k++) s->to[s->at + (size_t)k] = (unsigned char)(bits >> (8 * k) & 255u);
     }
-    for (int k = 0; k < 8; k++) {
-        byte[k] = (unsigned char)(*v >> (8 * k) & 255u);
-        s->hash = (s->hash ^ byte[k]) * 0x100000001b3u;
+    s->at += (size_t)width;
+}
+static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
+
+/* Writes or reads entry k of a field. */
+static inline void dem__stream_entry(dem__stream *s, const dem__field *f, ptrdiff_t k) {
+    unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
+    for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
+}
+
+/* Begins a record of n entries. */
+static inline void dem__begin_record(dem__stream *s, const dem__field *f, uint64_t n) {
+    uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
+    if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
+    s->at += DEM__NAME_BYTES;
+    dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
+}
+
+/* A record that was found: where its entries begin, the bytes of one, how many. */
+typedef struct dem__record {
+    size_t at;
+    uint64_t bytes, count;
+} dem__record;
+
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if it does not fit there. */
+static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
+    dem__stream s;
+    if (end - at < DEM__HEAD_BYTES) return 0;
+    s.to = NULL, s.from = file, s.at = at + DEM__NAME_BYTES;
+    dem__stream_u64(&s, &r->bytes), dem__stream_u64(&s, &r->count);
+    r->at = s.at;
+    return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
+}
+
+/* Is all between at and end whole records? */
+static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
+    dem__record r;
+    while (at < end) {
+        if (!dem__read_head(file, end, at, &r)) return 0;
+        at = r.at + (size_t)(r.bytes * r.count);
     }
-    if (!s->loading && s->to && s->at + 8 <= s->size) memcpy(s->to + s->at, byte, 8);
-    s->at += 8;
+    return at == end;
 }
 
-static inline void dem__f64(dem__stream *s, double *v) {
-    uint64_t bits;
-    memcpy(&bits, v, sizeof bits);
-    dem__u64(s, &bits);
-    memcpy(v, &bits, sizeof bits);
+/* Finds the first record of a name among whole ones. */
+static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
+        dem__read_head(file, end, at, r);
+        if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
+    }
+    return 0;
 }
 
-static inline void dem__i64(dem__stream *s, int64_t *v) {
-    uint64_t bits = (uint64_t)*v;
-    dem__u64(s, &bits);
-    *v = (int64_t)bits;
+/* --------------------------------------------------------------------------------------------- >>saved */
+/* What of a world is saved, as tables of fields: one row a field. Knows every owner's state; writes none.
+   Relies on records.h for what a row means.
+   A new field is a row here and nothing else: old files, which lack it, load with what is in memory then (zero, or the default); files with a
+   row that is unknown here load without it. The first rows of a group (as many as dem__group says) must be there. */
+
+enum { DEM__FIELDS_MAX = 64 };
+
+/* Fields with equally many entries. */
+typedef struct dem__group {
+    int fields, needed; /* the first so many must be there */
+    dem__field field[DEM__FIELDS_MAX];
+} dem__group;
+
+static inline void dem__set_fields(dem__group *g, const dem__field *field, size_t bytes, int needed) {
+    memcpy(g->field, field, bytes);
+    g->fields = (int)(bytes / sizeof *field), g->needed = needed;
 }
 
-static inline void dem__i32(dem__stream *s, int32_t *v) {
-    int64_t wide = *v;
-    dem__i64(s, &wide);
-    if (wide < INT32_MIN || wide > INT32_MAX) s->failed = 1;
-    *v = (int32_t)wide;
-}
-
-static inline void dem__vecs(dem__stream *s, dem_vec *v, size_t n) {
-    for (size_t k = 0; k < n; k++) dem__f64(s, &v[k].x), dem__f64(s, &v[k].y), dem__f64(s, &v[k].z);
-}
-static inline void dem__ints(dem__stream *s, int *v, size_t n) {
-    for (size_t k = 0; k < n; k++) {
-        int32_t a = v[k];
-        dem__i32(s, &a);
-        v[k] = a;
+/* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
+static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
+    for (int k = 0; k < n; k++) {
+        dem__field *f = &g->field[g->fields++];
+        const size_t length = strlen(name);
+        memset(f, 0, sizeof *f);
+        memcpy(f->name, name, length);
+        if (k > 9) f->name[length] = (char)('0' + k / 10);
+        f->name[length + (k > 9)] = (char)('0' + k % 10);
+        f->data = array[k], f->stride = sizeof(double), f->numbers = 1, f->width = sizeof(double);
     }
 }
 
-static inline void dem__stream_def(dem__stream *s, dem_def *d) {
-    int32_t cookie = (int32_t)d->cookie;
-    dem__i32(s, &cookie);
-    d->cookie = (uint32_t)cookie;
-    dem__ints(s, &d->materials, 1), dem__ints(s, &d->threads, 1), dem__ints(s, &d->skip, 1), dem__ints(s, d->periodic, 3);
-    dem__f64(s, &d->dt), dem__f64(s, &d->skin);
-    dem__vecs(s, &d->gravity, 1), dem__vecs(s, &d->low, 1), dem__vecs(s, &d->high, 1);
-    for (int a = 0; a < DEM_MATERIALS_MAX; a++) {
-        dem__f64(s, &d->material[a].density), dem__f64(s, &d->material[a].young_modulus), dem__f64(s, &d->material[a].poisson_ratio);
-        for (int b = 0; b < DEM_MATERIALS_MAX; b++) {
-            dem_pair_def *p = &d->pair[a][b];
-            int mode = (int)p->mode;
-            dem__f64(s, &p->stiffness), dem__f64(s, &p->tangential_ratio), dem__f64(s, &p->restitution), dem__f64(s, &p->friction);
-            dem__f64(s, &p->rolling), dem__f64(s, &p->tangential_damping);
-            dem__ints(s, &mode, 1);
-            p->mode = mode == (int)DEM_NAIVE ? DEM_NAIVE : DEM_CLIPPED;
-        }
-    }
+/* Numbers of which there is one. */
+static inline void dem__world_fields(dem_world *w, dem__group *g) {
+    dem__engine *e = w->engine;
+    dem_def *d = &w->def;
+    dem_energy_ledger *l = &e->ledger.sums;
+    const dem__field fields[] = {
+        DEM__DOUBLES("dt", d->dt, 0),
+        DEM__INTEGER("step", w->step, 0),
+        DEM__DOUBLES("time", w->time, 0),
+        DEM__DOUBLES("start_time", e->run.start_time, 0),
+        DEM__INTEGER("start_step", e->run.start_step, 0),
+        DEM__DOUBLES("gravity", d->gravity, 0),
+        DEM__INTEGER("materials", d->materials, 0),
+        DEM__INTEGER("next_id", e->bodies.next_id, 0),
+        DEM__DOUBLES("owed", w->owed, 0),
+        DEM__INTEGER("threads", d->threads, 0),
+        DEM__INTEGER("skip", d->skip, 0),
+        DEM__INTEGER("periodic.x", d->periodic[0], 0),
+        DEM__INTEGER("periodic.y", d->periodic[1], 0),
+        DEM__INTEGER("periodic.z", d->periodic[2], 0),
+        DEM__DOUBLES("skin", d->skin, 0),
+        DEM__DOUBLES("low", d->low, 0),
+        DEM__DOUBLES("high", d->high, 0),
+        DEM__INTEGER("passed_total", w->passed_total, 0),
+        DEM__INTEGER("particle_steps", w->particle_steps, 0),
+        DEM__INTEGER("contact_steps", w->contact_steps, 0),
+        DEM__INTEGER("looks", w->looks, 0),
+        DEM__INTEGER("rebuilds", w->rebuilds, 0),
+        DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
+        DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
+        DEM__INTEGER("contact.states", e->contacts.states, 0),
+        DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
+        DEM__INTEGER("link.on", e->links.on, 0),
+        DEM__INTEGER("link.states", e->links.states, 0),
+        DEM__DOUBLES("link.interval", e->links.interval, 0),
+        DEM__DOUBLES("link.near", e->links.near, 0),
+        DEM__INTEGER("ledger.on", e->ledger.on, 0),
+        DEM__INTEGER("ledger.started", e->ledger.started, 0),
+        DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
+        DEM__DOUBLES("ledger.paused_error", e->ledger.paused_error, 0),
+        DEM__DOUBLES("ledger.normal_loss", l->normal_loss, 0),
+        DEM__DOUBLES("ledger.sliding_loss", l->sliding_loss, 0),
+        DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
+        DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
+        DEM__DOUBLES("ledger.link_work", l->link_work, 0),
+        DEM__DOUBLES("ledger.external_work", l->external_work, 0),
+        DEM__DOUBLES("ledger.added", l->added, 0),
+        DEM__DOUBLES("ledger.removed", l->removed, 0),
+        DEM__DOUBLES("ledger.start", l->start, 0),
+        DEM__DOUBLES("ledger.start_pot", l->start_potential, 0),
+        DEM__DOUBLES("ledger.added_pot", l->added_potential, 0),
+        DEM__DOUBLES("ledger.removed_pot", l->removed_potential, 0),
+    };
+    dem__set_fields(g, fields, sizeof fields, 8);
 }
 
-static inline void dem__stream_wall(dem__stream *s, dem_wall *w) {
-    int *flags[] = {&w->kind, &w->material, &w->enabled, &w->inside, &w->profile, &w->circular, &w->slides, &w->asked.drive, &w->solid};
-    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    int32_t groups = (int32_t)(w->groups ^ 0x80000000u);
-    dem__i32(s, &groups);
-    w->groups = (uint32_t)groups ^ 0x80000000u;
-    if (w->solid && w->kind != DEM_MESH) s->failed = 1;
-    double *numbers[] = {&w->radius,
-                         &w->high_radius,
-                         &w->length,
-                         &w->aperture,
-                         &w->wire,
-                         &w->half_x,
-                         &w->half_y,
-                         &w->asked.frequency,
-                         &w->spin,
-                         &w->spin_rate,
-                         &w->coordinate,
-                         &w->rate,
-                         &w->rate_change,
-                         &w->asked.inertia,
-                         &w->asked.load,
-                         &w->asked.damping,
-                         &w->asked.interval,
-                         &w->asked.motion_start,
-                         &w->speed_bound,
-                         &w->spin_bound,
-                         &w->acceleration_bound,
-                         &w->side_bound};
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) dem__f64(s, numbers[k]);
-    dem__vecs(s, w->axis, 3), dem__vecs(s, w->asked.rest_axis, 3);
-    dem_vec *vectors[] = {
-        &w->asked.origin, &w->asked.belt, &w->asked.amplitude, &w->asked.phase, &w->asked.drift, &w->spin_axis, &w->asked.spin_centre,
-        &w->position,     &w->velocity,   &w->acceleration,    &w->force,       &w->torque,      &w->impulse};
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) dem__vecs(s, vectors[k], 1);
+static inline void dem__material_fields(dem_material *m, dem__group *g) {
+    const size_t s = sizeof *m;
+    const dem__field fields[] = {
+        DEM__DOUBLES("material.density", m->density, s),
+        DEM__DOUBLES("material.young", m->young_modulus, s),
+        DEM__DOUBLES("material.poisson", m->poisson_ratio, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
 }
 
-/* Particles present and contacts; remap__[i] must be the index among those present. */
-static inline void dem__stream_state(dem__stream *s, dem_world *w, const int32_t *remap, int with_forces) {
+static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
+    const size_t s = sizeof *p;
+    const dem__field fields[] = {
+        DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
+        DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
+        DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
+        DEM__INTEGER("pair.mode", p->mode, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
+}
+
+static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
+    const size_t s = sizeof *a;
+    dem_wall_motion *asked = &a->asked;
+    const dem__field fields[] = {
+        DEM__INTEGER("wall.kind", a->kind, s),
+        DEM__INTEGER("wall.material", a->material, s),
+        DEM__INTEGER("wall.enabled", a->enabled, s),
+        DEM__DOUBLES("wall.position", a->position, s),
+        DEM__DOUBLES("wall.axis", a->axis, s),
+        DEM__DOUBLES("wall.origin", asked->origin, s),
+        DEM__DOUBLES("wall.rest_axis", asked->rest_axis, s),
+        DEM__DOUBLES("wall.radius", a->radius, s),
+        DEM__DOUBLES("wall.high_radius", a->high_radius, s),
+        DEM__DOUBLES("wall.length", a->length, s),
+        DEM__INTEGER("wall.inside", a->inside, s),
+        DEM__DOUBLES("wall.aperture", a->aperture, s),
+        DEM__DOUBLES("wall.wire", a->wire, s),
+        DEM__INTEGER("wall.profile", a->profile, s),
+        DEM__INTEGER("wall.circular", a->circular, s),
+        DEM__DOUBLES("wall.half_x", a->half_x, s),
+        DEM__DOUBLES("wall.half_y", a->half_y, s),
+        DEM__INTEGER("wall.drive", asked->drive, s),
+        DEM__DOUBLES("wall.amplitude", asked->amplitude, s),
+        DEM__DOUBLES("wall.phase", asked->phase, s),
+        DEM__DOUBLES("wall.frequency", asked->frequency, s),
+        DEM__DOUBLES("wall.drift", asked->drift, s),
+        DEM__DOUBLES("wall.spin_centre", asked->spin_centre, s),
+        DEM__DOUBLES("wall.belt", asked->belt, s),
+        DEM__DOUBLES("wall.inertia", asked->inertia, s),
+        DEM__DOUBLES("wall.load", asked->load, s),
+        DEM__DOUBLES("wall.damping", asked->damping, s),
+        DEM__DOUBLES("wall.interval", asked->interval, s),
+        DEM__DOUBLES("wall.motion_start", asked->motion_start, s),
+        DEM__DOUBLES("wall.velocity", a->velocity, s),
+        DEM__DOUBLES("wall.acceleration", a->acceleration, s),
+        DEM__DOUBLES("wall.spin_axis", a->spin_axis, s),
+        DEM__DOUBLES("wall.spin", a->spin, s),
+        DEM__DOUBLES("wall.spin_rate", a->spin_rate, s),
+        DEM__DOUBLES("wall.coordinate", a->coordinate, s),
+        DEM__DOUBLES("wall.rate", a->rate, s),
+        DEM__DOUBLES("wall.rate_change", a->rate_change, s),
+        DEM__DOUBLES("wall.force", a->force, s),
+        DEM__DOUBLES("wall.torque", a->torque, s),
+        DEM__DOUBLES("wall.impulse", a->impulse, s),
+        DEM__INTEGER("wall.solid", a->solid, s),
+        DEM__INTEGER("wall.groups", a->groups, s),
+        DEM__INTEGER("wall.slides", a->slides, s),
+        DEM__DOUBLES("wall.speed_bound", a->speed_bound, s),
+        DEM__DOUBLES("wall.spin_bound", a->spin_bound, s),
+        DEM__DOUBLES("wall.acc_bound", a->acceleration_bound, s),
+        DEM__DOUBLES("wall.side_bound", a->side_bound, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 7);
+}
+
+/* Of particles present. */
+static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
-    dem__contacts *contacts = &w->engine->contacts;
     dem__links *links = &w->engine->links;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
-        dem_particle *p = &w->particle[i];
-        dem__vecs(s, &p->x, 1), dem__vecs(s, &p->v, 1), dem__vecs(s, &p->a, 1), dem__vecs(s, &p->spin, 1),
-            dem__vecs(s, &w->spin_rate[i], 1);
-        dem__f64(s, &p->radius), dem__f64(s, &p->mass);
-        for (int a = 0; a < 6; a++) dem__f64(s, &bodies->load[i][a]);
-        dem__i64(s, &w->particle[i].origin);
-        dem__u64(s, &w->id[i]);
-        dem__i32(s, &w->material[i]), dem__i32(s, &w->group[i]);
-        for (int a = 0; a < 6; a++) {
-            if (links->on) dem__f64(s, &bodies->external[i][a]);
-            else if (s->loading) bodies->external[i][a] = bodies->load[i][a];
-        }
-        for (int a = 0; a < 6 && links->on && with_forces; a++) dem__f64(s, &links->evaluated_at[i][a]);
-        if (links->on) dem__i32(s, &links->is_loaded[i]);
-    }
-    for (ptrdiff_t k = 0; k < links->count; k++) {
-        int32_t i = remap ? remap[links->i[k]] : links->i[k], j = links->j[k];
-        if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &links->element[k]);
-        if (s->loading) links->i[k] = i, links->j[k] = j;
-        for (int a = 0; a < links->states; a++) dem__f64(s, &links->state[a][k]);
-    }
-    DEM__EACH_CONTACT(w, c) {
-        int32_t i = remap ? remap[contacts->i[c]] : contacts->i[c], j = contacts->j[c];
-        if (remap && j >= 0) j = remap[j];
-        dem__i32(s, &i), dem__i32(s, &j), dem__i32(s, &contacts->element[c]);
-        if (s->loading) contacts->i[c] = i, contacts->j[c] = j;
-        dem__f64(s, &contacts->gap[c]), dem__f64(s, &contacts->force[c]);
-        for (int a = 0; a < contacts->states; a++) dem__f64(s, &contacts->state[a][c]);
-        if (!with_forces) continue;
-        for (int a = 0; w->engine->walls.touch_keepers && a < 4; a++) dem__f64(s, &contacts->touch[a][c]);
-        for (int a = 0; a < 9; a++) dem__f64(s, &contacts->wrench[a][c]);
-        if (w->engine->ledger.on) {
-            dem__f64(s, &contacts->elastic[c]);
-            for (int a = 0; a < 3; a++) dem__f64(s, &contacts->power[a][c]);
-        }
+    dem_particle *p = w->particle;
+    const size_t s = sizeof *p;
+    const dem__field fields[] = {
+        DEM__DOUBLES("particle.x", p->x, s),
+        DEM__DOUBLES("particle.v", p->v, s),
+        DEM__DOUBLES("particle.a", p->a, s),
+        DEM__DOUBLES("particle.radius", p->radius, s),
+        DEM__DOUBLES("particle.mass", p->mass, s),
+        DEM__INTEGER("particle.origin", p->origin, s),
+        DEM__INTEGER("particle.id", w->id[0], sizeof *w->id),
+        DEM__INTEGER("particle.material", w->material[0], sizeof *w->material),
+        DEM__DOUBLES("particle.spin", p->spin, s),
+        DEM__DOUBLES("particle.spin_rate", w->spin_rate[0], sizeof *w->spin_rate),
+        DEM__INTEGER("particle.group", w->group[0], sizeof *w->group),
+        DEM__DOUBLES("particle.load", bodies->load[0], sizeof *bodies->load),
+        DEM__DOUBLES("particle.external", bodies->external[0], sizeof *bodies->external),
+        DEM__INTEGER("particle.is_loaded", links->is_loaded[0], sizeof *links->is_loaded),
+        DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
+    };
+    dem__set_fields(g, fields, sizeof fields, 8);
+    if (!links->on) g->fields -= 2; /* without links nothing of them */
+    if (!bodies->rigid) return;
+    const dem__field pieces[] = {
+        DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
+        DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
+    };
+    memcpy(&g->field[g->fields], pieces, sizeof pieces);
+    g->fields += 2;
+}
+
+/* Rigid bodies that are present; their particles' numbers, offsets and arms follow from these and from the particles. */
+static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
+    const size_t s = sizeof *r;
+    const dem__field fields[] = {
+        DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
+        DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
+        DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
+        DEM__DOUBLES("body.torque", r->torque, s), DEM__DOUBLES("body.turn", r->turn, s),
+        DEM__DOUBLES("body.frame", r->frame, s),   DEM__DOUBLES("body.moments", r->moments, s),
+        DEM__DOUBLES("body.mass", r->mass, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 11);
+}
+
+static inline void dem__link_fields(dem_world *w, dem__group *g) {
+    dem__links *links = &w->engine->links;
+    const dem__field fields[] = {
+        DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
+        DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
+        DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
+    dem__add_fields(g, "link.state", links->state, links->states);
+    g->needed = g->fields;
+}
+
+static inline void dem__contact_fields(dem_world *w, dem__group *g) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__field fields[] = {
+        DEM__INTEGER("contact.i", contacts->i[0], sizeof *contacts->i),
+        DEM__INTEGER("contact.j", contacts->j[0], sizeof *contacts->j),
+        DEM__INTEGER("contact.element", contacts->element[0], sizeof *contacts->element),
+        DEM__DOUBLES("contact.gap", contacts->gap[0], sizeof *contacts->gap),
+        DEM__DOUBLES("contact.force", contacts->force[0], sizeof *contacts->force),
+    };
+    dem__set_fields(g, fields, sizeof fields, 5);
+    dem__add_fields(g, "contact.state", contacts->state, contacts->states);
+    g->needed = g->fields;
+    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, 4);
+    dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
+    if (w->engine->ledger.on) {
+        dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
+        dem__add_fields(g, "contact.power", contacts->power, 3);
     }
 }
 
-static inline void dem__quaternions(dem__stream *s, dem_quaternion *q, size_t n) {
-    for (size_t k = 0; k < n; k++) dem__f64(s, &q[k].w), dem__f64(s, &q[k].x), dem__f64(s, &q[k].y), dem__f64(s, &q[k].z);
+static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
+    const size_t s = sizeof *p;
+    const dem__field fields[] = {
+        DEM__DOUBLES("passed.time", p->time, s),
+        DEM__DOUBLES("passed.diameter", p->diameter, s),
+        DEM__DOUBLES("passed.position", p->position, s),
+        DEM__DOUBLES("passed.velocity", p->velocity, s),
+        DEM__INTEGER("passed.id", p->id, s),
+        DEM__INTEGER("passed.group", p->group, s),
+        DEM__INTEGER("passed.exit", p->exit, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* One rigid body; remap[i], without one i, is the index of particle i. */
-static inline void dem__stream_body(dem__stream *s, dem_world *w, dem__rigid *r, const int32_t *remap) {
-    int32_t first = remap && !s->loading ? remap[r->first] : r->first;
-    dem__i32(s, &first), dem__i32(s, &r->pieces);
-    if (s->loading) r->first = first;
-    dem__vecs(s, &r->x, 1), dem__vecs(s, &r->v, 1), dem__vecs(s, &r->a, 1), dem__vecs(s, &r->momentum, 1), dem__vecs(s, &r->torque, 1);
-    dem__quaternions(s, &r->turn, 1), dem__quaternions(s, &r->frame, 1);
-    dem__vecs(s, &r->moments, 1), dem__f64(s, &r->mass);
-    if (s->failed || r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) {
-        s->failed = 1;
+/* Chunks, of whose slots contacts are. In a file a count has 8 bytes on every machine. */
+typedef struct dem__saved_chunk {
+    int64_t count, capacity;
+    int32_t first_particle;
+} dem__saved_chunk;
+static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
+    const size_t s = sizeof *chunk;
+    const dem__field fields[] = {
+        DEM__INTEGER("chunk.count", chunk->count, s),
+        DEM__INTEGER("chunk.capacity", chunk->capacity, s),
+        DEM__INTEGER("chunk.first_particle", chunk->first_particle, s),
+    };
+    dem__set_fields(g, fields, sizeof fields, 3);
+}
+
+/* Corners and triangles of the mesh of wall k: two groups of one field each. */
+static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
+    const dem__field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
+    const dem__field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
+    dem__set_fields(vertices, corners, sizeof corners, 1);
+    dem__set_fields(triangles, triples, sizeof triples, 1);
+    vertices->field[0].name[4] = triangles->field[0].name[4] = (char)('0' + wall / 10);
+    vertices->field[0].name[5] = triangles->field[0].name[5] = (char)('0' + wall % 10);
+}
+
+/* ---------------------------------------------------------------------------------------------- >>save */
+/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that threads may save one at once.
+   Relies on saved.h for what is saved, on records.h for how.
+   May be changed here alone: the order of groups. */
+
+/* Writes or reads entry `at` of a group's field. Numbers of particles in a file count those present. */
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__field *f, ptrdiff_t at, int is_body) {
+    if (!is_body) {
+        dem__stream_entry(s, f, at);
         return;
     }
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        dem__vecs(s, &w->engine->bodies.offset[i], 1), dem__vecs(s, &w->engine->bodies.arm[i], 1);
+    int32_t body = *(const int32_t *)(const void *)((const unsigned char *)f->data + (size_t)at * f->stride);
+    if (body >= 0) body = w->engine->bodies.number[body];
+    dem__stream_number(s, &body, sizeof body);
+}
+
+/* Writes a group of n entries that lie one after the other. The first `bodies` fields hold numbers of particles. */
+static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)n);
+        for (ptrdiff_t k = 0; k < n; k++) dem__write_entry(s, w, &g->field[q], k, q < bodies);
     }
 }
 
-/* Rigid bodies, if there are any, in the order of their particles. */
-static inline void dem__stream_bodies(dem__stream *s, dem_world *w, const int32_t *remap) {
+static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
+    const ptrdiff_t present = w->count - w->engine->bodies.dropped;
+    if (present == 0) return;
+    dem__particle_fields(w, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)present);
+        for (ptrdiff_t i = 0; i < w->count; i++) {
+            if (w->alive[i]) dem__stream_entry(s, &g->field[q], i);
+        }
+    }
+}
+
+static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    uint64_t present = 0;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    if (present == 0) return;
+    dem__body_fields(bodies->rigid, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__begin_record(s, &g->field[q], present);
+        for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+            if (w->alive[bodies->rigid[k].first]) dem__write_entry(s, w, &g->field[q], k, q == 0);
+        }
+    }
+}
+
+static inline void dem__write_contacts(dem__stream *s, dem_world *w, dem__group *g) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem__saved_chunk chunk[DEM__CHUNKS];
+    for (int q = 0; q < contacts->chunk_count; q++) {
+        const int32_t from = contacts->chunk[q].first_particle;
+        chunk[q].count = contacts->chunk[q].count, chunk[q].capacity = contacts->chunk[q].capacity;
+        chunk[q].first_particle = from == 0         ? 0
+                                  : from < w->count ? w->engine->bodies.number[from]
+                                                    : (int32_t)(w->count - w->engine->bodies.dropped);
+    }
+    dem__chunk_fields(chunk, g);
+    dem__write_group(s, w, g, contacts->chunk_count, 0);
+    if (contacts->count == 0) return;
+    dem__contact_fields(w, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__begin_record(s, &g->field[q], (uint64_t)contacts->count);
+        DEM__EACH_CONTACT(w, c) { dem__write_entry(s, w, &g->field[q], c, q < 2); }
+    }
+}
+
+static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__group *g) {
+    dem__group triangles;
+    for (int k = 0; k < w->walls; k++) {
+        const dem__tree *tree = w->wall[k].tree;
+        if (w->wall[k].kind != DEM_MESH) continue;
+        dem__mesh_fields(tree->vertex, tree->corner, k, g, &triangles);
+        dem__write_group(s, w, g, tree->vertices, 0);
+        dem__write_group(s, w, &triangles, tree->triangles, 0);
+    }
+}
+
+/* Writes a world, or counts its bytes. */
+static inline void dem__write_world(dem__stream *s, dem_world *w) {
+    uint64_t magic = DEM__MAGIC, version = DEM__FORMAT;
+    dem__group g;
+    dem__stream_u64(s, &magic), dem__stream_u64(s, &version);
+    dem__world_fields(w, &g), dem__write_group(s, w, &g, 1, 0);
+    dem__material_fields(w->def.material, &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX, 0);
+    dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
+    dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
+    dem__write_meshes(s, w, &g);
+    dem__write_particles(s, w, &g);
+    dem__write_bodies(s, w, &g);
+    dem__write_contacts(s, w, &g);
+    if (w->engine->links.count > 0) dem__link_fields(w, &g), dem__write_group(s, w, &g, w->engine->links.count, 2);
+    if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
+}
+
+DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
+    dem__stream s = {NULL, NULL, 0};
+    if (!world || !world->def.allocator.fn) return 0;
+    dem_world w = *world; /* shares the arrays: tables of fields hold addresses that a reader could write, and this writes none */
+    dem__write_world(&s, &w);
+    const size_t size = s.at + 8;
+    if (!buffer || size > capacity) return size;
+    s.to = (unsigned char *)buffer, s.at = 0;
+    dem__write_world(&s, &w);
+    uint64_t check = dem__checksum(s.to, s.at);
+    dem__stream_u64(&s, &check);
+    return size;
+}
+
+/* ---- hash ---- */
+
+/* Adds a number of 8 bytes to an FNV-1a hash. */
+DEM_INLINE void dem__hash_u64(uint64_t *hash, uint64_t v) {
+    for (int k = 0; k < 8; k++) *hash = (*hash ^ (v >> (8 * k) & 255u)) * 0x100000001b3u;
+}
+static inline void dem__hash_i64(uint64_t *hash, int64_t v) { dem__hash_u64(hash, (uint64_t)v); }
+static inline void dem__hash_f64(uint64_t *hash, const double *v, int n) {
+    for (int k = 0; k < n; k++) {
+        uint64_t bits;
+        memcpy(&bits, &v[k], sizeof bits);
+        dem__hash_u64(hash, bits);
+    }
+}
+static inline void dem__hash_vec(uint64_t *hash, dem_vec v) {
+    dem__hash_f64(hash, &v.x, 1), dem__hash_f64(hash, &v.y, 1), dem__hash_f64(hash, &v.z, 1);
+}
+
+static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const dem_particle *p = &w->particle[i];
+    dem__hash_vec(hash, p->x), dem__hash_vec(hash, p->v), dem__hash_vec(hash, p->a);
+    dem__hash_vec(hash, p->spin), dem__hash_vec(hash, w->spin_rate[i]);
+    dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
+    dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
+    dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
+    if (!w->engine->links.on) return;
+    dem__hash_f64(hash, bodies->external[i], 6);
+    dem__hash_i64(hash, w->engine->links.is_loaded[i]);
+}
+
+static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
+    dem__hash_f64(hash, &q.w, 1), dem__hash_f64(hash, &q.x, 1), dem__hash_f64(hash, &q.y, 1), dem__hash_f64(hash, &q.z, 1);
+}
+
+static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem__rigid *r) {
+    dem__hash_i64(hash, w->engine->bodies.number[r->first]), dem__hash_i64(hash, r->pieces);
+    dem__hash_vec(hash, r->x), dem__hash_vec(hash, r->v), dem__hash_vec(hash, r->a);
+    dem__hash_vec(hash, r->momentum), dem__hash_vec(hash, r->torque);
+    dem__hash_quaternion(hash, r->turn), dem__hash_quaternion(hash, r->frame);
+    dem__hash_vec(hash, r->moments), dem__hash_f64(hash, &r->mass, 1);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++)
+        dem__hash_vec(hash, w->engine->bodies.offset[i]), dem__hash_vec(hash, w->engine->bodies.arm[i]);
+}
+
+static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     int64_t present = 0;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
-    if (present == 0) return;
-    dem__i64(s, &present);
+    if (present > 0) dem__hash_i64(hash, present);
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        if (!w->alive[bodies->rigid[k].first]) continue;
-        dem__rigid copy = bodies->rigid[k];
-        dem__stream_body(s, w, &copy, remap);
+        if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);
     }
 }
 
-/* Loads them, if a save goes on. */
-static inline dem_status dem__load_bodies(dem__stream *s, dem_world *w) {
-    dem__bodies *bodies = &w->engine->bodies;
-    int64_t present = 0;
-    if (s->failed || s->size - s->at <= 8) return DEM_OK;
-    dem__i64(s, &present);
-    if (present < 1 || present > w->count || (size_t)present > s->size / 200) return DEM_BAD_DATA;
-    if (!dem__reserve_bodies(w, (ptrdiff_t)present, 0)) return DEM_OUT_OF_MEMORY;
-    for (ptrdiff_t k = 0; k < present && !s->failed; k++) {
-        dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-        memset(r, 0, sizeof *r);
-        dem__stream_body(s, w, r, NULL);
-        const dem_vec m = r->moments;
-        const double q = r->turn.w * r->turn.w + r->turn.x * r->turn.x + r->turn.y * r->turn.y + r->turn.z * r->turn.z;
-        if (s->failed || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z) || !dem__positive(r->mass) ||
-            !(fabs(q - 1.0) < 1e-6))
-            return DEM_BAD_DATA;
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
-                return DEM_BAD_DATA;
-            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        }
-    }
-    return DEM_OK;
-}
-
-static inline void dem__number_present(const dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? n++ : -1;
+/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
+    const int32_t *number = w->engine->bodies.number;
+    dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
 }
 
 DEM_API uint64_t dem_hash(const dem_world *world) {
-    dem__stream s;
-    memset(&s, 0, sizeof s);
-    s.hash = 0xcbf29ce484222325u;
-    if (!world || !world->def.allocator.fn) return s.hash;
-    dem_world w = *world; /* shares the arrays; a stream that saves changes none of them */
-    dem__number_present(&w);
-    dem__i64(&s, &w.step);
-    for (int k = 0; k < w.walls; k++) {
-        if (w.wall[k].asked.drive >= DEM_FORCE_CONTROLLED) dem__f64(&s, &w.wall[k].coordinate), dem__f64(&s, &w.wall[k].rate);
+    uint64_t hash = 0xcbf29ce484222325u;
+    const dem_world *w = world;
+    if (!w || !w->def.allocator.fn) return hash;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__links *links = &w->engine->links;
+    dem__hash_i64(&hash, w->step);
+    for (int k = 0; k < w->walls; k++) {
+        const dem_wall *a = &w->wall[k];
+        if (a->asked.drive >= DEM_FORCE_CONTROLLED) dem__hash_f64(&hash, &a->coordinate, 1), dem__hash_f64(&hash, &a->rate, 1);
     }
-    dem__stream_state(&s, &w, w.engine->scratch.index, 0);
-    dem__stream_bodies(&s, &w, w.engine->scratch.index);
-    return s.hash;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) dem__hash_particle(&hash, w, i);
+    }
+    for (ptrdiff_t k = 0; k < links->count; k++) {
+        dem__hash_bodies(&hash, w, links->i[k], links->j[k], links->element[k]);
+        for (int a = 0; a < links->states; a++) dem__hash_f64(&hash, &links->state[a][k], 1);
+    }
+    DEM__EACH_CONTACT(w, c) {
+        dem__hash_bodies(&hash, w, contacts->i[c], contacts->j[c], contacts->element[c]);
+        dem__hash_f64(&hash, &contacts->gap[c], 1), dem__hash_f64(&hash, &contacts->force[c], 1);
+        for (int a = 0; a < contacts->states; a++) dem__hash_f64(&hash, &contacts->state[a][c], 1);
+    }
+    dem__hash_rigids(&hash, w);
+    return hash;
 }
 
-static inline void dem__stream_chunks(dem__stream *s, dem_world *w, int64_t live, int64_t present) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const int64_t all = live + DEM__BLOCK;
-    ptrdiff_t first = 0;
-    dem__ints(s, &contacts->chunk_count, 1);
-    if (contacts->chunk_count < 1 || contacts->chunk_count > DEM__CHUNKS) s->failed = 1;
-    for (int q = 0; q < contacts->chunk_count && !s->failed; q++) {
-        dem__chunk *in = &contacts->chunk[q];
-        int64_t of = in->count, room = in->capacity;
-        int32_t from = in->first_particle;
-        if (!s->loading && from > 0) from = dem__remapped(w, from);
-        dem__i64(s, &of), dem__i64(s, &room), dem__i32(s, &from);
-        if (of < 0 || of > live || room < 0 || room > 64 * (all + present) || (q < contacts->chunk_count - 1 && of > room)) s->failed = 1;
-        if (!s->loading || s->failed) continue;
-        in->first = first, in->count = (ptrdiff_t)of, in->capacity = (ptrdiff_t)room,
-        in->first_particle = q < contacts->chunk_count - 1 ? from : 0;
-        first += in->capacity;
-        live -= of;
-    }
-    if (s->loading && live != 0) s->failed = 1;
+/* ---------------------------------------------------------------------------------------------- >>load */
+/* Loading: a world from the records that save.h writes, believed in nothing: every index, count and number that the engine relies on is
+   checked here. Relies on saved.h for the fields, on store.h for room.
+   May be changed here alone: what is checked. Whatever fails, the world is empty afterwards. */
+
+/* A file that is being read: its bytes, and where its records begin and end. */
+typedef struct dem__file {
+    const unsigned char *bytes;
+    size_t first, end;
+} dem__file;
+
+/* Is it a saved world of this format, whole and as it was written? */
+static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
+    uint64_t magic, version, check;
+    dem__stream s = {NULL, (const unsigned char *)buffer, 0};
+    if (size < 24) return 0;
+    dem__stream_u64(&s, &magic), dem__stream_u64(&s, &version);
+    file->bytes = s.from, file->first = s.at, file->end = s.at = size - 8;
+    dem__stream_u64(&s, &check);
+    return magic == DEM__MAGIC && version == DEM__FORMAT && check == dem__checksum(file->bytes, file->end) &&
+           dem__are_records(file->bytes, file->first, file->end);
 }
 
-static inline void dem__stream_head(dem__stream *s, dem_world *w, int64_t *present) {
-    dem__run *run = &w->engine->run;
-    dem__contacts *contacts = &w->engine->contacts;
-    dem__ledger *ledger = &w->engine->ledger;
-    uint64_t magic = 0x0a1a64656d52u, version = DEM__FORMAT;
-    dem__u64(s, &magic), dem__u64(s, &version);
-    if (magic != 0x0a1a64656d52u || version != DEM__FORMAT) s->failed = 1;
-    dem__stream_def(s, &w->def);
-    dem__i64(s, &w->step), dem__f64(s, &w->time), dem__f64(s, &run->start_time), dem__i64(s, &run->start_step), dem__f64(s, &w->owed);
-    dem__u64(s, &w->engine->bodies.next_id);
-    dem__i64(s, &w->passed_total);
-    dem__i64(s, &w->particle_steps), dem__i64(s, &w->contact_steps), dem__i64(s, &w->looks), dem__i64(s, &w->rebuilds);
-    const int64_t counts[] = {w->step, run->start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds};
-    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) s->failed |= s->loading && !(counts[k] >= 0 && counts[k] < INT64_MAX / 4);
-    int *flags[] = {&w->walls,
-                    &run->needs_forces,
-                    &ledger->on,
-                    &ledger->started,
-                    &ledger->counts,
-                    &contacts->has_history,
-                    &w->engine->bodies.loads_on,
-                    &contacts->states,
-                    &w->engine->links.on,
-                    &w->engine->links.states};
-    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) dem__ints(s, flags[k], 1);
-    if (w->walls < 0 || w->walls > DEM_WALLS_MAX || contacts->states < 0 || contacts->states > DEM_STATE_MAX) s->failed = 1;
-    if (w->engine->links.states < 0 || w->engine->links.states > DEM_STATE_MAX) s->failed = 1;
-    dem__f64(s, &w->engine->links.interval), dem__f64(s, &w->engine->links.near);
-    if (!s->failed && s->loading && !dem__grow_walls(w, w->walls)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        s->failed = 1;
-    }
-    dem__f64(s, &ledger->paused_error);
-    for (int k = 0; k < w->walls && !s->failed; k++) dem__stream_wall(s, &w->wall[k]);
-    dem_energy_ledger *l = &ledger->sums;
-    double *sums[] = {&l->normal_loss, &l->sliding_loss, &l->rolling_loss, &l->wall_work,       &l->link_work,       &l->external_work,
-                      &l->added,       &l->removed,      &l->start,        &l->start_potential, &l->added_potential, &l->removed_potential};
-    for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) dem__f64(s, sums[k]);
-    int64_t live = contacts->count, passed = w->passed_count, links = w->engine->links.count;
-    dem__i64(s, present), dem__i64(s, &live), dem__i64(s, &passed), dem__i64(s, &links);
-    if (links < 0 || links > INT32_MAX / 4 || !dem__not_negative(w->engine->links.near) || !dem__not_negative(w->engine->links.interval))
-        s->failed = 1;
-    if (live < 0 || passed < 0 || *present < 0 || live > INT32_MAX / 4 || *present > INT32_MAX / 4 || passed > INT32_MAX) s->failed = 1;
-    dem__stream_chunks(s, w, live, *present);
-    contacts->count = (ptrdiff_t)live;
-    w->passed_count = (ptrdiff_t)passed;
-    w->engine->links.count = (ptrdiff_t)links;
+/* Number of entries that a group has in a file: of its first field, which must be there. */
+static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
+    char name[DEM__NAME_BYTES];
+    dem__record r;
+    memset(name, 0, sizeof name);
+    memcpy(name, first, strlen(first));
+    return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4 ? (ptrdiff_t)r.count : 0;
 }
 
-static inline void dem__stream_passed(dem__stream *s, dem_world *w) {
-    for (ptrdiff_t k = 0; k < w->passed_count && !s->failed; k++) {
-        dem_passed *p = &w->passed[k];
-        dem__f64(s, &p->time), dem__f64(s, &p->diameter), dem__vecs(s, &p->position, 1), dem__vecs(s, &p->velocity, 1);
-        dem__u64(s, &p->id), dem__i32(s, &p->group), dem__i32(s, &p->exit);
-    }
+/* Finds a field of n entries. 1: there; 0: not, and it may be missing; -1: it must not be missing, or is of another kind. */
+static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
+    const dem__field *f = &g->field[field];
+    dem__record r;
+    if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
+    s->to = NULL, s->from = file->bytes, s->at = r.at;
+    return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* The triangles of meshes, which a tree is made from anew. */
-static inline dem_status dem__stream_mesh(dem__stream *s, dem_wall *a, const dem_allocator *memory) {
-    int64_t vertices = s->loading ? 0 : a->tree->vertices, triangles = s->loading ? 0 : a->tree->triangles;
-    dem_vec *vertex = s->loading ? NULL : a->tree->vertex;
-    int32_t *corner = s->loading ? NULL : a->tree->corner;
-    size_t bytes = 0;
+/* Reads a group of n entries that lie one after the other. Returns 0 if the file is not as it should be. */
+static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
+    for (int q = 0; q < g->fields && n > 0; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, n, &s);
+        if (found < 0) return 0;
+        for (ptrdiff_t k = 0; k < n && found; k++) dem__stream_entry(&s, &g->field[q], k);
+    }
+    return 1;
+}
+
+/* Reads contacts into their slots. */
+static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
+    if (w->engine->contacts.count == 0) return 1;
+    dem__contact_fields(w, g);
+    for (int q = 0; q < g->fields; q++) {
+        dem__stream s;
+        const int found = dem__find_field(file, g, q, w->engine->contacts.count, &s);
+        if (found < 0) return 0;
+        if (!found) continue;
+        DEM__EACH_CONTACT(w, c) { dem__stream_entry(&s, &g->field[q], c); }
+    }
+    return 1;
+}
+
+static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
+
+/* Reads the definition and single numbers. */
+static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__engine *e = w->engine;
+    dem__world_fields(w, g);
+    if (!dem__read_group(file, g, 1)) return 0;
+    dem__material_fields(w->def.material, g);
+    if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
+    dem__pair_fields(&w->def.pair[0][0], g);
+    if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
+    const int64_t counts[] = {w->step, e->run.start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds, w->passed_total};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
+    }
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+        return 0;
+    if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
+    if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
+    e->run.dt = w->def.dt;
+    e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
+    return dem__bad_field(&w->def) == NULL;
+}
+
+/* Reads the triangles of a mesh, which a tree is made from anew. */
+static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a, dem__group *g) {
+    dem__group triangles;
     dem_status status = DEM_OK;
-    dem__i64(s, &vertices), dem__i64(s, &triangles);
-    if (s->loading) {
-        const int64_t room = (int64_t)((s->size - s->at) / 24);
-        if (s->failed || vertices < 1 || triangles < 1 || vertices > room || triangles > room - vertices) return DEM_BAD_DATA;
-        bytes = (size_t)vertices * sizeof *vertex + 3 * (size_t)triangles * sizeof *corner;
-        vertex = (dem_vec *)memory->fn(memory->user, NULL, 0, bytes);
-        if (!vertex) return DEM_OUT_OF_MEMORY;
-        corner = (int32_t *)(void *)(vertex + vertices);
+    dem__mesh_fields(NULL, NULL, wall, g, &triangles);
+    const ptrdiff_t n = dem__entries_of(file, g->field[0].name), m = dem__entries_of(file, triangles.field[0].name);
+    const size_t bytes = (size_t)n * sizeof(dem_vec) + 3 * (size_t)m * sizeof(int32_t);
+    if (n < 1 || m < 1) return DEM_BAD_DATA;
+    dem_vec *vertex = (dem_vec *)memory->fn(memory->user, NULL, 0, bytes);
+    if (!vertex) return DEM_OUT_OF_MEMORY;
+    int32_t *corner = (int32_t *)(void *)(vertex + n);
+    dem__mesh_fields(vertex, corner, wall, g, &triangles);
+    if (!dem__read_group(file, g, n) || !dem__read_group(file, &triangles, m)) status = DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        if (!(fabs(vertex[k].x) < 1e50 && fabs(vertex[k].y) < 1e50 && fabs(vertex[k].z) < 1e50)) status = DEM_BAD_DATA;
     }
-    dem__vecs(s, vertex, (size_t)vertices);
-    for (int64_t k = 0; k < 3 * triangles; k++) dem__i32(s, &corner[k]);
-    if (!s->loading) return DEM_OK;
-    for (int64_t k = 0; k < vertices; k++) {
-        if (!(fabs(vertex[k].x) < 1e50 && fabs(vertex[k].y) < 1e50 && fabs(vertex[k].z) < 1e50)) s->failed = 1;
+    for (ptrdiff_t k = 0; k < 3 * m && status == DEM_OK; k++) {
+        if (corner[k] < 0 || corner[k] >= n) status = DEM_BAD_DATA;
     }
-    for (int64_t k = 0; k < 3 * triangles; k++) {
-        if (corner[k] < 0 || corner[k] >= vertices) s->failed = 1;
-    }
-    if (s->failed) status = DEM_BAD_DATA;
-    else a->tree = dem__make_tree(memory, (ptrdiff_t)vertices, vertex, (ptrdiff_t)triangles, corner, &status);
+    if (status == DEM_OK) a->tree = dem__make_tree(memory, n, vertex, m, corner, &status);
     memory->fn(memory->user, vertex, bytes, 0);
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-static inline dem_status dem__stream_meshes(dem__stream *s, dem_world *w) {
-    for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].kind != DEM_MESH) continue;
-        const dem_status status = dem__stream_mesh(s, &w->wall[k], &w->def.allocator);
+/* Is a loaded wall one that the functions which make and move walls could have made? */
+static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
+    const dem_wall_motion *asked = &a->asked;
+    if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
+    if (!dem__is_flag(a->solid) || (a->solid && a->kind != DEM_MESH)) return 0;
+    if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
+    if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
+    if (asked->drive < DEM_KINEMATIC || asked->drive > DEM_TORQUE_CONTROLLED) return 0;
+    if (asked->drive == DEM_PRESCRIBED && !(asked->interval > 0.0)) return 0;
+    return asked->drive < DEM_FORCE_CONTROLLED || asked->inertia > 0.0;
+}
+
+static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__wall_state *walls = &w->engine->walls;
+    const ptrdiff_t n = dem__entries_of(file, "wall.kind");
+    if (n > DEM_WALLS_MAX) return DEM_BAD_DATA;
+    if (!dem__grow_walls(w, n)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) w->wall[k].groups = ~(uint32_t)0;
+    dem__wall_fields(w->wall, g);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (w->walls = 0; w->walls < n; w->walls++) {
+        dem_wall *a = &w->wall[w->walls];
+        if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
+        const dem_status status = a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
+        walls->meshes += a->kind == DEM_MESH;
+        walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
+        walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
     }
     return DEM_OK;
 }
 
-DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
-    dem__stream s;
-    if (!world || !world->def.allocator.fn) return 0;
-    for (int pass = 0; pass < 2; pass++) {
-        dem_world w = *world;
-        int64_t present = w.count - w.engine->bodies.dropped;
-        uint64_t check;
-        memset(&s, 0, sizeof s);
-        s.hash = 0xcbf29ce484222325u;
-        s.to = pass && buffer ? (unsigned char *)buffer : NULL;
-        s.size = capacity;
-        dem__number_present(&w);
-        dem__stream_head(&s, &w, &present);
-        dem__stream_state(&s, &w, w.engine->scratch.index, 1);
-        dem__stream_passed(&s, &w);
-        dem__stream_meshes(&s, &w);
-        dem__stream_bodies(&s, &w, w.engine->scratch.index);
-        check = s.hash;
-        dem__u64(&s, &check);
-        if (s.at > capacity) break; /* too small: nothing is written */
+/* Reads how contacts lie in chunks. */
+static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__group *g, int64_t present) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__saved_chunk chunk[DEM__CHUNKS];
+    const ptrdiff_t n = dem__entries_of(file, "chunk.count"), all = dem__entries_of(file, "contact.i");
+    ptrdiff_t first = 0, left = all;
+    if (n < 1 || n > DEM__CHUNKS) return 0;
+    dem__chunk_fields(chunk, g);
+    if (!dem__read_group(file, g, n)) return 0;
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int64_t count = chunk[q].count, capacity = chunk[q].capacity;
+        const int is_last = q == n - 1;
+        if (count < 0 || count > left || capacity < 0 || capacity > 64 * (all + DEM__BLOCK + present)) return 0;
+        if (!is_last && count > capacity) return 0;
+        contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count, contacts->chunk[q].capacity = (ptrdiff_t)capacity;
+        contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
+        first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
     }
-    return s.at;
+    contacts->chunk_count = (int)n;
+    contacts->count = all;
+    return left == 0;
 }
 
-/* Every index and number in loaded data that the code relies on. */
-static inline int dem__loaded_is_sound(const dem_world *w) {
+/* Makes room for what a file holds. Counts become those of the file. */
+static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
+    dem__engine *e = w->engine;
+    dem__array list[DEM__ARRAYS_MAX];
+    const ptrdiff_t live = e->contacts.count;
+    e->contacts.count = 0; /* nothing is there yet that growing could keep */
+    if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes, &e->bodies.capacity, present + 1))
+        return 0;
+    if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
+    if (links > 0 && !dem__grow_group(w, list, dem__link_arrays(w, list), &e->links.block, &e->links.bytes, &e->links.capacity, links))
+        return 0;
+    if (passed > 0) {
+        w->passed = (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
+        if (!w->passed) return 0;
+        memset(w->passed, 0, (size_t)passed * sizeof *w->passed);
+        e->bodies.passed_capacity = passed;
+    }
+    w->count = present, w->passed_count = passed;
+    e->contacts.count = live, e->links.count = links;
+    return 1;
+}
+
+/* Reads rigid bodies, for which there is room, and gives them their particles. */
+static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (n == 0) return 1;
+    dem__body_fields(bodies->rigid, g);
+    memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
+    if (!dem__read_group(file, g, n)) return 0;
+    for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
+        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        const dem_quaternion t = r->turn;
+        if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return 0;
+        if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) || !dem__positive(r->mass))
+            return 0;
+        if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
+                return 0;
+            bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        }
+    }
+    return 1;
+}
+
+/* Reads particles, contacts, links and records of exits. */
+static inline dem_status dem__read_state(const dem__file *file, dem_world *w, dem__group *g) {
+    const ptrdiff_t present = dem__entries_of(file, "particle.x"), links = dem__entries_of(file, "link.i"),
+                    bodies = dem__entries_of(file, "body.first");
+    if (!dem__read_chunks(file, w, g, present)) return DEM_BAD_DATA;
+    if (!dem__make_loaded_room(w, present, links, dem__entries_of(file, "passed.time"))) return DEM_OUT_OF_MEMORY;
+    if (bodies > 0 && !dem__reserve_bodies(w, bodies, 0)) return DEM_OUT_OF_MEMORY;
+    dem__particle_fields(w, g);
+    for (ptrdiff_t i = 0; i < present; i++) {
+        w->alive[i] = 1;
+        w->engine->bodies.number[i] = (int32_t)i;
+        w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
+    }
+    if (!dem__read_group(file, g, present) || !dem__read_bodies(file, w, g, bodies) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    if (links > 0) {
+        dem__link_fields(w, g);
+        if (!dem__read_group(file, g, links)) return DEM_BAD_DATA;
+    }
+    if (w->passed_count > 0) dem__passed_fields(w->passed, g);
+    return w->passed_count == 0 || dem__read_group(file, g, w->passed_count) ? DEM_OK : DEM_BAD_DATA;
+}
+
+static inline int dem__are_sound_particles(const dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_particle *p = &w->particle[i];
+        if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
+        if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
+    }
+    return 1;
+}
+
+/* Are there bodies i and j, a wall or another particle? */
+static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
+    return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
+}
+
+static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__links *links = &w->engine->links;
     ptrdiff_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!dem__positive(w->particle[i].radius) || !dem__positive(w->particle[i].mass) || w->material[i] < 0 ||
-            w->material[i] >= w->def.materials || w->particle[i].origin > w->step || w->particle[i].origin < 0)
-            return 0;
-        if (i > 0 && w->id[i] <= w->id[i - 1]) return 0;
-    }
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
-        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || (j >= 0 && j <= i)) return 0;
+        if (!dem__are_bodies(w, i, j) || (j >= 0 && j < i)) return 0;
         if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS)) return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
@@ -11674,116 +12126,57 @@ static inline int dem__loaded_is_sound(const dem_world *w) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
     for (ptrdiff_t k = 0; k < links->count; k++) {
-        const int32_t i = links->i[k], j = links->j[k];
-        if (i < 0 || i >= w->count || j >= w->count || j < -w->walls || i == j) return 0;
-    }
-    for (int k = 0; k < w->walls; k++) {
-        const dem_wall *a = &w->wall[k];
-        if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
-        if (a->kind == DEM_SCREEN && !dem__is_deck(a)) return 0;
-        if (a->kind == DEM_CONE && !(a->length > 0.0 && a->radius + a->high_radius > 0.0)) return 0;
-        if (a->asked.drive < DEM_KINEMATIC || a->asked.drive > DEM_TORQUE_CONTROLLED ||
-            (a->asked.drive == DEM_PRESCRIBED && !(a->asked.interval > 0.0)))
-            return 0;
-        if (a->asked.drive >= DEM_FORCE_CONTROLLED && !(a->asked.inertia > 0.0)) return 0;
+        if (!dem__are_bodies(w, links->i[k], links->j[k])) return 0;
     }
     return 1;
 }
 
-DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
-    dem_world *w = world;
-    dem__stream s;
-    int64_t present = 0;
-    uint64_t check, found = 0;
-    if (!w || !buffer) return DEM_BAD_ARGUMENT;
-    memset(w, 0, sizeof *w);
-    memset(&s, 0, sizeof s);
-    s.hash = 0xcbf29ce484222325u;
-    s.from = (const unsigned char *)buffer;
-    s.size = size;
-    s.loading = 1;
-    dem_allocator memory;
-    memory.fn = dem__default_allocator;
-    memory.user = NULL;
-    if (allocator) memory = *allocator;
-    w->def.allocator = memory;
-    if (!dem__make_engine(w)) {
-        memset(w, 0, sizeof *w);
-        return DEM_OUT_OF_MEMORY;
-    }
-    dem__stream_head(&s, w, &present);
-    const size_t per_particle = 27 * 8, per_contact = 14 * 8;
-    if (s.failed || dem__bad_field(&w->def) || (size_t)present > size / per_particle ||
-        (size_t)w->engine->contacts.count > size / per_contact || (size_t)w->passed_count > size / 80 ||
-        (size_t)w->engine->links.count > size / 24) {
-        const dem_status why = w->status == DEM_OUT_OF_MEMORY ? DEM_OUT_OF_MEMORY : DEM_BAD_DATA;
-        if (!w->wall) w->walls = 0;
-        dem_free(w);
-        return why;
-    }
-    dem__array list[DEM__ARRAYS_MAX];
-    ptrdiff_t live = w->engine->contacts.count, passed = w->passed_count, links = w->engine->links.count;
-    int enough;
-    w->engine->contacts.count = w->passed_count = w->engine->links.count = 0;
-    for (int k = 0; k < w->walls; k++) {
-        w->engine->walls.meshes += w->wall[k].kind == DEM_MESH;
-        w->engine->walls.touch_keepers += w->wall[k].kind == DEM_MESH || w->wall[k].kind == DEM_CONE;
-        w->engine->walls.controls |= w->wall[k].asked.drive >= DEM_FORCE_CONTROLLED;
-    }
-    enough = dem__grow_group(w, list, dem__particle_arrays(w, list), &w->engine->bodies.block, &w->engine->bodies.bytes,
-                             &w->engine->bodies.capacity, (ptrdiff_t)present + 1);
-    enough = enough && dem__grow_contacts(w, dem__next_slot(w) + 1);
-    enough = enough && (links == 0 || dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
-                                                      &w->engine->links.capacity, links));
-    if (enough && passed > 0) {
-        w->passed = (dem_passed *)memory.fn(memory.user, NULL, 0, (size_t)passed * sizeof *w->passed);
-        enough = w->passed != NULL;
-        w->engine->bodies.passed_capacity = passed;
-    }
-    if (!enough) {
-        dem_free(w);
-        return DEM_OUT_OF_MEMORY;
-    }
-    w->count = (ptrdiff_t)present;
-    w->engine->run.keeps_wrenches = 1;
-    w->engine->contacts.count = live;
-    w->passed_count = passed;
-    w->engine->links.count = links;
-    for (ptrdiff_t i = 0; i < w->count; i++) w->alive[i] = 1, w->engine->walls.first_contact[i] = w->engine->links.first_link[i] = -1;
-    dem__stream_state(&s, w, NULL, 1);
-    dem__stream_passed(&s, w);
-    dem_status meshes = dem__stream_meshes(&s, w);
-    if (meshes == DEM_OK) meshes = dem__load_bodies(&s, w);
-    check = s.hash;
-    dem__u64(&s, &found);
-    if (meshes == DEM_OUT_OF_MEMORY) {
-        dem_free(w);
-        return meshes;
-    }
-    if (meshes != DEM_OK || s.failed || found != check || s.at != size || !dem__loaded_is_sound(w)) {
-        dem_free(w);
-        return DEM_BAD_DATA;
-    }
-    w->engine->run.dt = w->def.dt;
-    w->engine->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    w->engine->run.needs_lists = 1;
+/* Makes what is not saved, as it follows from the rest: lists of contacts, activity. */
+static inline void dem__derive_loaded(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *first = w->engine->walls.first_contact;
+    w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
-        dem__activate(w, w->engine->contacts.i[c]);
-        if (w->engine->contacts.j[c] >= 0) dem__activate(w, w->engine->contacts.j[c]);
-        else {
-            w->engine->contacts.wall_next[c] = w->engine->walls.first_contact[w->engine->contacts.i[c]];
-            w->engine->walls.first_contact[w->engine->contacts.i[c]] = (int32_t)c;
-        }
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        dem__activate(w, i);
+        if (j >= 0) dem__activate(w, j);
+        else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
-        if (dem__is_loaded(w, i) && !w->engine->bodies.activity[i]) {
-            dem__wake(w, i);
-            dem__set_mass_share(w, i);
-        }
+        if (!dem__is_loaded(w, i) || w->engine->bodies.activity[i]) continue;
+        dem__wake(w, i);
+        dem__set_mass_share(w, i);
     }
+}
+
+/* Fills an empty world from a file. */
+static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
+    dem__group g;
+    if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
+    dem_status status = dem__read_walls(file, w, &g);
+    if (status == DEM_OK) status = dem__read_state(file, w, &g);
+    if (status != DEM_OK) return status;
+    if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;
+    dem__derive_loaded(w);
     return DEM_OK;
+}
+
+DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
+    dem__file file;
+    if (!world || !buffer) return DEM_BAD_ARGUMENT;
+    memset(world, 0, sizeof *world);
+    if (!dem__open_file(&file, buffer, size)) return DEM_BAD_DATA;
+    world->def = dem_default_def();
+    if (allocator) world->def.allocator = *allocator;
+    if (!dem__make_engine(world)) {
+        memset(world, 0, sizeof *world);
+        return DEM_OUT_OF_MEMORY;
+    }
+    const dem_status status = dem__read_file(&file, world);
+    if (status != DEM_OK) dem_free(world);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------- >>scalar laws */

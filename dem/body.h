@@ -142,6 +142,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
+    bodies->number[i] = (int32_t)(i - bodies->dropped);
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;

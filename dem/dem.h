@@ -98,7 +98,10 @@
 #include "feed.h"
 #include "filling.h"
 #include "measure.h"
+#include "records.h"
+#include "saved.h"
 #include "save.h"
+#include "load.h"
 #include "law_scalar.h"
 #endif /* DEM__BODIES */
 

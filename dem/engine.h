@@ -117,6 +117,7 @@ typedef struct dem__bodies {
     double *wall_speed;         /* speed that its wall timers count on [m/s] */
     double *mass_share;         /* 1 / contacts [-] */
     int32_t *activity;          /* DEM__FLYING .. */
+    int32_t *number;            /* how many of those present come before it: its number without gaps */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;

@@ -135,6 +135,15 @@ static inline void dem__free_untouched(dem_world *w) {
     }
 }
 
+/* Numbers the particles present, after some have been taken out. */
+static inline void dem__number_present(dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        w->engine->bodies.number[i] = n;
+        n += w->alive[i] != 0;
+    }
+}
+
 /* Ends the contacts of those who have been taken out. */
 static inline void dem__end_contacts_of_removed(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -142,6 +151,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
         const int32_t j = contacts->j[c];
         if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
     }
+    dem__number_present(w);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     dem__remove_ended(w, w->step, 1);
     dem__free_untouched(w);

@@ -196,6 +196,7 @@ static inline int dem__remove_leaving(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] == DEM_LEAVING) dem__detach_one(w, i); /* those of a rigid body are all marked */
     }
+    dem__number_present(w);
     w->engine->run.leaving = 0;
     return 1;
 }

@@ -44,6 +44,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->engine->pairs.cell_of,
                             &w->engine->scratch.index,
                             &bodies->activity,
+                            &bodies->number,
                             &links->first_link,
                             &links->is_loaded,
                             &bodies->to_check};

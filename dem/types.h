@@ -19,7 +19,8 @@
 #define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
 #define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
-#define DEM__FORMAT 10u    /* version of dem_save */
+#define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
+#define DEM__FORMAT 11u            /* of its records: new fields need no new one */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \

@@ -70,6 +70,7 @@ static inline const char *invariants__active(const dem_world *w, int32_t *seen) 
         if (!w->engine->bodies.activity[i] && w->alive[i]) return "an inactive particle among the active ones";
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->engine->bodies.number[i] != i - dropped) return "the particles present are not numbered";
         dropped += !w->alive[i];
         if (i > 0 && w->id[i] <= w->id[i - 1]) return "ids are not in order";
         if (w->particle[i].origin > w->step) return "a particle is ahead of its time";

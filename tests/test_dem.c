@@ -1402,6 +1402,74 @@ static void reseal(unsigned char *bytes, size_t size) {
     for (size_t k = 0; k < 8; k++) bytes[size - 8 + k] = (unsigned char)(h >> (8 * k));
 }
 
+/* Where the record of a name lies in a saved world, and its bytes, head and all. */
+static size_t record_of(const unsigned char *bytes, size_t size, const char *name, size_t *length) {
+    for (size_t at = 16; at + 8 < size; at += *length) {
+        uint64_t entry = 0, count = 0;
+        for (int k = 7; k >= 0; k--) entry = entry << 8 | bytes[at + 24 + (size_t)k], count = count << 8 | bytes[at + 32 + (size_t)k];
+        *length = 40 + (size_t)(entry * count);
+        if (strncmp((const char *)bytes + at, name, 24) == 0) return at;
+    }
+    return 0;
+}
+
+/* Saves of other versions: with a record that this one does not know, and without one that it does. */
+static void test_records_of_a_save(void **state) {
+    (void)state;
+    static const char *const optional[] = {"owed",
+                                           "skip",
+                                           "skin",
+                                           "passed_total",
+                                           "ledger.on",
+                                           "wall.belt",
+                                           "wall.motion_start",
+                                           "particle.spin",
+                                           "particle.load",
+                                           "contact.wrench4",
+                                           "contact.has_history"};
+    static const char *const needed[] = {"dt",          "materials",   "pair.friction",  "wall.kind",  "particle.x",
+                                         "particle.id", "contact.gap", "contact.state0", "chunk.count"};
+    dem_world w, copy;
+    size_t size, length;
+    assert_int_equal(scene_make(&w, SCENE_BED, DEM_SKIP_ALL, 1, NULL), DEM_OK);
+    run(&w, 0.009, scene_features(SCENE_BED));
+    assert_true(dem_contact_count(&w) > 50);
+    unsigned char *bytes = saved(&w, &size), *other = malloc(size + 200);
+    const size_t middle = record_of(bytes, size, "particle.v", &length), ends[] = {16, middle, size - 8};
+    assert_true(middle > 0);
+    for (int k = 0; k < 3; k++) { /* an unknown one in front, within and at the end */
+        const size_t at = ends[k], added = 40 + 7 * 11;
+        memcpy(other, bytes, at), memset(other + at, 0, added), memcpy(other + at + added, bytes + at, size - at);
+        memcpy(other + at, "particle.colour", 15), other[at + 24] = 7, other[at + 32] = 11;
+        reseal(other, size + added);
+        assert_int_equal(dem_load(&copy, other, size + added, NULL), DEM_OK);
+        assert_true(dem_hash(&copy) == dem_hash(&w));
+        run(&copy, 1e-3, scene_features(SCENE_BED));
+        dem_free(&copy);
+    }
+    for (size_t k = 0; k < sizeof optional / sizeof *optional + sizeof needed / sizeof *needed; k++) {
+        const int may = k < sizeof optional / sizeof *optional;
+        const char *name = may ? optional[k] : needed[k - sizeof optional / sizeof *optional];
+        const size_t at = record_of(bytes, size, name, &length);
+        if (at == 0) fail_msg("no record of %s", name);
+        memcpy(other, bytes, at), memcpy(other + at, bytes + at + length, size - at - length);
+        reseal(other, size - length);
+        const dem_status status = dem_load(&copy, other, size - length, NULL);
+        if (may ? status != DEM_OK : status == DEM_OK && strcmp(name, "wall.kind") != 0)
+            fail_msg("without %s: %s", name, dem_status_text(status));
+        if (status == DEM_OK && may) run(&copy, 1e-4, scene_features(SCENE_BED));
+        dem_free(&copy);
+        memcpy(other, bytes, size), other[at + 24] ^= 24; /* entries of another size */
+        reseal(other, size);
+        assert_int_equal(dem_load(&copy, other, size, NULL), DEM_BAD_DATA);
+    }
+    memcpy(other, bytes, size), other[8] = 8; /* the format before records */
+    reseal(other, size);
+    assert_int_equal(dem_load(&copy, other, size, NULL), DEM_BAD_DATA);
+    free(bytes), free(other);
+    dem_free(&w);
+}
+
 static void test_damaged_saves(void **state) {
     (void)state;
     dem_world w, copy;
@@ -1914,6 +1982,7 @@ int main(void) {
         cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),
+        cmocka_unit_test(test_records_of_a_save),
         cmocka_unit_test(test_damaged_saves),
         cmocka_unit_test(test_bad_definitions),
         cmocka_unit_test(test_hostile_calls),

@@ -154,10 +154,49 @@ static void test_threads_of_a_host(void **state) {
     assert_true(sizeof(dem_world) <= 6 * 1024);
 }
 
+/* Threads that read one world at once: none writes anything of it. */
+typedef struct reading {
+    const dem_world *world;
+    uint64_t hash;
+    size_t size;
+    unsigned char *bytes;
+} reading;
+static void *reader(void *of) {
+    reading *r = (reading *)of;
+    for (int k = 0; k < 40; k++) {
+        r->hash = dem_hash(r->world);
+        r->size = dem_save(r->world, NULL, 0);
+        if (dem_save(r->world, r->bytes, r->size) != r->size || dem_hash(r->world) != r->hash) r->size = 0;
+    }
+    return NULL;
+}
+static void test_readers_write_nothing(void **state) {
+    (void)state;
+    dem_world w;
+    pthread_t thread[2];
+    reading of[2];
+    assert_int_equal(guard_mesh_begin(&w, 1), DEM_OK);
+    assert_int_equal(dem_run(&w, 377.0 * w.def.dt, DEM_HERTZ | DEM_FRICTION), DEM_OK);
+    assert_int_equal(dem_remove(&w, 3), DEM_OK);
+    const uint64_t before = dem_hash(&w);
+    for (int k = 0; k < 2; k++) {
+        of[k].world = &w, of[k].bytes = (unsigned char *)malloc(dem_save(&w, NULL, 0));
+        assert_non_null(of[k].bytes);
+    }
+    for (int k = 0; k < 2; k++) assert_int_equal(pthread_create(&thread[k], NULL, reader, &of[k]), 0);
+    for (int k = 0; k < 2; k++) pthread_join(thread[k], NULL);
+    assert_true(of[0].size > 0 && of[0].size == of[1].size && of[0].hash == before && of[1].hash == before);
+    assert_memory_equal(of[0].bytes, of[1].bytes, of[0].size);
+    check(&w, "after readers");
+    for (int k = 0; k < 2; k++) free(of[k].bytes);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scenes_hold),  cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
-        cmocka_unit_test(test_checker_sees), cmocka_unit_test(test_saved_goes_on),     cmocka_unit_test(test_threads_of_a_host),
+        cmocka_unit_test(test_scenes_hold),           cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
+        cmocka_unit_test(test_checker_sees),          cmocka_unit_test(test_saved_goes_on),     cmocka_unit_test(test_threads_of_a_host),
+        cmocka_unit_test(test_readers_write_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

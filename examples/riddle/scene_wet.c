@@ -113,5 +113,5 @@ int scene_wet_exchange(scene *s, scene_state *io) {
 
 int scene_wet_link(scene *s) {
     s->world.user = s->wet;
-    return dem_set_links(&s->world, &wet_bridges, wet_link_kernel, WET_INTERVAL, WET_NEAR) == DEM_OK ? 0 : -1;
+    return dem_set_links(&s->world, &wet_link_kernel, WET_INTERVAL, WET_NEAR) == DEM_OK ? 0 : -1;
 }
