@@ -11285,12 +11285,12 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 
 /* What becomes a record: n entries of some numbers each, `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
-typedef struct dem__field {
+typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
     void *data;                 /* of the first entry */
     size_t stride;
     int numbers, width; /* of an entry; bytes of a number: 1, 4 or 8 */
-} dem__field;
+} dem__saved_field;
 #define DEM__DOUBLES(name, first, stride)                                                                                                  \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
 #define DEM__INTEGER(name, first, stride)                                                                                                  \
@@ -11329,13 +11329,13 @@ static inline void dem__stream_number(dem__stream *s, void *number, int width) {
 static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
 
 /* Writes or reads entry k of a field. */
-static inline void dem__stream_entry(dem__stream *s, const dem__field *f, ptrdiff_t k) {
+static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
     unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
     for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
 }
 
 /* Begins a record of n entries. */
-static inline void dem__begin_record(dem__stream *s, const dem__field *f, uint64_t n) {
+static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
     uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
     if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
     s->at += DEM__NAME_BYTES;
@@ -11388,10 +11388,10 @@ enum { DEM__FIELDS_MAX = 64 };
 /* Fields with equally many entries. */
 typedef struct dem__group {
     int fields, needed; /* the first so many must be there */
-    dem__field field[DEM__FIELDS_MAX];
+    dem__saved_field field[DEM__FIELDS_MAX];
 } dem__group;
 
-static inline void dem__set_fields(dem__group *g, const dem__field *field, size_t bytes, int needed) {
+static inline void dem__set_fields(dem__group *g, const dem__saved_field *field, size_t bytes, int needed) {
     memcpy(g->field, field, bytes);
     g->fields = (int)(bytes / sizeof *field), g->needed = needed;
 }
@@ -11399,7 +11399,7 @@ static inline void dem__set_fields(dem__group *g, const dem__field *field, size_
 /* Adds arrays of doubles, numbered: contact.wrench0, contact.wrench1 .. */
 static inline void dem__add_fields(dem__group *g, const char *name, double *const *array, int n) {
     for (int k = 0; k < n; k++) {
-        dem__field *f = &g->field[g->fields++];
+        dem__saved_field *f = &g->field[g->fields++];
         const size_t length = strlen(name);
         memset(f, 0, sizeof *f);
         memcpy(f->name, name, length);
@@ -11414,7 +11414,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
     dem_energy_ledger *l = &e->ledger.sums;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__DOUBLES("dt", d->dt, 0),
         DEM__INTEGER("step", w->step, 0),
         DEM__DOUBLES("time", w->time, 0),
@@ -11454,6 +11454,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__DOUBLES("ledger.rolling_loss", l->rolling_loss, 0),
         DEM__DOUBLES("ledger.wall_work", l->wall_work, 0),
         DEM__DOUBLES("ledger.link_work", l->link_work, 0),
+        DEM__DOUBLES("ledger.field_work", l->field_work, 0),
         DEM__DOUBLES("ledger.external_work", l->external_work, 0),
         DEM__DOUBLES("ledger.added", l->added, 0),
         DEM__DOUBLES("ledger.removed", l->removed, 0),
@@ -11467,7 +11468,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
 
 static inline void dem__material_fields(dem_material *m, dem__group *g) {
     const size_t s = sizeof *m;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__DOUBLES("material.density", m->density, s),
         DEM__DOUBLES("material.young", m->young_modulus, s),
         DEM__DOUBLES("material.poisson", m->poisson_ratio, s),
@@ -11477,7 +11478,7 @@ static inline void dem__material_fields(dem_material *m, dem__group *g) {
 
 static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
     const size_t s = sizeof *p;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
         DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
         DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
@@ -11489,7 +11490,7 @@ static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
 static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
     const size_t s = sizeof *a;
     dem_wall_motion *asked = &a->asked;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__INTEGER("wall.kind", a->kind, s),
         DEM__INTEGER("wall.material", a->material, s),
         DEM__INTEGER("wall.enabled", a->enabled, s),
@@ -11547,7 +11548,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__links *links = &w->engine->links;
     dem_particle *p = w->particle;
     const size_t s = sizeof *p;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__DOUBLES("particle.x", p->x, s),
         DEM__DOUBLES("particle.v", p->v, s),
         DEM__DOUBLES("particle.a", p->a, s),
@@ -11567,7 +11568,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 8);
     if (!links->on) g->fields -= 2; /* without links nothing of them */
     if (!bodies->rigid) return;
-    const dem__field pieces[] = {
+    const dem__saved_field pieces[] = {
         DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
         DEM__DOUBLES("particle.arm", bodies->arm[0], sizeof *bodies->arm),
     };
@@ -11578,7 +11579,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
 /* Rigid bodies that are present; their particles' numbers, offsets and arms follow from these and from the particles. */
 static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
     const size_t s = sizeof *r;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__INTEGER("body.first", r->first, s),   DEM__INTEGER("body.pieces", r->pieces, s),
         DEM__DOUBLES("body.x", r->x, s),           DEM__DOUBLES("body.v", r->v, s),
         DEM__DOUBLES("body.a", r->a, s),           DEM__DOUBLES("body.momentum", r->momentum, s),
@@ -11591,7 +11592,7 @@ static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
 
 static inline void dem__link_fields(dem_world *w, dem__group *g) {
     dem__links *links = &w->engine->links;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__INTEGER("link.i", links->i[0], sizeof *links->i),
         DEM__INTEGER("link.j", links->j[0], sizeof *links->j),
         DEM__INTEGER("link.element", links->element[0], sizeof *links->element),
@@ -11603,7 +11604,7 @@ static inline void dem__link_fields(dem_world *w, dem__group *g) {
 
 static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__contacts *contacts = &w->engine->contacts;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__INTEGER("contact.i", contacts->i[0], sizeof *contacts->i),
         DEM__INTEGER("contact.j", contacts->j[0], sizeof *contacts->j),
         DEM__INTEGER("contact.element", contacts->element[0], sizeof *contacts->element),
@@ -11623,7 +11624,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
 
 static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     const size_t s = sizeof *p;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__DOUBLES("passed.time", p->time, s),
         DEM__DOUBLES("passed.diameter", p->diameter, s),
         DEM__DOUBLES("passed.position", p->position, s),
@@ -11642,7 +11643,7 @@ typedef struct dem__saved_chunk {
 } dem__saved_chunk;
 static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
     const size_t s = sizeof *chunk;
-    const dem__field fields[] = {
+    const dem__saved_field fields[] = {
         DEM__INTEGER("chunk.count", chunk->count, s),
         DEM__INTEGER("chunk.capacity", chunk->capacity, s),
         DEM__INTEGER("chunk.first_particle", chunk->first_particle, s),
@@ -11652,8 +11653,8 @@ static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
 
 /* Corners and triangles of the mesh of wall k: two groups of one field each. */
 static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
-    const dem__field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
-    const dem__field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
+    const dem__saved_field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
+    const dem__saved_field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
     dem__set_fields(vertices, corners, sizeof corners, 1);
     dem__set_fields(triangles, triples, sizeof triples, 1);
     vertices->field[0].name[4] = triangles->field[0].name[4] = (char)('0' + wall / 10);
@@ -11666,7 +11667,7 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
    May be changed here alone: the order of groups. */
 
 /* Writes or reads entry `at` of a group's field. Numbers of particles in a file count those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__field *f, ptrdiff_t at, int is_body) {
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
         return;
@@ -11894,7 +11895,7 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
 
 /* Finds a field of n entries. 1: there; 0: not, and it may be missing; -1: it must not be missing, or is of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__field *f = &g->field[field];
+    const dem__saved_field *f = &g->field[field];
     dem__record r;
     if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
     s->to = NULL, s->from = file->bytes, s->at = r.at;

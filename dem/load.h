@@ -32,7 +32,7 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
 
 /* Finds a field of n entries. 1: there; 0: not, and it may be missing; -1: it must not be missing, or is of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
-    const dem__field *f = &g->field[field];
+    const dem__saved_field *f = &g->field[field];
     dem__record r;
     if (!dem__find_record(file->bytes, file->first, file->end, f->name, &r)) return field < g->needed ? -1 : 0;
     s->to = NULL, s->from = file->bytes, s->at = r.at;

@@ -5,12 +5,12 @@
 
 /* What becomes a record: n entries of some numbers each, `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
-typedef struct dem__field {
+typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
     void *data;                 /* of the first entry */
     size_t stride;
     int numbers, width; /* of an entry; bytes of a number: 1, 4 or 8 */
-} dem__field;
+} dem__saved_field;
 #define DEM__DOUBLES(name, first, stride)                                                                                                  \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
 #define DEM__INTEGER(name, first, stride)                                                                                                  \
@@ -49,13 +49,13 @@ static inline void dem__stream_number(dem__stream *s, void *number, int width) {
 static inline void dem__stream_u64(dem__stream *s, uint64_t *v) { dem__stream_number(s, v, 8); }
 
 /* Writes or reads entry k of a field. */
-static inline void dem__stream_entry(dem__stream *s, const dem__field *f, ptrdiff_t k) {
+static inline void dem__stream_entry(dem__stream *s, const dem__saved_field *f, ptrdiff_t k) {
     unsigned char *number = (unsigned char *)f->data + (size_t)k * f->stride;
     for (int q = 0; q < f->numbers; q++) dem__stream_number(s, number + q * f->width, f->width);
 }
 
 /* Begins a record of n entries. */
-static inline void dem__begin_record(dem__stream *s, const dem__field *f, uint64_t n) {
+static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, uint64_t n) {
     uint64_t bytes = (uint64_t)f->numbers * (uint64_t)f->width;
     if (s->to) memcpy(s->to + s->at, f->name, DEM__NAME_BYTES);
     s->at += DEM__NAME_BYTES;

@@ -4,7 +4,7 @@
    May be changed here alone: the order of groups. */
 
 /* Writes or reads entry `at` of a group's field. Numbers of particles in a file count those present. */
-static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__field *f, ptrdiff_t at, int is_body) {
+static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
         return;
