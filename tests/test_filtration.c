@@ -245,6 +245,65 @@ static void test_clean_cloth(void **state) {
     }
 }
 
+/* ---- stability ---- */
+
+static double between(uint64_t *state, double low, double high) {
+    *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
+    return low + (high - low) * (double)(*state >> 11) * 0x1p-53;
+}
+
+/* Adds a sphere that touches one of those before it and overlaps none, in a periodic box. */
+static void touch(double *centre, int i, double radius, double side, uint64_t *state) {
+    for (int free_place = 0; !free_place;) {
+        double way[3], length = 0.0;
+        const int j = (int)between(state, 0.0, i);
+        for (int a = 0; a < 3; a++) way[a] = between(state, -1.0, 1.0), length += way[a] * way[a];
+        for (int a = 0; a < 3; a++) centre[3 * i + a] = centre[3 * j + a] + 2.0 * radius * way[a] / sqrt(length);
+        free_place = 1;
+        for (int k = 0; k < i; k++) {
+            double square = 0.0;
+            for (int a = 0; a < 3; a++) {
+                double d = centre[3 * i + a] - centre[3 * k + a];
+                d -= side * floor(d / side + 0.5);
+                square += d * d;
+            }
+            free_place = free_place && (k == j || square >= 4.0 * radius * radius);
+        }
+    }
+}
+
+/* Six spheres that touch, thrown about at random and back, at cell Reynolds numbers up to 20 and surface speeds up to Mach 0.2: a thousand
+   motions in all. */
+static void test_touching_spheres_thrown_about(void **state) {
+    (void)state;
+    const double tau[] = {0.505, 0.52, 0.6, 1.0, 5.0}, speed[] = {0.0096, 0.03, 0.03, 0.03, 0.03}; /* by component [voxels a step] */
+    uint64_t random = 88172645463325252u;
+    for (int t = 0; t < 5; t++) {
+        const double radius = 5e-6;
+        double centre[18], velocity[18], spin[18], radii[6], force[18], torque[18];
+        filtration_fluid_def def = small_box(32);
+        filtration_fluid fluid;
+        def.tau = tau[t];
+        assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+        for (int a = 0; a < 3; a++) centre[a] = 16e-6;
+        for (int i = 0; i < 6; i++) {
+            radii[i] = radius;
+            if (i) touch(centre, i, radius, 32e-6, &random);
+        }
+        const filtration_spheres spheres = {6, centre, velocity, spin, radii, force, torque};
+        for (int k = 0; k < 400; k++) {
+            for (int i = 0; i < 18 && k % 4 == 0; i++) {
+                const int back = k % 8 == 4;
+                velocity[i] = back ? -velocity[i] : between(&random, -speed[t], speed[t]) * def.voxel / fluid.dt;
+                spin[i] = back ? -spin[i] : between(&random, -speed[t], speed[t]) * def.voxel / fluid.dt / radius;
+            }
+            assert_int_equal(filtration_fluid_step(&fluid, &spheres), FILTRATION_OK);
+            for (int i = 0; i < 18; i++) centre[i] += velocity[i] * fluid.dt;
+        }
+        filtration_fluid_free(&fluid);
+    }
+}
+
 /* ---- a moving sphere ---- */
 
 static void uniform_flow(void *user, const double x[3], double u[3], double *p) {
@@ -580,6 +639,7 @@ int main(void) {
         cmocka_unit_test(test_zick_homsy),
         cmocka_unit_test(test_fine_arrays),
         cmocka_unit_test(test_clean_cloth),
+        cmocka_unit_test(test_touching_spheres_thrown_about),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_resume),
