@@ -464,7 +464,8 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
+       ended for one that is over: by itself, or because a particle was taken out (its world->alive is not DEM_PRESENT) or a wall acts no
+       more (dem_wall_acts). dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
@@ -596,6 +597,9 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of live contacts */
     int64_t looks;          /* pairs and walls looked at */
     int64_t rebuilds;       /* of the neighbour list */
+    double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, when a run last began with
+                               something new; above 1 its contacts make energy of nothing. dem_advise() says 0.08 or less. 0 before. With
+                               DEM_HERTZ, whose contacts stiffen with the impact, by the time of Rayleigh waves alone */
 
     dem_particle *particle; /* not their states now: dem_position() and its like give these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
@@ -733,7 +737,8 @@ DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff
 /* Takes out the spheres whose centres lie in the region; returns how many, or minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. */
+/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. Walls do not know
+   each other: on the seam of two that lie flush a sphere touches both, and both push. One mesh of both has one surface. */
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
@@ -753,6 +758,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
 /* The groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others; at first all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
+/* 1 if a wall is enabled and acts on particle i's group, else 0. */
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
@@ -877,6 +884,7 @@ typedef struct dem_contact_info {
     ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
     double gap;                  /* [m] */
     dem_vec force;               /* on i [N] */
+    dem_vec normal, point;       /* from j to i; where they touch, which divides the distance of the centres as the radii do [m] */
     int element;                 /* of a screen: the bar; of a mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
@@ -5528,6 +5536,10 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
     dem__rated_wall(a, a->rate);
 }
 
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
+}
+
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
@@ -6374,6 +6386,7 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
+    if (w->engine->pairs.count == 0) return; /* there is no list of neighbours */
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
@@ -8061,6 +8074,7 @@ static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
+    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->engine->links.is_loaded[i] = 0; /* the work of its links is in the books */
     w->alive[i] = 0;
@@ -8784,6 +8798,7 @@ static inline int dem__kick(dem_world *w, double h) {
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     dem__kicked kicked;
     double all = 0.0;
+    if (n == 0) return 1;
     kicked.h = h;
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
@@ -9861,6 +9876,14 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
+/* The time step over the largest that is stable. Of a spring 2 sqrt(m/k), its contact lasting pi sqrt(m/k); of a dashpot 2 m/gamma. */
+static inline double dem__step_ratio(const dem_world *w, int features) {
+    const dem_advice a = dem_advise(w, features, 1.0);
+    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot, least = spring < dashpot ? spring : dashpot;
+    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
+}
+
 /* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
@@ -9878,6 +9901,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* of a run that fails */
+    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
     if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);
@@ -10047,6 +10071,22 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
 
+/* Normal and point of a contact in a slot or of a link (-1), from where everything is now. */
+static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
+    const dem_vec x = dem_position(w, info->i);
+    const double radius = w->particle[info->i].radius;
+    if (info->j < 0) {
+        dem__touch touch;
+        dem__touch_place(w, slot, &w->wall[-1 - info->j], x, radius, info->element, &touch);
+        info->normal = touch.normal;
+        info->point = dem__plus(x, -(radius + touch.gap), touch.normal);
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(x, dem_position(w, info->j)));
+    info->point = dem__plus(x, -radius / (radius + w->particle[info->j].radius), d);
+    dem__unit(d, &info->normal);
+}
+
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     dem_contact_info info;
     memset(&info, 0, sizeof info);
@@ -10059,6 +10099,7 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
     info.force = dem_vec3(world->engine->contacts.wrench[0][k], world->engine->contacts.wrench[1][k], world->engine->contacts.wrench[2][k]);
     info.element = world->engine->contacts.element[k];
     for (int a = 0; a < world->engine->contacts.states; a++) info.state[a] = world->engine->contacts.state[a][k];
+    dem__find_point(world, k, &info);
     return info;
 }
 
@@ -10080,6 +10121,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k) {
     info.gap = world->engine->links.gap[k];
     info.force = dem_vec3(world->engine->links.wrench[0][k], world->engine->links.wrench[1][k], world->engine->links.wrench[2][k]);
     for (int a = 0; a < world->engine->links.states; a++) info.state[a] = world->engine->links.state[a][k];
+    dem__find_point(world, -1, &info);
     return info;
 }
 

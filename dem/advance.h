@@ -134,6 +134,7 @@ static inline int dem__kick(dem_world *w, double h) {
     const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
     dem__kicked kicked;
     double all = 0.0;
+    if (n == 0) return 1;
     kicked.h = h;
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);

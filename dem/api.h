@@ -124,7 +124,8 @@ DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff
 /* Takes out the spheres whose centres lie in the region; returns how many, or minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. */
+/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. Walls do not know
+   each other: on the seam of two that lie flush a sphere touches both, and both push. One mesh of both has one surface. */
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
@@ -144,6 +145,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
 /* The groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others; at first all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
+/* 1 if a wall is enabled and acts on particle i's group, else 0. */
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
 /* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
@@ -268,6 +271,7 @@ typedef struct dem_contact_info {
     ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
     double gap;                  /* [m] */
     dem_vec force;               /* on i [N] */
+    dem_vec normal, point;       /* from j to i; where they touch, which divides the distance of the centres as the radii do [m] */
     int element;                 /* of a screen: the bar; of a mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;

@@ -247,5 +247,6 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
+    if (w->engine->pairs.count == 0) return; /* there is no list of neighbours */
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }

@@ -161,6 +161,10 @@ static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse,
     dem__rated_wall(a, a->rate);
 }
 
+DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
+    return world && world->engine && wall >= 0 && wall < world->walls && i >= 0 && i < world->count && dem__is_at_wall(world, i, wall);
+}
+
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;

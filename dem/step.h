@@ -299,6 +299,14 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
+/* The time step over the largest that is stable. Of a spring 2 sqrt(m/k), its contact lasting pi sqrt(m/k); of a dashpot 2 m/gamma. */
+static inline double dem__step_ratio(const dem_world *w, int features) {
+    const dem_advice a = dem_advise(w, features, 1.0);
+    const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
+    const double dashpot = features & DEM_HERTZ ? HUGE_VAL : 2.0 * a.dashpot, least = spring < dashpot ? spring : dashpot;
+    return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
+}
+
 /* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
@@ -316,6 +324,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
     w->owed = 0.0; /* of a run that fails */
+    if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
     if (going && w->engine->field.on) going = dem__ask_field_to_run(w, (ptrdiff_t)steps, kernel);

@@ -312,7 +312,8 @@ typedef struct dem_law {
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over. dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
+       ended for one that is over: by itself, or because a particle was taken out (its world->alive is not DEM_PRESENT) or a wall acts no
+       more (dem_wall_acts). dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
@@ -444,6 +445,9 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of live contacts */
     int64_t looks;          /* pairs and walls looked at */
     int64_t rebuilds;       /* of the neighbour list */
+    double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, when a run last began with
+                               something new; above 1 its contacts make energy of nothing. dem_advise() says 0.08 or less. 0 before. With
+                               DEM_HERTZ, whose contacts stiffen with the impact, by the time of Rayleigh waves alone */
 
     dem_particle *particle; /* not their states now: dem_position() and its like give these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */

@@ -662,6 +662,104 @@ static void test_records_are_saved(void **state) {
     dem_free(&again);
 }
 
+/* ---- contacts tell where they are, hooks why they end, worlds whether their step is too long ---- */
+
+static void near_vec(dem_vec got, dem_vec wanted, double tolerance, const char *what) {
+    near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what);
+    near_absolute(got.z, wanted.z, tolerance, what);
+}
+
+static void test_normal_and_point(void **state) {
+    (void)state;
+    dem_world w;
+    lossless(&w, 0.5);
+    const double d[2] = {0.004, 0.008}, c[6] = {0, 0, 0.01, 0.0035, 0, 0.01 + 0.0048};
+    assert_int_equal(dem_add_spheres(&w, 2, c, d, 0, 0), DEM_OK);
+    dem_add_plane(&w, 0, v3(0, 0, 0.0081), v3(0, 0, 1));
+    dem_add_cylinder(&w, 0, v3(0.0019 - 0.05, 0, 0), v3(0, 0, 1), 0.05, 1);
+    dem_add_sphere_wall(&w, 0, v3(0, 0.0119, 0.01), 0.01, 0);
+    dem_add_box(&w, 0, v3(-0.1, -0.0019, -0.1), v3(0.1, 0.1, 0.1));
+    run(&w, 0.0, DEM_LINEAR | DEM_FRICTION);
+    int seen = 0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(&w); k++) {
+        const dem_contact_info q = dem_get_contact(&w, k);
+        if (q.i != 0 && q.j < 0) continue;
+        const double apart = sqrt(0.0035 * 0.0035 + 0.0048 * 0.0048);
+        const dem_vec normal[] = {v3(0, 0, 1), v3(-1, 0, 0), v3(0, -1, 0), v3(0, 1, 0)},
+                      point[] = {v3(0, 0, 0.0081), v3(0.0019, 0, 0.01), v3(0, 0.0019, 0.01), v3(0, -0.0019, 0.01)};
+        if (q.j < 0) {
+            near_vec(q.normal, normal[-1 - q.j], 1e-12, "normal of a wall");
+            near_vec(q.point, point[-1 - q.j], 1e-12, "point of a wall");
+        } else {
+            near_vec(q.normal, v3(-0.0035 / apart, 0, -0.0048 / apart), 1e-12, "normal of a pair");
+            near_vec(q.point, v3(0.0035 / 3.0, 0, 0.01 + 0.0048 / 3.0), 1e-12, "point of a pair");
+        }
+        seen |= 1 << (q.j < 0 ? -q.j : 0);
+    }
+    assert_int_equal(seen, 31);
+    dem_free(&w);
+}
+
+static int ended[3]; /* by itself, particle taken out, wall gone */
+static void note_end(dem_world *world, int32_t k, void *user) {
+    (void)user;
+    const dem_contact_info c = dem_get_contact(world, k);
+    const int gone = world->alive[c.i] != DEM_PRESENT || (c.j >= 0 && world->alive[c.j] != DEM_PRESENT);
+    ended[gone ? 1 : c.j < 0 && !dem_wall_acts(world, -1 - (int)c.j, c.i) ? 2 : 0]++;
+}
+static const dem_law noting_law = {"linear, notes its ends", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL,
+                                   note_end};
+DEM_KERNEL(noting, noting_law, DEM_LINEAR)
+
+static void test_why_contacts_end(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) { /* bounces off; removed; removed by region; passes an exit; wall disabled; wall for others */
+        dem_world w;
+        const dem_region all = dem_box_region(v3(-1, -1, -1), v3(1, 1, 1));
+        lossless(&w, 0.0);
+        const int plane = floor_of(&w);
+        if (k == 3) dem_add_exit(&w, v3(0, 0, radius), v3(0, 0, -1)); /* for what is above */
+        put(&w, 0, 0, k == 3 ? radius - 2e-4 : radius - 1e-4);
+        ended[0] = ended[1] = ended[2] = 0;
+        assert_int_equal(dem_run_law(&w, 1e-5, &noting), DEM_OK);
+        assert_int_equal(dem_wall_acts(&w, plane, 0), 1);
+        if (k == 1) assert_int_equal(dem_remove(&w, 0), DEM_OK);
+        if (k == 2) assert_int_equal(dem_remove_region(&w, &all), 1);
+        if (k == 3) dem_set_motion(&w, 0, v3(0, 0, 210.0), v3(0, 0, 0)); /* out before the contact ends */
+        if (k == 4) dem_enable_wall(&w, plane, 0);
+        if (k == 5) dem_set_wall_groups(&w, plane, ~1u);
+        assert_int_equal(dem_run_law(&w, k == 3 ? 1e-6 : 0.01, &noting), DEM_OK);
+        const int why = k == 0 ? 0 : k < 4 ? 1 : 2;
+        for (int q = 0; q < 3; q++) assert_int_equal(ended[q], q == why);
+        dem_free(&w);
+    }
+    assert_int_equal(dem_wall_acts(NULL, 0, 0), 0);
+}
+
+static void test_step_ratio(void **state) {
+    (void)state;
+    dem_world w;
+    lossless(&w, 0.0);
+    floor_of(&w);
+    assert_true(w.step_ratio == 0.0);
+    put(&w, 0, 0, 1.0);
+    put(&w, 0, 0, 2.0);
+    run(&w, 1e-5, DEM_LINEAR);
+    const double stable = 2.0 * sqrt(0.5 * dem_mass(&w, 0) / stiffness); /* of the pair */
+    near_relative(w.step_ratio, 1e-6 / stable, 1e-9, "ratio");
+    assert_int_equal(dem_set_time_step(&w, 2.0 * stable), DEM_OK);
+    run(&w, 10.0 * stable, DEM_LINEAR);
+    near_relative(w.step_ratio, 2.0, 1e-9, "too long");
+    dem_pair_def p = *dem_pair(&w.def, 0, 0);
+    p.stiffness *= 0.01;
+    assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
+    run(&w, 10.0 * stable, DEM_LINEAR);
+    near_relative(w.step_ratio, 0.2, 1e-9, "softer");
+    run(&w, 10.0 * stable, DEM_LINEAR);
+    near_relative(w.step_ratio, 0.2, 1e-9, "as before");
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_callers_acts_are_booked),
@@ -679,6 +777,9 @@ int main(void) {
         cmocka_unit_test(test_inside_of_a_mesh),
         cmocka_unit_test(test_fill_a_mesh),
         cmocka_unit_test(test_walls_for_groups),
+        cmocka_unit_test(test_normal_and_point),
+        cmocka_unit_test(test_why_contacts_end),
+        cmocka_unit_test(test_step_ratio),
     };
     return cmocka_run_group_tests_name("faults", tests, NULL, NULL);
 }
