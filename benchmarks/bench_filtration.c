@@ -391,14 +391,21 @@ static void speeds(const program *self, json *report) {
 }
 
 int main(int argc, char **argv) {
+    enum { ALL, DRAG, RATES, MOVING };
+    int part = ALL;
+    option options[] = {
+        option_choice("part", &part, "all|drag|rates|moving", "drag of the array, rate of the lattice, a sphere that moves, or all three")};
     program self = program_start(
-        "bench_filtration", "Drag of a periodic array: error against run time; rate of the lattice against memory.", NULL, 0, argc, argv);
+        "bench_filtration", "Drag of a periodic array: error against run time; rate of the lattice against memory; a sphere that moves.",
+        options, 1, argc, argv);
     json *report = json_open(self.json);
-    drag_errors(&self, report);
-    rates(&self, report);
-    noise(&self, report);
-    masses(&self, report);
-    speeds(&self, report);
+    if (part == ALL || part == DRAG) drag_errors(&self, report);
+    if (part == ALL || part == RATES) rates(&self, report);
+    if (part == ALL || part == MOVING) {
+        noise(&self, report);
+        masses(&self, report);
+        speeds(&self, report);
+    }
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

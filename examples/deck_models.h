@@ -134,6 +134,22 @@ static inline double deck_length_by_model(const deck_fit *fit, const deck_curves
     return way * scale;
 }
 
+/* What a fitted model says of the deck itself at this feed, from the feed's place to the last station: share of the undersize that passes [-];
+   and the largest feed at which that reaches `recovery` [kg/s], NaN where the model does not know the load or no feed does. */
+static inline void deck_duty_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity, double recovery,
+                                      double *efficiency, double *capacity) {
+    double retained[DECK_CLASSES];
+    screen_flow flow;
+    *efficiency = *capacity = (double)NAN;
+    if (fit->status != SCREEN_OK) return;
+    const screen_def def = deck_screen_of(fit, c, d);
+    const screen_operation o = deck_operation(d);
+    const screen_duty duty = {d->flow, d->width, c->length[c->points - 1], velocity};
+    if (screen_steady(&def, fit->model, fit->parameter, &o, &duty, 1, retained, NULL, NULL, &flow) == SCREEN_OK)
+        *efficiency = flow.efficiency;
+    if (screen_capacity(&def, fit->model, fit->parameter, &o, &duty, recovery, capacity) != SCREEN_OK) *capacity = (double)NAN;
+}
+
 /* The same by DEM, between stations; NaN if the deck is shorter. */
 static inline double deck_length_by_dem(const deck_curves *c, double recovery) {
     for (int p = 0; p < c->points; p++) {

@@ -19,6 +19,8 @@ typedef struct deck_run {
     deck_curves curves;
     double predicted[DECK_MODELS][DECK_CLASSES * DECK_STATIONS], deviation[DECK_MODELS];
     double length_by_dem, length_by_model[DECK_MODELS]; /* for the wanted recovery [m] */
+    double efficiency[DECK_MODELS],
+        capacity[DECK_MODELS]; /* by model: share of the undersize that passes [-]; feed for the recovery [kg/s] */
 } deck_run;
 
 typedef struct study {
@@ -312,20 +314,29 @@ static void print_partition(const study *st) {
     table_end(&t);
 }
 
-static void area_cell(table *t, const study *st, double length) {
-    if (isnan(length)) table_cell(t, "-");
-    else table_cell(t, "%.2f", length * st->machine_width);
+/* NaN: "-". */
+static void number_cell(table *t, const char *format, double x) {
+    char text[32];
+    snprintf(text, sizeof text, format, x);
+    table_cell(t, "%s", isnan(x) ? "-" : text);
 }
+
+static void area_cell(table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
+
+/* Share of the undersize that has passed at the last station [-]. */
+static double recovered_by_dem(const deck_run *r) { return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN; }
 
 static void print_models(const study *st) {
     char header[300];
     snprintf(header, sizeof header,
              "deck area for %.3g of the undersize by|deviation, first feed (fitted)|second feed (predicted)|area, first feed [m2]|second "
-             "feed [m2]",
+             "feed [m2]|passed at its end, first|second|largest feed [t/h]",
              st->recovery);
     table t = table_begin(header);
     table_cell(&t, "DEM"), table_cell(&t, "-"), table_cell(&t, "-");
     area_cell(&t, st, st->run[0].length_by_dem), area_cell(&t, st, st->run[st->runs - 1].length_by_dem);
+    number_cell(&t, "%.3f", recovered_by_dem(&st->run[0])), number_cell(&t, "%.3f", recovered_by_dem(&st->run[st->runs - 1]));
+    table_cell(&t, "-");
     for (int m = 0; m < st->models; m++) {
         if (st->fit[m].status != SCREEN_OK) continue;
         table_cell(&t, "model %s", deck_model_name[m]);
@@ -334,6 +345,8 @@ static void print_models(const study *st) {
             else table_cell(&t, "-");
         }
         area_cell(&t, st, st->run[0].length_by_model[m]), area_cell(&t, st, st->run[st->runs - 1].length_by_model[m]);
+        number_cell(&t, "%.3f", st->run[0].efficiency[m]), number_cell(&t, "%.3f", st->run[st->runs - 1].efficiency[m]);
+        number_cell(&t, "%.3g", tons(st, &st->run[0], st->run[0].capacity[m]));
     }
     table_end(&t);
 }
@@ -456,6 +469,7 @@ static void write_json(const study *st) {
         json_array_end(j);
         json_number(j, "dt_s", r->deck.world.def.dt);
         json_number(j, "deck_area_by_dem_m2", r->length_by_dem * st->machine_width);
+        json_number(j, "recovered_by_dem", recovered_by_dem(r));
         json_number(j, "particle_steps", (double)r->deck.world.particle_steps);
         if (r->deck.wet) json_number(j, "liquid_error_rel", r->liquid_error);
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&r->deck.world));
@@ -472,8 +486,11 @@ static void write_json(const study *st) {
         json_array(j, "parameters", st->fit[m].parameter, SCREEN_MAX_PARAMETERS);
         json_number(j, "deviation_fitted", st->run[0].deviation[m]);
         json_number(j, "deviation_predicted", st->runs > 1 ? st->run[1].deviation[m] : (double)NAN);
-        for (int k = 0; k < st->runs; k++)
+        for (int k = 0; k < st->runs; k++) {
             json_number(j, k ? "deck_area_second_m2" : "deck_area_first_m2", st->run[k].length_by_model[m] * st->machine_width);
+            json_number(j, k ? "recovered_second" : "recovered_first", st->run[k].efficiency[m]);
+        }
+        json_number(j, "largest_feed_t_h", tons(st, &st->run[0], st->run[0].capacity[m]));
         json_object_end(j);
     }
     json_array_end(j);

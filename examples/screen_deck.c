@@ -69,6 +69,7 @@ static void fit_models(study *st) {
             deck_run *r = &st->run[k];
             r->deviation[m] = deck_predict(&st->fit[m], &r->curves, &r->def, r->predicted[m]);
             r->length_by_model[m] = deck_length_by_model(&st->fit[m], &r->curves, &r->def, velocity, st->recovery);
+            deck_duty_by_model(&st->fit[m], &r->curves, &r->def, velocity, st->recovery, &r->efficiency[m], &r->capacity[m]);
         }
     }
 }
