@@ -50,6 +50,9 @@
 
 #include <float.h>
 
+/* What depends on the compiler: inlining, options, prefetch, AVX2 copies of loops.
+   Relies on the standard headers alone.
+   May be changed here alone: a compiler's way to say the same; never what is computed. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -151,6 +154,9 @@ extern "C" {
 #endif
 
 /* ------------------------------------------------------------------------------------------------ >>types */
+/* Public types and the constants that tune the engine. What a host can see of a world.
+   Relies on nothing.
+   May be changed here alone: comments, and tuning constants (no result depends on those above DEM__FORMAT). */
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
@@ -186,7 +192,7 @@ extern "C" {
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                           \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -522,7 +528,7 @@ typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
-    double field_work;     /* done on them by a force field */
+    double field_work;                              /* done on them by a force field */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
     double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
                               whose constants are changed by it, gravity */
@@ -612,6 +618,9 @@ typedef struct dem_world {
 } dem_world;
 
 /* ------------------------------------------------------------------------------------------ >>declarations */
+/* The public functions, declared and explained.
+   Relies on types.h.
+   May be changed here alone: comments; a declaration goes with its definition, python/shapes.txt and docs/changes_of_dem.md. */
 
 DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     dem_vec v;
@@ -876,7 +885,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
 DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
-DEM_API dem_vec dem_momentum(const dem_world *world); /* of all particles [kg m/s] */
+DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
@@ -993,6 +1002,9 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* ---- convex polyhedra ---- */
+/* Convex polyhedra as a user sees them: types and functions.
+   Relies on types.h.
+   May be changed here alone: comments. */
 
 #define DEM_CORNERS_MAX 32                      /* of a polyhedron: a set of corners fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* Euler, as triangles */
@@ -1189,6 +1201,9 @@ static inline double riddle_asin(double x) {
 /* <<portable-math */
 
 /* ------------------------------------------------------------------------------------------------- >>laws */
+/* The shipped laws of contact: pure functions of one contact's scalars and its history.
+   Relies on types.h and the portable mathematics.
+   May be changed here alone: a law's formula (hashes and tests against analytic answers follow). A new law is added here and in step.h. */
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
 enum {
@@ -1356,6 +1371,9 @@ DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ---------------------------------------------------------------------------------------------- >>geometry */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions.
+   Relies on types.h and the portable mathematics.
+   May be changed here alone: how a place is found, as long as it is the same place. */
 
 /* Rounds to multiples of 2e-100, which changes nothing but what is below 1e-68: speeds that decay end at 0, and neither they nor their
    squares become subnormal numbers, with which a processor takes many times as long. Two additions cost less than a comparison. */
@@ -1595,7 +1613,8 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     return 1;
 }
 
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
+   May be changed here alone: how a place is searched. */
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
    takes the first child first; `skip` is where the walk goes on without a node's children. */
 typedef struct dem__node {
@@ -1781,7 +1800,8 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
     return 1;
 }
 
-/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions.
+   May be changed here alone: one kind's answers; a new kind is a branch in each function. */
 /* Does a wall act on particles of a group? */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
@@ -1924,6 +1944,10 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
 }
 
 /* ---------------------------------------------------------------------------------------------- >>gas-laws */
+/* Laws of drag: pure functions of scalars.
+   Relies on the portable mathematics.
+   May be changed here alone: a law's formula. */
+
 /* Drag coefficient times Reynolds number, c_D Re [-], of Re = density |slip| d/viscosity, d the diameter of the sphere of equal volume. The
    force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
@@ -2051,6 +2075,9 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
 #ifdef DEM__BODIES
 
 /* -------------------------------------------------------------------------------------------- >>engine */
+/* The private state behind a world, in owners; each names the files that write it.
+   Relies on types.h.
+   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built, t [s] ago: its surface lies within reach + t tolerance
    of the point x + t u, while its velocity differs from u by less than the tolerance. Then it gets a new bound. One cache line. */
@@ -2305,6 +2332,9 @@ typedef struct dem__engine {
         for (ptrdiff_t c = in_##c->first; c < in_##c->first + in_##c->count; c++)
 
 /* ------------------------------------------------------------------------------------------------ >>memory */
+/* Memory: blocks of arrays that grow together, and the tables of those arrays.
+   Relies on engine.h.
+   May be changed here alone: how a block grows; a new array is a row of a table. */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
     (void)user;
@@ -2506,6 +2536,9 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
 }
 
 /* -------------------------------------------------------------------------------------------- >>definition */
+/* Defaults and checks of a definition; making and freeing a world.
+   Relies on store.h.
+   May be changed here alone: which value of a field is refused. */
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {
@@ -2708,7 +2741,8 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>ledger */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
+   May be changed here alone: what is booked where. */
 
 /* Is a wall there, and does it act on particle i? */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
@@ -2790,7 +2824,8 @@ static inline void dem__book_losses(dem_world *w) {
 
 /* ------------------------------------------------------------------------------------------ >>rotation */
 /* Quaternions and the free rotation of a rigid body: pure functions. Reads nothing else. Anything may be changed here that keeps length and
-   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first. */
+   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first.
+   May be changed here alone: all that keeps length and angular momentum to rounding. */
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
     q.w = w, q.x = v.x, q.y = v.y, q.z = v.z;
@@ -2888,6 +2923,7 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
 /* -------------------------------------------------------------------------------------------- >>flight */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
    bodies. Promises: the same bits whenever somebody asks.
+   May be changed here alone: how a state is evaluated, bit for bit the same.
 
    A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
    in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as
@@ -2980,6 +3016,7 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 /* Motion of rigid bodies: kick of momentum and angular momentum, free drift, kick. Reads the sums of forces on their particles; writes
    bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one thread, so that bits do not depend on
    threads.
+   May be changed here alone: how a body is integrated.
 
    For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
    centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
@@ -3132,6 +3169,9 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
 }
 
 /* ------------------------------------------------------------------------------------------------- >>scene */
+/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
+   Relies on flight.h, rigid.h and the ledger.
+   May be changed here alone: what a function that changes a particle refuses. */
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
@@ -3513,6 +3553,10 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     return DEM_OK;
 }
 
+/* Adding walls of every kind but meshes.
+   Relies on definition.h and wall_shapes.h.
+   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
+
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
     if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
@@ -3668,6 +3712,10 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
     return dem__add_wall(world, &wall);
 }
+
+/* Adding meshes and boxes: the tree of a mesh's triangles.
+   Relies on walls.h and mesh_shapes.h.
+   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
 
 /* Every third bit of a Morton code, from 21 bits. */
 static inline uint64_t dem__interleave(uint64_t v) {
@@ -3872,7 +3920,8 @@ typedef struct dem__slot {
 
 /* ------------------------------------------------------------------------------------ >>convex_shape */
 /* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other. */
+   and its tables agree with each other.
+   May be changed here alone: how faces are found; tables stay closed and convex. */
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: single precision, as files have it, is enough. */
 #define DEM__FLAT 1e-6
@@ -4258,7 +4307,8 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* --------------------------------------------------------------------------------- >>convex_distance */
 /* Distances between posed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
    returned is never more than the true one, however few rounds were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle
-   (3 corners, 3 edges, 2 faces) are cores like any other. */
+   (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: rounds and their order; a separation is never too large. */
 
 /* Where a core is: its centre [m] and where its own axes point. */
 typedef struct dem__placed {
@@ -4497,7 +4547,8 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 /* ----------------------------------------------------------------------------------- >>convex_points */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
    only choose whom to look at. Promises: what a point is depends on its own two features; forces along the normals of corners' points are
-   the gradient of a potential; normals, gaps and weights are continuous in the motion. */
+   the gradient of a potential; normals, gaps and weights are continuous in the motion.
+   May be changed here alone: which features are looked at; every point that touches is found. */
 
 enum { DEM__POINTS_MAX = 32 }; /* of a pair: two faces of eight corners each have not more */
 
@@ -4722,6 +4773,10 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
     return dem__find_edge_points(&sa, &sb, out, n);
 }
+
+/* Reading STL files: facets from bytes, corners welded.
+   Relies on the allocator alone.
+   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
 
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -4994,7 +5049,8 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
     if (kind == DEM__STL_TEXT) dem__read_text(bytes, size, NULL, report);
 }
 
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+   May be changed here alone: how corners are welded and faults counted. */
 /* ---- from facets to a mesh ---- */
 
 /* What a mesh is made in. */
@@ -5236,7 +5292,8 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 
 /* ------------------------------------------------------------------------------------------- >>solid */
 /* Closed meshes: what is inside them. Reads meshes; owns scratch while it works. Promises: a mesh that is not closed has no inside; of one
-   that is, only points within round-off of its surface depend on how it is cut into triangles. */
+   that is, only points within round-off of its surface depend on how it is cut into triangles.
+   May be changed here alone: how rays are chosen. */
 /* Does the line from p along +z cross a triangle? An edge is asked the same question by both triangles that have it, in the same order of
    its ends, so that a line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
@@ -5372,6 +5429,10 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
     }
     return fabs(sum);
 }
+
+/* What is asked of walls' motion, and walls driven by forces.
+   Relies on shapes.h, which says where a wall is at a time.
+   May be changed here alone: what is refused; how a driven wall is integrated. */
 
 /* A new motion begins where the wall is. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
@@ -5557,7 +5618,8 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>parallel */
-/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are. */
+/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are.
+   May be changed here alone: who runs a task. */
 
 /* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
 static inline void dem__parallel(const dem_def *def, int tasks, void (*task)(void *context, int index), void *context) {
@@ -5617,6 +5679,9 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
 }
 
 /* ------------------------------------------------------------------------------------------------- >>lists */
+/* Timers of near pairs and of particles with walls, and batches of them.
+   Relies on bodies, bounds and walls.
+   May be changed here alone: how times are stored; a timer is never late. */
 
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 
@@ -5789,6 +5854,65 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
     dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
     r->x = d.x, r->y = d.y, r->z = d.z, r->reach = pair->distance + 2.0 * w->engine->pairs.position_tolerance;
 }
+
+/* ------------------------------------------------------------------------------------------- >>exits */
+/* The record of what passes an exit. Reads bodies; writes the record and marks who leaves. Promises: the order of records does not depend
+   on the order of tests.
+   May be changed here alone: what a record holds (then saved.h, too). */
+
+/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
+static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
+    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
+}
+
+/* Records a particle, or the rigid body that it is a part of, which passes an exit in this step, and marks it to leave at the end of it. */
+static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
+    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        const dem__posture p = dem__posture_at(w, r, tau);
+        i = r->first, x = p.x, v = p.v;
+    }
+    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
+        ptrdiff_t k = w->passed_count - 1;
+        while (w->passed[k].id != w->id[i]) k--;
+        if (wall < w->passed[k].exit) w->passed[k].exit = wall;
+        return;
+    }
+    if (w->passed_count >= bodies->passed_capacity) {
+        ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
+        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
+            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        if (!fresh) {
+            w->status = DEM_OUT_OF_MEMORY;
+            return;
+        }
+        w->passed = fresh;
+        bodies->passed_capacity = larger;
+    }
+    /* in the order of ids, whatever the order of the looks in this step */
+    double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
+    ptrdiff_t at = w->passed_count++;
+    w->passed_total++;
+    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
+    dem_passed *p = &w->passed[at];
+    p->time = time;
+    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
+    p->position = x;
+    p->velocity = v;
+    p->id = w->id[i];
+    p->group = w->group[i];
+    p->exit = wall;
+    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
+    run->leaving = 1;
+}
+
+/* Tests: does a contact begin, or when is one possible next? New contacts are put at the end of the last chunk.
+   Relies on timers.h and wall_shapes.h.
+   May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
 
 /* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -6022,8 +6146,6 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     }
 }
 
-static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall);
-
 /* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
 
@@ -6136,6 +6258,10 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     w->engine->walls.sure[e] = (uint32_t)(uint64_t)(step + steps);
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
+
+/* Bounds on particles' motion, and the timers that follow from them.
+   Relies on detect.h and timers.h.
+   May be changed here alone: tolerances; a particle never leaves its bound unseen. */
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
@@ -6390,6 +6516,10 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
+/* Lists of active particles, and arrays without those that are gone.
+   Relies on store.h's tables.
+   May be changed here alone: when gaps are closed: no result depends on it. */
+
 /* Active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -6478,7 +6608,8 @@ static inline void dem__compact(dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>grid */
-/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing. */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
+   May be changed here alone: sizes of cells. */
 /* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* corner, 1 / cell size by axis */
@@ -6564,7 +6695,8 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 
 /* ------------------------------------------------------------------------------------------- >>pairs */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check. */
+   listed cannot touch before the next check.
+   May be changed here alone: margins and the list's life: no result depends on them. */
 /* The near pairs that a thread finds, and room for so many. */
 typedef struct dem__found_pairs {
     dem__near *pair;
@@ -7057,7 +7189,8 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 
 /* -------------------------------------------------------------------------------------------- >>rows */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
-   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
+   May be changed here alone: how rows are gathered, bit for bit the same. */
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
     dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
@@ -7376,7 +7509,8 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* ------------------------------------------------------------------------------------------- >>edges */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between. */
+   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
+   May be changed here alone: how the two bodies' motion within the step is followed. */
 /* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
@@ -7603,7 +7737,8 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
 
 /* ------------------------------------------------------------------------------------------- >>kernel */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads. */
+   bodies and the forces on walls. Promises: the same bits for any division among threads.
+   May be changed here alone: how a block is worked through, in the order of slots. */
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;
@@ -7968,56 +8103,8 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
 
 /* ----------------------------------------------------------------------------------------- >>removal */
 /* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
-   a particle that is gone stands in no list. */
-/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
-static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
-    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
-}
-
-static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
-    dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
-        i = r->first, x = p.x, v = p.v;
-    }
-    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
-        ptrdiff_t k = w->passed_count - 1;
-        while (w->passed[k].id != w->id[i]) k--;
-        if (wall < w->passed[k].exit) w->passed[k].exit = wall;
-        return;
-    }
-    if (w->passed_count >= bodies->passed_capacity) {
-        ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
-        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
-            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
-        if (!fresh) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return;
-        }
-        w->passed = fresh;
-        bodies->passed_capacity = larger;
-    }
-    /* in the order of ids, whatever the order of the looks in this step */
-    double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
-    ptrdiff_t at = w->passed_count++;
-    w->passed_total++;
-    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
-    dem_passed *p = &w->passed[at];
-    p->time = time;
-    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = x;
-    p->velocity = v;
-    p->id = w->id[i];
-    p->group = w->group[i];
-    p->exit = wall;
-    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
-    run->leaving = 1;
-}
-
+   a particle that is gone stands in no list.
+   May be changed here alone: the order in which lists forget a particle. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     dem__links *links = &w->engine->links;
     int32_t *at = &links->first_link[i];
@@ -8094,47 +8181,6 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
 }
 
-static inline void dem__remove_ended(dem_world *w, int64_t step, int all);
-
-/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
-static inline void dem__free_untouched(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
-        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
-    }
-}
-
-/* Numbers the particles present, after some have been taken out. */
-static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
-        n += w->alive[i] != 0;
-    }
-}
-
-/* Ends the contacts of those who have been taken out. */
-static inline void dem__end_contacts_of_removed(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t j = contacts->j[c];
-        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
-    }
-    dem__number_present(w);
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    dem__remove_ended(w, w->step, 1);
-    dem__free_untouched(w);
-}
-
-DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
-    dem__detach_particle(w, i);
-    dem__end_contacts_of_removed(w);
-    return DEM_OK;
-}
-
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
@@ -8183,7 +8229,8 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 
 /* ---------------------------------------------------------------------------------------- >>contacts */
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads. */
+   order depends only on the history of the scene, never on threads.
+   May be changed here alone: how slots are filled; the order is in the hashes. */
 /* Order of contacts: by i, the last first, then j (walls last), then element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8564,9 +8611,54 @@ static inline int dem__reorder_contacts(dem_world *w) {
     return 1;
 }
 
+/* ------------------------------------------------------------------------------------------- >>remove */
+/* What follows from the removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
+   Promises: what touched nothing else is in flight afterwards.
+   May be changed here alone: the order of the two. */
+
+/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
+static inline void dem__free_untouched(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
+        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
+    }
+}
+
+/* Numbers the particles present, after some have been taken out. */
+static inline void dem__number_present(dem_world *w) {
+    int32_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        w->engine->bodies.number[i] = n;
+        n += w->alive[i] != 0;
+    }
+}
+
+/* Ends the contacts of those who have been taken out. */
+static inline void dem__end_contacts_of_removed(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t j = contacts->j[c];
+        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
+    }
+    dem__number_present(w);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    dem__remove_ended(w, w->step, 1);
+    dem__free_untouched(w);
+}
+
+DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    dem__detach_particle(w, i);
+    dem__end_contacts_of_removed(w);
+    return DEM_OK;
+}
+
 /* ------------------------------------------------------------------------------------------ >>forces */
 /* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
-   Promises: every sum is added in the order of slots, whatever the number of threads. */
+   Promises: every sum is added in the order of slots, whatever the number of threads.
+   May be changed here alone: how chunks are shared among threads. */
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;
@@ -8664,7 +8756,8 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 
 /* ----------------------------------------------------------------------------------------- >>advance */
 /* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step. */
+   Promises: a particle whose velocity left its bound has a new one before the next step.
+   May be changed here alone: when memory is prefetched; what is checked stays. */
 /* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
@@ -8994,7 +9087,8 @@ static inline void dem__check_bounds(dem_world *w) {
 
 /* --------------------------------------------------------------------------------------------- >>due */
 /* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no
-   contact begins unseen; a step that cannot be finished leaves no trace. */
+   contact begins unseen; a step that cannot be finished leaves no trace.
+   May be changed here alone: how due timers are found. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -9099,7 +9193,8 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 
 /* ------------------------------------------------------------------------------------------- >>field */
 /* A force field: on what flies by steps of its own, on what touches in each step. Reads bodies, the law; writes bodies, their bounds and
-   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped. */
+   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped.
+   May be changed here alone: how long a flight is, within the accuracy asked for. */
 
 /* What is asked of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
@@ -9117,7 +9212,7 @@ typedef struct dem__field_task {
     int task;
     const int32_t *particle;
     ptrdiff_t n;
-    double h; /* [s] */
+    double h;                 /* [s] */
     const dem_kernel *kernel; /* of contacts */
 } dem__field_task;
 
@@ -9156,11 +9251,11 @@ DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z 
 
 /* What a step of a flight leads to. */
 typedef struct dem__flown {
-    dem_vec way;      /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
-    dem_vec gain;     /* of velocity, at its end [m/s] */
-    double work;      /* of the field [J] */
-    double error;     /* of place [m] */
-    int zero;         /* the law has given 0 all the way */
+    dem_vec way;  /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
+    dem_vec gain; /* of velocity, at its end [m/s] */
+    double work;  /* of the field [J] */
+    double error; /* of place [m] */
+    int zero;     /* the law has given 0 all the way */
 } dem__flown;
 
 /* A step of h from x with v at a time, of the fifth order with an error of the fourth (Cash & Karp 1990). */
@@ -9319,12 +9414,6 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
         else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
     }
 }
-#define DEM_FORCE_FIELD(name, law)                                                                                                         \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
-        dem__field_kernel(world, task, law);                                                                                               \
-        return 1;                                                                                                                          \
-    }
 
 /* A task of the kernel for a list of particles, by one thread or several. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -9577,7 +9666,8 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 
 /* -------------------------------------------------------------------------------------------- >>step */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed. */
+   and freed.
+   May be changed here alone: the order of a step (hashes follow). */
 /* Tests all pairs and walls once, whatever is skipped; the timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
@@ -9829,6 +9919,13 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     }
 }
 
+#define DEM_FORCE_FIELD(name, law)                                                                                                         \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
+        dem__field_kernel(world, task, law);                                                                                               \
+        return 1;                                                                                                                          \
+    }
+
 /* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
@@ -9959,6 +10056,9 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>reading */
+/* Getters: states now, energy, contacts and links, apertures of a screen. Readers of a const world.
+   Relies on body.h and the ledger.
+   May be changed here alone: all but what an answer means. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -10174,7 +10274,8 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas */
-/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
+   May be changed here alone: how values between nodes are found. */
 DEM_API dem_gas dem_default_gas(void) {
     dem_gas gas;
     memset(&gas, 0, sizeof gas);
@@ -10297,6 +10398,9 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 }
 
 /* -------------------------------------------------------------------------------------------------- >>feed */
+/* Regions and size distributions: pure functions, and the checks of a source.
+   Relies on the portable mathematics.
+   May be changed here alone: how a size is drawn (bits of fed scenes change). */
 
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
     dem_region region;
@@ -10521,7 +10625,8 @@ DEM_API dem_feed dem_default_feed(void) {
     return feed;
 }
 
-/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions. */
+/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions.
+   May be changed here alone: how a free place is searched (bits of filled scenes change). */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
     dem__grid grid[DEM__LEVELS_MAX];
@@ -10626,8 +10731,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
 static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
-    if (room->inside.tree &&
-        (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
+    if (room->inside.tree && (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
         return 0;
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *wall = &w->wall[k];
@@ -10722,11 +10826,72 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
+/* Finds a free place for a sphere of a feed, by random tries. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x) {
+    for (int tries = 0; tries < feed->tries; tries++) {
+        if (!dem__random_place(&feed->region, radius, &feed->random, x)) return 0;
+        *x = dem__in_box(w, *x); /* as dem_add_spheres will */
+        if (dem__is_free(w, room, *x, radius, feed->group)) return 1;
+    }
+    return 0;
+}
+
+/* Finds places for n spheres, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
+   once; of a source the first of them waits, and with it those behind it. */
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, const double *radius, ptrdiff_t n, int by_mass,
+                                    int at_once) {
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        dem_vec x;
+        if (dem__find_place(w, room, feed, radius[k], &x)) {
+            dem__settle_in(room, x, radius[k]);
+            feed->placed_mass += m;
+            if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
+            else feed->due -= at_once ? 0.0 : 1.0;
+        } else if (at_once) {
+            feed->missed++;
+            feed->missed_mass += m;
+        } else {
+            feed->waiting = 2.0 * radius[k];
+            return;
+        }
+    }
+}
+
+/* Lists the spheres that were placed, cell by cell, so that neighbours in space become neighbours in memory. How many are they? */
+static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, double *diameter, double *centre,
+                                         double *velocity) {
+    ptrdiff_t placed = 0;
+    for (ptrdiff_t c = 0; c < room->cells; c++) {
+        for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
+            diameter[placed] = 2.0 * room->radius[q];
+            for (int a = 0; a < 3; a++) {
+                centre[3 * placed + a] = room->centre[3 * (ptrdiff_t)q + a];
+                velocity[3 * placed + a] =
+                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+            }
+            placed++;
+        }
+    }
+    return placed;
+}
+
+/* Adds spheres with velocities; all or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const double *centre, const double *diameter,
+                                         const double *velocity) {
+    const dem_status status = dem_add_spheres(w, n, centre, diameter, feed->material, feed->group);
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        const dem_vec v = dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]);
+        dem_set_motion(w, w->count - n + k, v, dem_vec3(0.0, 0.0, 0.0));
+    }
+    return status;
+}
+
 /* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
-    dem_allocator memory = w->def.allocator;
+    const dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
     ptrdiff_t placed = 0;
@@ -10746,48 +10911,13 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem__draw_due(w, &after, number, mass, most, radius);
     if (at_once) dem__sort_sizes(radius, n);
     dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
-    const ptrdiff_t present = room.count;
-    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const double m = dem__sphere_mass(w, feed->material, radius[k]);
-        dem_vec x;
-        int found = 0;
-        for (int tries = 0; tries < feed->tries && !found; tries++) {
-            if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
-            x = dem__in_box(w, x); /* as dem_add_spheres will */
-            found = dem__is_free(w, &room, x, radius[k], feed->group);
-        }
-        if (!found) {
-            if (!at_once) {
-                after.waiting = 2.0 * radius[k];
-                break;
-            }
-            after.missed++;
-            after.missed_mass += m;
-            continue;
-        }
-        dem__settle_in(&room, x, radius[k]);
-        after.placed_mass += m;
-        if (mass < HUGE_VAL) after.due_mass -= at_once ? 0.0 : m;
-        else after.due -= at_once ? 0.0 : 1.0;
-    }
-    /* neighbours in space become neighbours in memory */
-    double *diameter = radius;
-    for (ptrdiff_t c = 0; c < room.cells && status == DEM_OK; c++) {
-        for (int32_t q = room.head[c]; q >= present; q = room.next[q]) {
-            diameter[placed] = 2.0 * room.radius[q];
-            for (int a = 0; a < 3; a++) {
-                centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
-                velocity[3 * placed + a] =
-                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&after.random) - 1.0);
-            }
-            placed++;
-        }
+    if (status == DEM_OK) {
+        const ptrdiff_t present = room.count;
+        dem__find_places(w, &room, &after, radius, n, mass < HUGE_VAL, at_once);
+        placed = dem__list_placed(&room, present, &after, radius, centre, velocity); /* their diameters in place of the radii */
     }
     dem__clear_room(&room, w);
-    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
-    for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
-        dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
-                       dem_vec3(0.0, 0.0, 0.0));
+    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, centre, radius, velocity);
     memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
     if (status != DEM_OK) return status;
     after.placed += placed;
@@ -10866,6 +10996,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>measure */
+/* Measuring: volumes, regions, stress, fields, histograms, mixing. Readers of a const world, into the caller's arrays.
+   Relies on read.h.
+   May be changed here alone: all but what a number means. */
 
 /* Unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
@@ -11422,8 +11555,8 @@ static inline int dem__find_record(const unsigned char *file, size_t at, size_t 
 /* --------------------------------------------------------------------------------------------- >>saved */
 /* What of a world is saved, as tables of fields: one row a field. Knows every owner's state; writes none.
    Relies on records.h for what a row means.
-   A new field is a row here and nothing else: old files, which lack it, load with what is in memory then (zero, or the default); files with a
-   row that is unknown here load without it. The first rows of a group (as many as dem__group says) must be there. */
+   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with what is in
+   memory then (zero, or the default); files with a row that is unknown here load without it. The first rows of a group must be there. */
 
 enum { DEM__FIELDS_MAX = 64 };
 
@@ -12223,6 +12356,9 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------- >>scalar laws */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader.
+   Relies on laws.h.
+   May be changed here alone: how a number is found, to its last bits (hashes follow). */
 
 /* Half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007): one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {

@@ -1,6 +1,7 @@
 /* ----------------------------------------------------------------------------------------- >>advance */
 /* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
-   Promises: a particle whose velocity left its bound has a new one before the next step. */
+   Promises: a particle whose velocity left its bound has a new one before the next step.
+   May be changed here alone: when memory is prefetched; what is checked stays. */
 /* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;

@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------ >>declarations */
+/* The public functions, declared and explained.
+   Relies on types.h.
+   May be changed here alone: comments; a declaration goes with its definition, python/shapes.txt and docs/changes_of_dem.md. */
 
 DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     dem_vec v;
@@ -263,7 +266,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
 DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
-DEM_API dem_vec dem_momentum(const dem_world *world); /* of all particles [kg m/s] */
+DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
 /* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 

@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------------- >>scene */
+/* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
+   Relies on flight.h, rigid.h and the ledger.
+   May be changed here alone: what a function that changes a particle refuses. */
 
 /* Makes the present step the origin: the parabola's state becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {

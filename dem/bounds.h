@@ -1,3 +1,7 @@
+/* Bounds on particles' motion, and the timers that follow from them.
+   Relies on detect.h and timers.h.
+   May be changed here alone: tolerances; a particle never leaves its bound unseen. */
+
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));

@@ -1,3 +1,7 @@
+/* Lists of active particles, and arrays without those that are gone.
+   Relies on store.h's tables.
+   May be changed here alone: when gaps are closed: no result depends on it. */
+
 /* Active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;

@@ -1,6 +1,7 @@
 /* ---------------------------------------------------------------------------------------- >>contacts */
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
-   order depends only on the history of the scene, never on threads. */
+   order depends only on the history of the scene, never on threads.
+   May be changed here alone: how slots are filled; the order is in the hashes. */
 /* Order of contacts: by i, the last first, then j (walls last), then element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;

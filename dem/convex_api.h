@@ -1,4 +1,7 @@
 /* ---- convex polyhedra ---- */
+/* Convex polyhedra as a user sees them: types and functions.
+   Relies on types.h.
+   May be changed here alone: comments. */
 
 #define DEM_CORNERS_MAX 32                      /* of a polyhedron: a set of corners fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* Euler, as triangles */

@@ -1,7 +1,8 @@
 /* --------------------------------------------------------------------------------- >>convex_distance */
 /* Distances between posed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
    returned is never more than the true one, however few rounds were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle
-   (3 corners, 3 edges, 2 faces) are cores like any other. */
+   (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: rounds and their order; a separation is never too large. */
 
 /* Where a core is: its centre [m] and where its own axes point. */
 typedef struct dem__placed {

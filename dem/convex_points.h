@@ -1,7 +1,8 @@
 /* ----------------------------------------------------------------------------------- >>convex_points */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
    only choose whom to look at. Promises: what a point is depends on its own two features; forces along the normals of corners' points are
-   the gradient of a potential; normals, gaps and weights are continuous in the motion. */
+   the gradient of a potential; normals, gaps and weights are continuous in the motion.
+   May be changed here alone: which features are looked at; every point that touches is found. */
 
 enum { DEM__POINTS_MAX = 32 }; /* of a pair: two faces of eight corners each have not more */
 

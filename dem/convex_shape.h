@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------ >>convex_shape */
 /* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other. */
+   and its tables agree with each other.
+   May be changed here alone: how faces are found; tables stay closed and convex. */
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: single precision, as files have it, is enough. */
 #define DEM__FLAT 1e-6

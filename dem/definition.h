@@ -1,4 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>definition */
+/* Defaults and checks of a definition; making and freeing a world.
+   Relies on store.h.
+   May be changed here alone: which value of a field is refused. */
 
 DEM_API const char *dem_status_text(dem_status status) {
     switch (status) {

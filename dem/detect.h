@@ -1,3 +1,7 @@
+/* Tests: does a contact begin, or when is one possible next? New contacts are put at the end of the last chunk.
+   Relies on timers.h and wall_shapes.h.
+   May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
+
 /* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
     const dem__chunk *in = w->engine->contacts.chunk;
@@ -229,8 +233,6 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
         if (c < end && contacts->edge[c] && w->status == DEM_OK) dem__follow_slot(w, c, step, 1);
     }
 }
-
-static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall);
 
 /* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }

@@ -1,6 +1,7 @@
 /* --------------------------------------------------------------------------------------------- >>due */
 /* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no
-   contact begins unseen; a step that cannot be finished leaves no trace. */
+   contact begins unseen; a step that cannot be finished leaves no trace.
+   May be changed here alone: how due timers are found. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {

@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>edges */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between. */
+   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
+   May be changed here alone: how the two bodies' motion within the step is followed. */
 /* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {

@@ -1,4 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>engine */
+/* The private state behind a world, in owners; each names the files that write it.
+   Relies on types.h.
+   May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
 
 /* Bound on a particle's motion, in the frame in free fall since the list was built, t [s] ago: its surface lies within reach + t tolerance
    of the point x + t u, while its velocity differs from u by less than the tolerance. Then it gets a new bound. One cache line. */

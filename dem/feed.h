@@ -1,4 +1,7 @@
 /* -------------------------------------------------------------------------------------------------- >>feed */
+/* Regions and size distributions: pure functions, and the checks of a source.
+   Relies on the portable mathematics.
+   May be changed here alone: how a size is drawn (bits of fed scenes change). */
 
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high) {
     dem_region region;

@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>field */
 /* A force field: on what flies by steps of its own, on what touches in each step. Reads bodies, the law; writes bodies, their bounds and
-   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped. */
+   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped.
+   May be changed here alone: how long a flight is, within the accuracy asked for. */
 
 /* What is asked of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
@@ -18,7 +19,7 @@ typedef struct dem__field_task {
     int task;
     const int32_t *particle;
     ptrdiff_t n;
-    double h; /* [s] */
+    double h;                 /* [s] */
     const dem_kernel *kernel; /* of contacts */
 } dem__field_task;
 
@@ -57,11 +58,11 @@ DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z 
 
 /* What a step of a flight leads to. */
 typedef struct dem__flown {
-    dem_vec way;      /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
-    dem_vec gain;     /* of velocity, at its end [m/s] */
-    double work;      /* of the field [J] */
-    double error;     /* of place [m] */
-    int zero;         /* the law has given 0 all the way */
+    dem_vec way;  /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
+    dem_vec gain; /* of velocity, at its end [m/s] */
+    double work;  /* of the field [J] */
+    double error; /* of place [m] */
+    int zero;     /* the law has given 0 all the way */
 } dem__flown;
 
 /* A step of h from x with v at a time, of the fifth order with an error of the fourth (Cash & Karp 1990). */
@@ -220,12 +221,6 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
         else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
     }
 }
-#define DEM_FORCE_FIELD(name, law)                                                                                                         \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
-        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
-        dem__field_kernel(world, task, law);                                                                                               \
-        return 1;                                                                                                                          \
-    }
 
 /* A task of the kernel for a list of particles, by one thread or several. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {

@@ -1,4 +1,5 @@
-/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions. */
+/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions.
+   May be changed here alone: how a free place is searched (bits of filled scenes change). */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
     dem__grid grid[DEM__LEVELS_MAX];
@@ -103,8 +104,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
 static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
-    if (room->inside.tree &&
-        (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
+    if (room->inside.tree && (!dem__is_inside_wall(&room->inside, x) || dem__touch_wall(&room->inside, x, radius, 0.0, touch, &least) > 0))
         return 0;
     for (int k = 0; k < w->walls; k++) {
         const dem_wall *wall = &w->wall[k];
@@ -199,11 +199,72 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
+/* Finds a free place for a sphere of a feed, by random tries. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x) {
+    for (int tries = 0; tries < feed->tries; tries++) {
+        if (!dem__random_place(&feed->region, radius, &feed->random, x)) return 0;
+        *x = dem__in_box(w, *x); /* as dem_add_spheres will */
+        if (dem__is_free(w, room, *x, radius, feed->group)) return 1;
+    }
+    return 0;
+}
+
+/* Finds places for n spheres, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
+   once; of a source the first of them waits, and with it those behind it. */
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, const double *radius, ptrdiff_t n, int by_mass,
+                                    int at_once) {
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        dem_vec x;
+        if (dem__find_place(w, room, feed, radius[k], &x)) {
+            dem__settle_in(room, x, radius[k]);
+            feed->placed_mass += m;
+            if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
+            else feed->due -= at_once ? 0.0 : 1.0;
+        } else if (at_once) {
+            feed->missed++;
+            feed->missed_mass += m;
+        } else {
+            feed->waiting = 2.0 * radius[k];
+            return;
+        }
+    }
+}
+
+/* Lists the spheres that were placed, cell by cell, so that neighbours in space become neighbours in memory. How many are they? */
+static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, double *diameter, double *centre,
+                                         double *velocity) {
+    ptrdiff_t placed = 0;
+    for (ptrdiff_t c = 0; c < room->cells; c++) {
+        for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
+            diameter[placed] = 2.0 * room->radius[q];
+            for (int a = 0; a < 3; a++) {
+                centre[3 * placed + a] = room->centre[3 * (ptrdiff_t)q + a];
+                velocity[3 * placed + a] =
+                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
+            }
+            placed++;
+        }
+    }
+    return placed;
+}
+
+/* Adds spheres with velocities; all or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const double *centre, const double *diameter,
+                                         const double *velocity) {
+    const dem_status status = dem_add_spheres(w, n, centre, diameter, feed->material, feed->group);
+    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
+        const dem_vec v = dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]);
+        dem_set_motion(w, w->count - n + k, v, dem_vec3(0.0, 0.0, 0.0));
+    }
+    return status;
+}
+
 /* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
-    dem_allocator memory = w->def.allocator;
+    const dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
     ptrdiff_t placed = 0;
@@ -223,48 +284,13 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem__draw_due(w, &after, number, mass, most, radius);
     if (at_once) dem__sort_sizes(radius, n);
     dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
-    const ptrdiff_t present = room.count;
-    for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const double m = dem__sphere_mass(w, feed->material, radius[k]);
-        dem_vec x;
-        int found = 0;
-        for (int tries = 0; tries < feed->tries && !found; tries++) {
-            if (!dem__random_place(&feed->region, radius[k], &after.random, &x)) break;
-            x = dem__in_box(w, x); /* as dem_add_spheres will */
-            found = dem__is_free(w, &room, x, radius[k], feed->group);
-        }
-        if (!found) {
-            if (!at_once) {
-                after.waiting = 2.0 * radius[k];
-                break;
-            }
-            after.missed++;
-            after.missed_mass += m;
-            continue;
-        }
-        dem__settle_in(&room, x, radius[k]);
-        after.placed_mass += m;
-        if (mass < HUGE_VAL) after.due_mass -= at_once ? 0.0 : m;
-        else after.due -= at_once ? 0.0 : 1.0;
-    }
-    /* neighbours in space become neighbours in memory */
-    double *diameter = radius;
-    for (ptrdiff_t c = 0; c < room.cells && status == DEM_OK; c++) {
-        for (int32_t q = room.head[c]; q >= present; q = room.next[q]) {
-            diameter[placed] = 2.0 * room.radius[q];
-            for (int a = 0; a < 3; a++) {
-                centre[3 * placed + a] = room.centre[3 * (ptrdiff_t)q + a];
-                velocity[3 * placed + a] =
-                    dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&after.random) - 1.0);
-            }
-            placed++;
-        }
+    if (status == DEM_OK) {
+        const ptrdiff_t present = room.count;
+        dem__find_places(w, &room, &after, radius, n, mass < HUGE_VAL, at_once);
+        placed = dem__list_placed(&room, present, &after, radius, centre, velocity); /* their diameters in place of the radii */
     }
     dem__clear_room(&room, w);
-    if (status == DEM_OK) status = dem_add_spheres(w, placed, centre, diameter, feed->material, feed->group);
-    for (ptrdiff_t k = 0; k < placed && status == DEM_OK; k++)
-        dem_set_motion(w, w->count - placed + k, dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]),
-                       dem_vec3(0.0, 0.0, 0.0));
+    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, centre, radius, velocity);
     memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
     if (status != DEM_OK) return status;
     after.placed += placed;

@@ -1,6 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>flight */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
    bodies. Promises: the same bits whenever somebody asks.
+   May be changed here alone: how a state is evaluated, bit for bit the same.
 
    A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
    in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as

@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------ >>forces */
 /* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
-   Promises: every sum is added in the order of slots, whatever the number of threads. */
+   Promises: every sum is added in the order of slots, whatever the number of threads.
+   May be changed here alone: how chunks are shared among threads. */
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__links *links = &w->engine->links;

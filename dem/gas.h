@@ -1,5 +1,6 @@
 /* --------------------------------------------------------------------------------------------------- >>gas */
-/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
+/* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
+   May be changed here alone: how values between nodes are found. */
 DEM_API dem_gas dem_default_gas(void) {
     dem_gas gas;
     memset(&gas, 0, sizeof gas);

@@ -1,4 +1,8 @@
 /* ---------------------------------------------------------------------------------------------- >>gas-laws */
+/* Laws of drag: pure functions of scalars.
+   Relies on the portable mathematics.
+   May be changed here alone: a law's formula. */
+
 /* Drag coefficient times Reynolds number, c_D Re [-], of Re = density |slip| d/viscosity, d the diameter of the sphere of equal volume. The
    force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);

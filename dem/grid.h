@@ -1,5 +1,6 @@
 /* -------------------------------------------------------------------------------------------- >>grid */
-/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing. */
+/* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
+   May be changed here alone: sizes of cells. */
 /* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* corner, 1 / cell size by axis */

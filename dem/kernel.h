@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>kernel */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
-   bodies and the forces on walls. Promises: the same bits for any division among threads. */
+   bodies and the forces on walls. Promises: the same bits for any division among threads.
+   May be changed here alone: how a block is worked through, in the order of slots. */
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;

@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>scalar laws */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader.
+   Relies on laws.h.
+   May be changed here alone: how a number is found, to its last bits (hashes follow). */
 
 /* Half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007): one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {

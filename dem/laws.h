@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------------- >>laws */
+/* The shipped laws of contact: pure functions of one contact's scalars and its history.
+   Relies on types.h and the portable mathematics.
+   May be changed here alone: a law's formula (hashes and tests against analytic answers follow). A new law is added here and in step.h. */
 
 /* Linear spring-dashpot (Elskamp & Kruggel-Emden 2019, eqs 4 and 5). Constants: */
 enum {

@@ -1,5 +1,6 @@
 /* ------------------------------------------------------------------------------------------- >>ledger */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums. */
+/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
+   May be changed here alone: what is booked where. */
 
 /* Is a wall there, and does it act on particle i? */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {

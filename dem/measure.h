@@ -1,4 +1,7 @@
 /* ----------------------------------------------------------------------------------------------- >>measure */
+/* Measuring: volumes, regions, stress, fields, histograms, mixing. Readers of a const world, into the caller's arrays.
+   Relies on read.h.
+   May be changed here alone: all but what a number means. */
 
 /* Unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }

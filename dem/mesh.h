@@ -1,3 +1,7 @@
+/* Adding meshes and boxes: the tree of a mesh's triangles.
+   Relies on walls.h and mesh_shapes.h.
+   May be changed here alone: how the tree is built (bits of mesh scenes may change). */
+
 /* Every third bit of a Morton code, from 21 bits. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;

@@ -1,4 +1,5 @@
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
+   May be changed here alone: how a place is searched. */
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
    takes the first child first; `skip` is where the walk goes on without a node's children. */
 typedef struct dem__node {

@@ -1,3 +1,7 @@
+/* What is asked of walls' motion, and walls driven by forces.
+   Relies on shapes.h, which says where a wall is at a time.
+   May be changed here alone: what is refused; how a driven wall is integrated. */
+
 /* A new motion begins where the wall is. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;

@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>pairs */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
-   listed cannot touch before the next check. */
+   listed cannot touch before the next check.
+   May be changed here alone: margins and the list's life: no result depends on them. */
 /* The near pairs that a thread finds, and room for so many. */
 typedef struct dem__found_pairs {
     dem__near *pair;

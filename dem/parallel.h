@@ -1,5 +1,6 @@
 /* ------------------------------------------------------------------------------------------ >>parallel */
-/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are. */
+/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are.
+   May be changed here alone: who runs a task. */
 
 /* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
 static inline void dem__parallel(const dem_def *def, int tasks, void (*task)(void *context, int index), void *context) {

@@ -1,4 +1,7 @@
 /* ----------------------------------------------------------------------------------------------- >>reading */
+/* Getters: states now, energy, contacts and links, apertures of a screen. Readers of a const world.
+   Relies on body.h and the ledger.
+   May be changed here alone: all but what an answer means. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);

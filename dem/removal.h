@@ -1,55 +1,7 @@
 /* ----------------------------------------------------------------------------------------- >>removal */
 /* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
-   a particle that is gone stands in no list. */
-/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
-static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
-    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
-}
-
-static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
-    dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
-        i = r->first, x = p.x, v = p.v;
-    }
-    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
-        ptrdiff_t k = w->passed_count - 1;
-        while (w->passed[k].id != w->id[i]) k--;
-        if (wall < w->passed[k].exit) w->passed[k].exit = wall;
-        return;
-    }
-    if (w->passed_count >= bodies->passed_capacity) {
-        ptrdiff_t larger = bodies->passed_capacity * 2 + 256;
-        dem_passed *fresh = (dem_passed *)w->def.allocator.fn(
-            w->def.allocator.user, w->passed, (size_t)bodies->passed_capacity * sizeof *fresh, (size_t)larger * sizeof *fresh);
-        if (!fresh) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return;
-        }
-        w->passed = fresh;
-        bodies->passed_capacity = larger;
-    }
-    /* in the order of ids, whatever the order of the looks in this step */
-    double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
-    ptrdiff_t at = w->passed_count++;
-    w->passed_total++;
-    for (; at > 0 && w->passed[at - 1].time == time && w->passed[at - 1].id > w->id[i]; at--) w->passed[at] = w->passed[at - 1];
-    dem_passed *p = &w->passed[at];
-    p->time = time;
-    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = x;
-    p->velocity = v;
-    p->id = w->id[i];
-    p->group = w->group[i];
-    p->exit = wall;
-    for (ptrdiff_t k = 0; k < (r ? r->pieces : 1); k++) w->alive[i + k] = -1; /* leaves at the end of the step */
-    run->leaving = 1;
-}
-
+   a particle that is gone stands in no list.
+   May be changed here alone: the order in which lists forget a particle. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     dem__links *links = &w->engine->links;
     int32_t *at = &links->first_link[i];
@@ -124,47 +76,6 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__detach_one(w, i);
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__detach_one(w, r->first + k);
-}
-
-static inline void dem__remove_ended(dem_world *w, int64_t step, int all);
-
-/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
-static inline void dem__free_untouched(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
-        if (!w->touching[bodies->active[k]]) dem__free_acceleration(w, bodies->active[k]);
-    }
-}
-
-/* Numbers the particles present, after some have been taken out. */
-static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
-        n += w->alive[i] != 0;
-    }
-}
-
-/* Ends the contacts of those who have been taken out. */
-static inline void dem__end_contacts_of_removed(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t j = contacts->j[c];
-        if (!w->alive[contacts->i[c]] || (j >= 0 && !w->alive[j])) contacts->ended[c] = 1;
-    }
-    dem__number_present(w);
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    dem__remove_ended(w, w->step, 1);
-    dem__free_untouched(w);
-}
-
-DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
-    dem__detach_particle(w, i);
-    dem__end_contacts_of_removed(w);
-    return DEM_OK;
 }
 
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {

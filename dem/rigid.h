@@ -2,6 +2,7 @@
 /* Motion of rigid bodies: kick of momentum and angular momentum, free drift, kick. Reads the sums of forces on their particles; writes
    bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one thread, so that bits do not depend on
    threads.
+   May be changed here alone: how a body is integrated.
 
    For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
    centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its

@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------ >>rotation */
 /* Quaternions and the free rotation of a rigid body: pure functions. Reads nothing else. Anything may be changed here that keeps length and
-   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first. */
+   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first.
+   May be changed here alone: all that keeps length and angular momentum to rounding. */
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
     q.w = w, q.x = v.x, q.y = v.y, q.z = v.z;

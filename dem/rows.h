@@ -1,6 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>rows */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
-   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone. */
+   contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
+   May be changed here alone: how rows are gathered, bit for bit the same. */
 /* What is known of a block of contacts before the law is asked. */
 typedef struct dem__rows {
     dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */

@@ -1,8 +1,8 @@
 /* --------------------------------------------------------------------------------------------- >>saved */
 /* What of a world is saved, as tables of fields: one row a field. Knows every owner's state; writes none.
    Relies on records.h for what a row means.
-   A new field is a row here and nothing else: old files, which lack it, load with what is in memory then (zero, or the default); files with a
-   row that is unknown here load without it. The first rows of a group (as many as dem__group says) must be there. */
+   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with what is in
+   memory then (zero, or the default); files with a row that is unknown here load without it. The first rows of a group must be there. */
 
 enum { DEM__FIELDS_MAX = 64 };
 

@@ -1,4 +1,7 @@
 /* ---------------------------------------------------------------------------------------------- >>geometry */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions.
+   Relies on types.h and the portable mathematics.
+   May be changed here alone: how a place is found, as long as it is the same place. */
 
 /* Rounds to multiples of 2e-100, which changes nothing but what is below 1e-68: speeds that decay end at 0, and neither they nor their
    squares become subnormal numbers, with which a processor takes many times as long. Two additions cost less than a comparison. */

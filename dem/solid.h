@@ -1,6 +1,7 @@
 /* ------------------------------------------------------------------------------------------- >>solid */
 /* Closed meshes: what is inside them. Reads meshes; owns scratch while it works. Promises: a mesh that is not closed has no inside; of one
-   that is, only points within round-off of its surface depend on how it is cut into triangles. */
+   that is, only points within round-off of its surface depend on how it is cut into triangles.
+   May be changed here alone: how rays are chosen. */
 /* Does the line from p along +z cross a triangle? An edge is asked the same question by both triangles that have it, in the same order of
    its ends, so that a line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {

@@ -1,6 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>step */
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
-   and freed. */
+   and freed.
+   May be changed here alone: the order of a step (hashes follow). */
 /* Tests all pairs and walls once, whatever is skipped; the timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
@@ -251,6 +252,13 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     default: return dem__run_in_field(w, q);
     }
 }
+
+#define DEM_FORCE_FIELD(name, law)                                                                                                         \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                                        \
+        if (task->task > DEM__ADD_FIELD_FORCE) return dem__field_hook(world, task);                                                        \
+        dem__field_kernel(world, task, law);                                                                                               \
+        return 1;                                                                                                                          \
+    }
 
 /* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {

@@ -1,3 +1,7 @@
+/* Reading STL files: facets from bytes, corners welded.
+   Relies on the allocator alone.
+   May be changed here alone: how facets are read; what dem_stl_report counts stays. */
+
 static inline uint64_t dem__scramble(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

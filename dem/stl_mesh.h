@@ -1,4 +1,5 @@
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated. */
+/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
+   May be changed here alone: how corners are welded and faults counted. */
 /* ---- from facets to a mesh ---- */
 
 /* What a mesh is made in. */

@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------------ >>memory */
+/* Memory: blocks of arrays that grow together, and the tables of those arrays.
+   Relies on engine.h.
+   May be changed here alone: how a block grows; a new array is a row of a table. */
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
     (void)user;

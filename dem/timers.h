@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------------- >>lists */
+/* Timers of near pairs and of particles with walls, and batches of them.
+   Relies on bodies, bounds and walls.
+   May be changed here alone: how times are stored; a timer is never late. */
 
 /* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
 

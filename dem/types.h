@@ -1,4 +1,7 @@
 /* ------------------------------------------------------------------------------------------------ >>types */
+/* Public types and the constants that tune the engine. What a host can see of a world.
+   Relies on nothing.
+   May be changed here alone: comments, and tuning constants (no result depends on those above DEM__FORMAT). */
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
@@ -34,7 +37,7 @@
     X(DEM_LAW_MISMATCH, "the law keeps another number of state variables than the contacts or links present, or links have no law: call "  \
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
-    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                           \
+    X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
@@ -370,7 +373,7 @@ typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
-    double field_work;     /* done on them by a force field */
+    double field_work;                              /* done on them by a force field */
     double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
     double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
                               whose constants are changed by it, gravity */

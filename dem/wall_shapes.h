@@ -1,4 +1,5 @@
-/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions. */
+/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions.
+   May be changed here alone: one kind's answers; a new kind is a branch in each function. */
 /* Does a wall act on particles of a group? */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 

@@ -1,3 +1,7 @@
+/* Adding walls of every kind but meshes.
+   Relies on definition.h and wall_shapes.h.
+   May be changed here alone: what a wall's function refuses; a new kind also needs its rows in wall_shapes.h and saved.h. */
+
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
     if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
