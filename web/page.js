@@ -215,7 +215,7 @@ if (new URLSearchParams(location.search).has("report")) (async () => {
     const set = (key, to) => { slider[key].value = to, slider[key].dispatchEvent(new Event("input")); };
     await until(() => page.hash && page.state && page.state.fits);
     curves();
-    const first = {...page.state, points: undefined}, shot = (draw(), canvas.toDataURL("image/png")), fps = page.fps, curve = byId("curves").toDataURL("image/png");
+    const first = {...page.state, points: undefined}, shot = (draw(), canvas.toDataURL("image/png")), fps = page.fps, models = byId("models").textContent, curve = byId("curves").toDataURL("image/png");
     set("amplitude", 1.5);
     const before = page.state.time;
     await until(() => page.state.time > before + 0.06);
@@ -223,5 +223,5 @@ if (new URLSearchParams(location.search).has("report")) (async () => {
     set("aperture", 8.5), set("moisture", 0);
     await until(() => page.made.aperture === 0.0085 && page.state.time < shaken && page.state.time > 0.02 && page.state.bridges === 0);
     await fetch("report", {method: "POST", body: JSON.stringify({hash: page.hash, native: page.native, bits: byId("bits").textContent, fps, first, shaken,
-        second: {time: page.state.time, count: page.state.count, bridges: page.state.bridges}, models: byId("models").textContent, shot, curve})});
+        second: {time: page.state.time, count: page.state.count, bridges: page.state.bridges}, models, shot, curve})});
 })();
