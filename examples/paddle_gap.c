@@ -1,0 +1,540 @@
+/* paddle_gap - one interspace of a deflector wheel: how often particles meet the paddles and each other, and how fast (Weers et al. 2022).
+
+   Two paddles turn in the inertial frame, and the gas between them turns with them. Particles enter over the free arc at the wheel's rim,
+   as many as the loading says, with the radial and tangential velocities of classifier.h, and are followed until they leave outward or
+   inward. In flight each takes steps of its own, chosen by its error; only where it touches does it take those of a contact. What the
+   histories give, contacts by particle and restitution, goes into the separation model of classifier.h. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "classifier.h"
+#include "common.h"
+#include "csv.h"
+#include "dem.h"
+
+enum { BINS = 12, NODES_X = 43, NODES_Y = 45, NODES_MAX = 1 << 20, SIZES_MAX = DEM_SIZES_MAX };
+static const double margin = 3e-4;      /* beyond the rim a particle has left [m] */
+static const double interval = 2e-6;    /* of feeding and removing [s] */
+static const double steps_a_contact = 50.0;
+
+typedef struct gap {
+    int shape, drag, particles;
+    double restitution, rpm, depth, smallest, longest, warm, loading, contact_time, median, spread;
+    double least; /* approach over the rim's speed from which a contact counts [-] */
+    const char *sizes_file, *field_file;
+    bool one_rate;
+    const program *self;
+    classifier_def machine;
+    dem_sizes sizes;
+    double simulated; /* share of the solids' mass that is larger than the smallest simulated [-] */
+} gap;
+
+/* What is known of a particle by its id. */
+typedef struct history {
+    double size, entered, left;         /* [m], [s]; left: NaN inside */
+    double hit_radius, hit_speed;       /* of the first hit on the paddle behind [m], against it along its normal [m/s]; NaN: none */
+    double approach;                    /* against the paddle that it touches [m/s] */
+    int followed, paddle, mates, again; /* contacts with paddles, with particles; with the one in front */
+    int outward;
+} history;
+
+typedef struct record {
+    const gap *g;
+    history *of;
+    ptrdiff_t n, room;
+    double restitution_sum, restitution_square;
+    ptrdiff_t rebounds;
+} record;
+
+static double omega(const gap *g) { return g->rpm * RIDDLE_PI / 30.0; }
+static double pitch(const gap *g) { return 2.0 * RIDDLE_PI / g->machine.wheel.paddles; }
+
+/* ---- contacts: a spring whose contact time is the same for all sizes; each beginning is counted ---- */
+
+static double prepare(const dem_birth *birth, double *constants) {
+    const double *contact_time = birth->user ? &((const record *)birth->user)->g->contact_time : NULL;
+    dem_birth b = *birth;
+    dem_pair_def pair = *birth->pair;
+    const double damping = log(pair.restitution), t = contact_time ? *contact_time : 1e-7;
+    pair.stiffness = b.mass * (RIDDLE_PI * RIDDLE_PI + damping * damping) / (t * t);
+    b.pair = &pair;
+    return dem_prepare_linear(&b, constants);
+}
+
+/* Velocity of particle i against the face of a paddle along its normal, now [m/s]. */
+static double speed_at(const dem_world *w, const gap *g, ptrdiff_t i, int wall) {
+    const dem_vec x = w->particle[i].x, v = w->particle[i].v, a = w->wall[wall].axis[0], b = w->wall[wall].axis[1];
+    const double turn = wall * pitch(g), c = cos(turn), s = sin(turn), spin = w->wall[wall].spin;
+    return (v.x + spin * x.y) * (c * b.x - s * a.x) + (v.y - spin * x.x) * (c * b.y - s * a.y);
+}
+
+/* Velocity with which two particles approach [m/s]. */
+static double closing(const dem_world *w, const gap *g, ptrdiff_t i, ptrdiff_t j) {
+    const dem_vec a = w->particle[i].x, b = w->particle[j].x, u = w->particle[i].v, v = w->particle[j].v;
+    const double x = a.x - b.x, y = a.y - b.y, turns = floor((a.z - b.z) / g->depth + 0.5), z = a.z - b.z - turns * g->depth;
+    return -((u.x - v.x) * x + (u.y - v.y) * y + (u.z - v.z) * z) / sqrt(x * x + y * y + z * z);
+}
+
+static void begins(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+    record *r = user;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_contact_info c = dem_get_contact(w, slots[k]);
+        history *a = &r->of[w->id[c.i]];
+        const double least = r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius;
+        if (c.j >= 0) {
+            const int counts = closing(w, r->g, c.i, c.j) >= least;
+            a->mates += counts, r->of[w->id[c.j]].mates += counts;
+            continue;
+        }
+        const int wall = (int)(-1 - c.j);
+        a->approach = fabs(speed_at(w, r->g, c.i, wall));
+        if (!(a->approach >= least)) continue;
+        a->paddle++, a->again += wall == 1;
+        if (wall == 1 || !isnan(a->hit_radius)) continue;
+        a->hit_radius = hypot(w->particle[c.i].x.x, w->particle[c.i].x.y);
+        a->hit_speed = a->approach;
+    }
+}
+
+static void ends(dem_world *w, int32_t slot, void *user) {
+    record *r = user;
+    const dem_contact_info c = dem_get_contact(w, slot);
+    if (c.j >= 0 || !w->alive[c.i]) return;
+    const double before = r->of[w->id[c.i]].approach, e = fabs(speed_at(w, r->g, c.i, (int)(-1 - c.j))) / before;
+    if (!(before >= r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius) || w->touching[c.i] > 1) return;
+    r->restitution_sum += e, r->restitution_square += e * e, r->rebounds++;
+}
+
+static const dem_law counted = {"linear, friction, one contact time, counted", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, prepare,
+                                dem_force_linear_friction, begins, ends};
+DEM_KERNEL(counting, counted, DEM_LINEAR | DEM_FRICTION)
+
+DEM_GAS(air_drag, dem_drag_schiller_naumann)
+
+/* ---- the gas between the paddles ---- */
+
+/* The stand-in for the measured field: seen from the wheel, inward as the passage between the paddles narrows. */
+static double *analytic_field(const gap *g, dem_gas *gas) {
+    const classifier_wheel *wheel = &g->machine.wheel;
+    double *u = malloc(sizeof *u * 3 * 2 * NODES_X * NODES_Y);
+    gas->low = dem_vec3(16e-3, -2e-3, -1.0), gas->high = dem_vec3(26.5e-3, 9e-3, 1.0);
+    gas->n[0] = NODES_X, gas->n[1] = NODES_Y, gas->n[2] = 2;
+    for (int k = 0; u && k < 2 * NODES_X * NODES_Y; k++) {
+        const double x = gas->low.x + (gas->high.x - gas->low.x) * (k % NODES_X) / (NODES_X - 1);
+        const double y = gas->low.y + (gas->high.y - gas->low.y) * (k / NODES_X % NODES_Y) / (NODES_Y - 1), r = hypot(x, y);
+        const double within = r < wheel->outer_radius ? wheel->paddles * wheel->thickness : 0.0;
+        const double in = g->machine.air_flow / (wheel->height * (2.0 * RIDDLE_PI * r - within));
+        u[3 * k] = -in * x / r, u[3 * k + 1] = -in * y / r, u[3 * k + 2] = 0.0;
+    }
+    return u;
+}
+
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+/* The different values of a column, increasing and evenly spaced; how many, or 0. */
+static int axis_of(const csv_data *data, int column, double factor, double *value) {
+    int n = 0;
+    for (int k = 0; k < data->rows; k++) value[k] = factor * data->values[k * data->columns + column];
+    qsort(value, (size_t)data->rows, sizeof *value, compare);
+    for (int k = 0; k < data->rows; k++) {
+        if (n == 0 || value[k] - value[n - 1] > 1e-9) value[n++] = value[k];
+    }
+    for (int k = 0; k < n; k++) {
+        if (!(fabs(value[k] - value[0] - (value[n - 1] - value[0]) * k / (n - 1)) < 1e-6 * fabs(value[n - 1] - value[0]))) return 0;
+    }
+    return n > 1 ? n : 0;
+}
+
+/* A field of the user's: x_m, y_m in the wheel's frame, the paddle behind along x; u_m_s, v_m_s as seen from the wheel. */
+static double *field_of_file(const gap *g, dem_gas *gas) {
+    static const char *const names[4] = {"x_m", "y_m", "u_m_s", "v_m_s"};
+    csv_data data;
+    char message[400];
+    int column[4];
+    double factor[4], *u = NULL;
+    if (csv_read(g->field_file, &data, message, sizeof message)) program_refuse(g->self, "field", g->field_file, message);
+    for (int k = 0; k < 4; k++) {
+        column[k] = csv_find(&data, names[k], &factor[k], message, sizeof message);
+        if (column[k] < 0) program_refuse(g->self, "field", g->field_file, message);
+    }
+    double *x = malloc(sizeof *x * 2 * (size_t)(data.rows + 1)), *y = x + data.rows + 1;
+    const int nx = x ? axis_of(&data, column[0], factor[0], x) : 0, ny = x ? axis_of(&data, column[1], factor[1], y) : 0;
+    if (nx == 0 || ny == 0 || (long)nx * ny != data.rows || nx > NODES_MAX / ny)
+        program_refuse(g->self, "field", g->field_file, "every node of an evenly spaced grid in x and y once");
+    gas->low = dem_vec3(x[0], y[0], -1.0), gas->high = dem_vec3(x[nx - 1], y[ny - 1], 1.0);
+    gas->n[0] = nx, gas->n[1] = ny, gas->n[2] = 2;
+    u = calloc((size_t)nx * (size_t)ny * 6, sizeof *u);
+    for (int k = 0; u && k < data.rows; k++) {
+        const double *row = data.values + k * data.columns;
+        const int i = (int)floor((factor[0] * row[column[0]] - x[0]) / (x[nx - 1] - x[0]) * (nx - 1) + 0.5);
+        const int j = (int)floor((factor[1] * row[column[1]] - y[0]) / (y[ny - 1] - y[0]) * (ny - 1) + 0.5);
+        for (int layer = 0; layer < 2; layer++) {
+            double *at = u + 3 * ((ptrdiff_t)(layer * ny + j) * nx + i);
+            at[0] = factor[2] * row[column[2]], at[1] = factor[3] * row[column[3]];
+            if (!isfinite(at[0]) || !isfinite(at[1])) program_refuse(g->self, "field", g->field_file, "finite velocities");
+        }
+    }
+    free(x);
+    csv_free(&data);
+    return u;
+}
+
+/* ---- sizes ---- */
+
+/* Mass of a lognormal law above a size [-]. */
+static double mass_above(const gap *g, double size) { return 0.5 * erfc(log(size / g->median) / (g->spread * sqrt(2.0))); }
+
+/* The stand-in, or from a file: size_m, and share, of mass. Shares of what is not simulated leave with it. */
+static void choose_sizes(gap *g) {
+    char message[400];
+    csv_data data;
+    double factor, d[SIZES_MAX], share[SIZES_MAX], all = 0.0, kept = 0.0;
+    int n = 0;
+    if (!g->sizes_file) {
+        g->sizes = dem_lognormal_sizes(g->median, g->spread, g->smallest, 180e-6, 1);
+        g->simulated = (mass_above(g, g->smallest) - mass_above(g, 180e-6)) / (1.0 - mass_above(g, 180e-6));
+        return;
+    }
+    if (csv_read(g->sizes_file, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
+    const int size = csv_find(&data, "size_m", &factor, message, sizeof message);
+    if (size < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
+    const int mass = csv_find(&data, "share", NULL, message, sizeof message);
+    if (mass < 0) program_refuse(g->self, "sizes", g->sizes_file, message);
+    for (int k = 0; k < data.rows; k++) {
+        const double x = factor * data.values[k * data.columns + size], m = data.values[k * data.columns + mass];
+        if (!(x > 0.0 && x <= 1e-3) || !(m >= 0.0 && isfinite(m)) || n == SIZES_MAX)
+            program_refuse(g->self, "sizes", g->sizes_file, "at most 32 sizes above 0 up to 1000 um, shares of mass >= 0");
+        all += m;
+        if (x < g->smallest) continue;
+        d[n] = x, share[n++] = m, kept += m;
+    }
+    csv_free(&data);
+    if (!(kept > 0.0)) program_refuse(g->self, "sizes", g->sizes_file, "some mass above --x-min-um");
+    g->sizes = dem_size_list(n, d, share, 1);
+    g->simulated = kept / all;
+}
+static double largest(const gap *g) {
+    double most = g->sizes.largest;
+    for (int k = 0; k < g->sizes.count; k++) most = fmax(most, g->sizes.diameter[k]);
+    return most;
+}
+
+/* ---- the scene ---- */
+
+/* A paddle at an angle [rad], through the whole slice and beyond it. Its index, or minus a status. */
+static int add_paddle(dem_world *w, const gap *g, double angle) {
+    static int32_t corner[36] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
+    double vertex[24];
+    const classifier_wheel *wheel = &g->machine.wheel;
+    for (int k = 0; k < 8; k++) {
+        const double along = k & 1 ? wheel->outer_radius : wheel->inner_radius, across = (k & 2 ? 0.5 : -0.5) * wheel->thickness;
+        vertex[3 * k] = along * cos(angle) - across * sin(angle), vertex[3 * k + 1] = along * sin(angle) + across * cos(angle);
+        vertex[3 * k + 2] = k & 4 ? 2.0 * g->depth : -g->depth;
+    }
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.vertices = 8, mesh.vertex = vertex, mesh.triangles = 12, mesh.triangle = corner;
+    return dem_add_mesh(w, 1, &mesh);
+}
+
+static dem_status build(dem_world *w, const gap *g) {
+    dem_def def = dem_default_def();
+    dem_add_material(&def, g->machine.particle_density, 1e9, 0.2);
+    dem_add_material(&def, 7800.0, 2e11, 0.3);
+    for (int k = 0; k < 2; k++) {
+        dem_pair_def *p = dem_pair(&def, 0, k);
+        p->restitution = g->restitution, p->friction = 0.8, p->tangential_ratio = k ? 0.78 : 0.86;
+    }
+    def.dt = g->contact_time / steps_a_contact;
+    def.threads = g->self->threads;
+    def.skin = 1.0;
+    def.gravity = dem_vec3(0, 0, 0); /* 9.8 of 2e4 m/s2 */
+    def.periodic[2] = 1;
+    def.low = dem_vec3(0, 0, 0), def.high = dem_vec3(1, 1, g->depth);
+    dem_status status = dem_init(w, &def, NULL);
+    for (int k = 0; k < 2 && status == DEM_OK; k++) {
+        const int wall = add_paddle(w, g, k * pitch(g));
+        if (wall < 0) return (dem_status)-wall;
+        status = dem_rotate(w, wall, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), omega(g));
+    }
+    return status;
+}
+
+/* Angle of the paddle behind now [rad]. */
+static double angle_of(const dem_world *w) { return atan2(w->wall[0].axis[0].y, w->wall[0].axis[0].x); }
+
+static double uniform(uint64_t *random) {
+    *random = *random * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*random >> 11) * 0x1p-53;
+}
+
+/* Is a place free of particles near the rim? */
+static int is_free(const dem_world *w, const double *x, double d, double depth) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec p = dem_position(w, i);
+        const double sum = 0.5 * d + dem_radius(w, i);
+        double z = fabs(p.z - x[2]);
+        z = fmin(z, depth - z);
+        if ((p.x - x[0]) * (p.x - x[0]) + (p.y - x[1]) * (p.y - x[1]) + z * z < sum * sum) return 0;
+    }
+    return 1;
+}
+
+/* A new particle at the rim, as far inward as it would have come since it entered within the last interval. 0 if there is no place. */
+static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
+    const gap *g = r->g;
+    const classifier_wheel *wheel = &g->machine.wheel;
+    const double face = asin((0.5 * wheel->thickness + 0.5 * d) / wheel->outer_radius), arc = pitch(g) - 2.0 * face;
+    const double v = classifier_distribution_at(&g->machine.radial_velocity, uniform(random));
+    const double against = classifier_distribution_at(&g->machine.tangential_velocity, uniform(random));
+    for (int tries = 0; tries < 100; tries++) {
+        const double a = angle_of(w) + face + arc * uniform(random), in = wheel->outer_radius - v * interval * uniform(random);
+        const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * uniform(random)};
+        if (!is_free(w, x, d, g->depth)) continue;
+        const dem_status status = dem_add_spheres(w, 1, x, &d, 0, 0);
+        if (status != DEM_OK) return status;
+        if (r->n == r->room) {
+            history *more = realloc(r->of, sizeof *more * (size_t)(2 * r->room + 1024));
+            if (!more) return DEM_OUT_OF_MEMORY;
+            r->of = more, r->room = 2 * r->room + 1024;
+        }
+        history *h = &r->of[r->n++];
+        memset(h, 0, sizeof *h);
+        h->size = d, h->entered = w->time, h->left = h->hit_radius = h->hit_speed = (double)NAN;
+        h->followed = w->time >= g->warm;
+        if (g->one_rate) dem_set_load(w, w->count - 1, dem_vec3(1e-30, 0, 0), dem_vec3(0, 0, 0));
+        return dem_set_motion(w, w->count - 1, dem_vec3(-v * c + against * s, -v * s - against * c, 0.0), dem_vec3(0, 0, 0));
+    }
+    return DEM_OK;
+}
+
+/* Takes out what has left: outward beyond the rim, inward beyond the paddles' inner ends. How many of those that are followed. */
+static int leave(dem_world *w, record *r) {
+    int n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec p = dem_position(w, i), v = dem_velocity(w, i);
+        const double radius = hypot(p.x, p.y);
+        const int outward = radius > r->g->machine.wheel.outer_radius + margin && p.x * v.x + p.y * v.y > 0.0;
+        if (!outward && radius > r->g->machine.wheel.inner_radius) continue;
+        history *h = &r->of[w->id[i]];
+        h->left = w->time, h->outward = outward;
+        n += h->followed;
+        dem_remove(w, i);
+    }
+    return n;
+}
+
+/* Feeds and runs until as many histories are over as were asked for, or the time is. */
+static dem_status run(dem_world *w, record *r) {
+    const gap *g = r->g;
+    const classifier_wheel *wheel = &g->machine.wheel;
+    const double area = (pitch(g) * wheel->outer_radius - wheel->thickness) * g->depth;
+    const double flow = g->loading * g->simulated * g->machine.fluid_density * area * classifier_distribution_mean(&g->machine.radial_velocity);
+    uint64_t random = g->self->seed * 0x9e3779b97f4a7c15u + 1, drawn = g->self->seed;
+    double due = 0.0, waiting = dem_draw_size(&g->sizes, &drawn);
+    int followed = 0, over = 0;
+    dem_status status = DEM_OK;
+    progress bar;
+    progress_begin(&bar, "histories", g->particles);
+    while (status == DEM_OK && over < g->particles && w->time < g->longest && !common_interrupted()) {
+        due += flow * interval;
+        for (;;) {
+            const double m = RIDDLE_PI / 6.0 * g->machine.particle_density * waiting * waiting * waiting;
+            if (due < 0.5 * m || status != DEM_OK) break;
+            const ptrdiff_t before = r->n;
+            status = enter(w, r, waiting, &random);
+            if (r->n > before && r->of[r->n - 1].followed && ++followed > g->particles) r->of[r->n - 1].followed = 0;
+            due -= m, waiting = dem_draw_size(&g->sizes, &drawn);
+        }
+        if (status == DEM_OK) status = dem_run_law(w, interval, &counting);
+        const int gone = leave(w, r);
+        over += gone;
+        progress_add(&bar, gone);
+    }
+    progress_end(&bar);
+    return status;
+}
+
+/* ---- what came out ---- */
+
+typedef struct sum {
+    double n, mean, square;
+} sum;
+static void add(sum *s, double v) {
+    if (isnan(v)) return;
+    s->n += 1.0;
+    const double off = v - s->mean;
+    s->mean += off / s->n, s->square += off * (v - s->mean);
+}
+static double deviation(const sum *s) { return s->n > 1.0 ? sqrt(s->square / (s->n - 1.0)) : (double)NAN; }
+
+/* The separation that follows from the contacts counted and the restitution found. */
+static void separate(const gap *g, json *j, const double *share, int n, double restitution, double spread) {
+    classifier_def def = g->machine;
+    classifier_result result;
+    classifier_model model;
+    def.contacts.law = CLASSIFIER_COUNTED, def.contacts.counts = n;
+    memcpy(def.contacts.share, share, sizeof *share * (size_t)n);
+    def.restitution = classifier_normal(fmin(restitution, 1.0), fmax(spread, 0.01), 0.0, 1.0);
+    def.particle_restitution = g->restitution;
+    classifier_status status = classifier_init(&model, &def, NULL);
+    if (status == CLASSIFIER_OK) status = classifier_separate(&model, NULL, NULL, 0, &result);
+    if (status != CLASSIFIER_OK) common_fail("classifier: %s", classifier_status_text(status));
+    else {
+        common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25, 1e6 * result.x50,
+                     1e6 * result.x75, result.sharpness);
+        json_number(j, "x25_m", result.x25), json_number(j, "x50_m", result.x50), json_number(j, "x75_m", result.x75);
+        json_number(j, "sharpness", result.sharpness);
+    }
+    classifier_free(&model);
+}
+
+static void report(const gap *g, const dem_world *w, const record *r) {
+    sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
+    double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
+    int n = 0, of_hits = 0, unfinished = 0;
+    csv *file = csv_open(g->self->out, "histories.csv", "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
+    for (ptrdiff_t k = 0; k < r->n; k++) {
+        const history *h = &r->of[k];
+        if (!h->followed) continue;
+        if (isnan(h->left)) {
+            unfinished++;
+            continue;
+        }
+        const int all = h->paddle + h->mates;
+        n++, outward += h->outward;
+        add(&contacts, all), add(&paddles, h->paddle), add(&stay, h->left - h->entered);
+        add(&radius, h->hit_radius), add(&speed, h->hit_speed);
+        count[all < BINS ? all : BINS - 1] += 1.0;
+        mates[h->mates < CLASSIFIER_BINS ? h->mates : CLASSIFIER_BINS - 1] += 1.0;
+        if (hits && !isnan(h->hit_radius)) hits[of_hits++] = h->hit_radius;
+        csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle, h->mates,
+                 1e3 * h->hit_radius, h->hit_speed, h->outward);
+    }
+    csv_close(file);
+    if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
+    const double cor = r->restitution_sum / (double)r->rebounds,
+                 cor_sd = sqrt(fmax(r->restitution_square / (double)r->rebounds - cor * cor, 0.0));
+    for (int k = 0; k < BINS; k++) bin[k] = k, count[k] /= n > 0 ? n : 1;
+    for (int k = 0; k < CLASSIFIER_BINS; k++) mates[k] /= n > 0 ? n : 1;
+    json *j = json_open(g->self->json);
+    json_number(j, "rpm", g->rpm);
+    json_string(j, "shape", "sphere");
+    json_bool(j, "drag", g->drag == 0);
+    json_number(j, "cor", g->restitution);
+    json_integer(j, "particles", n);
+    json_integer(j, "unfinished", unfinished);
+    json_number(j, "contacts_mean", contacts.mean), json_number(j, "contacts_sd", deviation(&contacts));
+    json_number(j, "contacts_standard_error", deviation(&contacts) / sqrt(contacts.n));
+    json_number(j, "paddle_contacts_mean", paddles.mean), json_number(j, "particle_contacts_mean", contacts.mean - paddles.mean);
+    json_array(j, "contacts_histogram", count, BINS);
+    json_object_begin(j, "residence_time_s");
+    json_number(j, "mean", stay.mean), json_number(j, "sd", deviation(&stay));
+    json_object_end(j);
+    json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
+    json_number(j, "impact_radius_mean_m", radius.mean), json_number(j, "impact_radius_sd_m", deviation(&radius));
+    json_number(j, "impact_speed_mean_m_s", speed.mean), json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
+    json_number(j, "cor_mean", cor), json_number(j, "cor_sd", cor_sd);
+    json_number(j, "outward_share", n > 0 ? outward / n : (double)NAN);
+    json_number(j, "present", (double)w->count);
+    json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps), json_integer(j, "contact_steps", w->contact_steps);
+    json_bool(j, "one_rate", g->one_rate);
+    common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time, (int)w->count, unfinished);
+    common_print("contacts of a particle %.3f +- %.3f (sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
+                 deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
+    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); restitution %.3f (sd %.3f); outward %.3f\n",
+                 1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean,
+                 1e3 * deviation(&stay), cor, cor_sd, n > 0 ? outward / n : (double)NAN);
+    if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);
+    double edge[25], share[24] = {0};
+    const classifier_wheel *wheel = &g->machine.wheel;
+    for (int k = 0; k < 25; k++) edge[k] = 1e3 * (wheel->inner_radius + (wheel->outer_radius - wheel->inner_radius) * (k + 0.5) / 24.0);
+    for (int k = 0; k < of_hits && hits; k++) {
+        const double at = (hits[k] - wheel->inner_radius) / (wheel->outer_radius - wheel->inner_radius) * 24.0;
+        share[at >= 24.0 ? 23 : at > 0.0 ? (int)at : 0] += 1.0 / of_hits;
+    }
+    plot *figure = plot_new("One interspace of a deflector wheel", 1, 2);
+    plot_panel(figure, 0, 0, "contacts of a particle", "share of particles [-]");
+    plot_points(figure, "paddles and particles", bin, count, BINS);
+    plot_panel(figure, 0, 1, "radius of the first hit [mm]", "share of hits [-]");
+    plot_line(figure, g->drag == 0 ? "with drag" : "without drag", edge, share, 24);
+    plot_write(figure, g->self->out, "paddle_gap.svg");
+    json_program(j, g->self);
+    json_close(j);
+    free(hits);
+}
+
+int main(int argc, char **argv) {
+    gap g;
+    memset(&g, 0, sizeof g);
+    int cor = 0;
+    bool brief = false;
+    double depth = 1.0, smallest = 30.0, longest = 5.0, median = 50.0, contact = 100.0, warm = 0.3;
+    g.particles = 10000, g.rpm = 9000.0, g.loading = 40.0, g.spread = 0.7;
+    g.shape = 1, g.least = 0.05;
+    option options[] = {
+        option_choice("shape", &g.shape, "brick|sphere|clump|both", "of the particles; this version has spheres"),
+        option_choice("cor", &cor, "0.29|0.65|0.75", "coefficient of restitution of contacts [-]"),
+        option_choice("drag", &g.drag, "on|off", "drag of the gas that turns with the wheel (Schiller & Naumann)"),
+        option_double("rpm", "RPM", &g.rpm, 100.0, 30000.0, "speed of the wheel [1/min]"),
+        option_double("depth-mm", "MM", &depth, 0.1, 20.0, "depth of the slice along the axis, periodic [mm]"),
+        option_double("x-min-um", "UM", &smallest, 5.0, 150.0, "smallest particle simulated [um]"),
+        option_positive("time-ms", "MS", &longest, 1e3, "longest time simulated [ms]"),
+        option_int("particles", "N", &g.particles, 10, 1000000, "histories that are followed to their end"),
+        option_double("warm-ms", "MS", &warm, 0.0, 1e3, "time in which the gap fills before histories count [ms]"),
+        option_double("loading", "X", &g.loading, 1e-3, 100.0, "mass of solids in a volume at the rim over that of the gas [kg/kg]"),
+        option_positive("median-um", "UM", &median, 1e3, "stand-in for the sizes: median by mass of a lognormal law up to 180 um [um]"),
+        option_double("spread", "X", &g.spread, 0.05, 3.0, "its standard deviation of ln x [-]"),
+        option_string("sizes", "FILE", &g.sizes_file, "sizes instead: CSV with size_um (or _m, _mm) and share, of mass"),
+        option_string("field", "FILE", &g.field_file, "gas instead of the stand-in: CSV with x_m, y_m, u_m_s, v_m_s seen from the wheel"),
+        option_double("contact-ns", "NS", &contact, 5.0, 1000.0, "duration of a contact, the same for all sizes [ns]"),
+        option_double("least", "X", &g.least, 0.0, 1.0, "approach over the speed of the rim from which a contact counts [-]"),
+        option_flag("one-rate", &g.one_rate, "every particle takes the steps of contacts: for comparison"),
+        option_flag("short", &brief, "1000 histories in 0.5 mm, under a minute"),
+    };
+    program self = program_start("paddle_gap", "Particles between two paddles of a deflector wheel: contacts, hits, residence.", options,
+                                 sizeof options / sizeof *options, argc, argv);
+    static const char *const shapes[] = {"brick", "sphere", "clump", "both"};
+    if (g.shape != 1) program_refuse(&self, "shape", shapes[g.shape], "sphere");
+    if ((self.quick || brief) && !options[4].given) depth = 0.5;
+    if (self.quick && !options[5].given) smallest = 60.0;
+    if ((self.quick || brief) && !options[8].given) warm = self.quick ? 0.0 : 0.2;
+    if ((self.quick || brief) && !options[7].given) g.particles = self.quick ? 30 : 1000;
+    g.self = &self;
+    g.depth = 1e-3 * depth, g.smallest = 1e-6 * smallest, g.longest = 1e-3 * longest, g.median = 1e-6 * median;
+    g.warm = 1e-3 * warm, g.contact_time = 1e-9 * contact;
+    g.restitution = cor == 0 ? 0.29 : cor == 1 ? 0.65 : 0.75;
+    g.machine = classifier_paper_def(cor == 2 ? CLASSIFIER_BEADS : CLASSIFIER_LIMESTONE, g.rpm, NULL);
+    choose_sizes(&g);
+    if (!(g.depth > 2.25 * largest(&g))) {
+        char text[40], allowed[80];
+        snprintf(text, sizeof text, "%g", depth), snprintf(allowed, sizeof allowed, "over %.3g, 2.25 of the largest particles", 2250.0 * largest(&g));
+        program_refuse(&self, "depth-mm", text, allowed);
+    }
+    dem_world w;
+    record r = {&g, NULL, 0, 0, 0.0, 0.0, 0};
+    dem_gas gas = dem_default_gas();
+    double *velocity = g.drag ? NULL : g.field_file ? field_of_file(&g, &gas) : analytic_field(&g, &gas);
+    gas.velocity = velocity;
+    gas.density = g.machine.fluid_density, gas.viscosity = g.machine.viscosity;
+    memset(&w, 0, sizeof w);
+    dem_status status = build(&w, &g);
+    w.user = &r;
+    if (status == DEM_OK && velocity) {
+        status = dem_attach_gas(&gas, &w, 0);
+        const dem_force_field field = dem_gas_field(air_drag, &gas);
+        if (status == DEM_OK) status = dem_set_force_field(&w, &field);
+    }
+    if (status == DEM_OK) status = run(&w, &r);
+    if (status != DEM_OK) common_fail("%s at %g ms", dem_status_text(status), 1e3 * w.time);
+    else if (common_exit_status() == 0) report(&g, &w, &r);
+    dem_free(&w);
+    free(r.of), free(velocity);
+    return common_exit_status();
+}
