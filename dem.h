@@ -9650,6 +9650,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
         w->engine->links.on || w->engine->bodies.rigid_count > 0)
         return DEM_BAD_ARGUMENT;
+    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
         if (w->engine->bodies.capacity > 0 &&
@@ -9659,8 +9660,9 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
             return DEM_OUT_OF_MEMORY;
         }
     }
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* else the accelerations are those of the field already */
     w->engine->field.def = *field;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
 
@@ -11620,6 +11622,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("link.states", e->links.states, 0),
         DEM__DOUBLES("link.interval", e->links.interval, 0),
         DEM__DOUBLES("link.near", e->links.near, 0),
+        DEM__INTEGER("field.on", e->field.on, 0),
         DEM__INTEGER("ledger.on", e->ledger.on, 0),
         DEM__INTEGER("ledger.started", e->ledger.started, 0),
         DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
@@ -11742,6 +11745,17 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     };
     dem__set_fields(g, fields, sizeof fields, 8);
     if (!links->on) g->fields -= 2; /* without links nothing of them */
+    if (w->engine->field.on) {
+        dem__field *field = &w->engine->field;
+        const dem__saved_field flights[] = {
+            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+        };
+        memcpy(&g->field[g->fields], flights, sizeof flights);
+        g->fields += 4;
+    }
     if (!bodies->rigid) return;
     const dem__saved_field pieces[] = {
         DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),
@@ -12117,7 +12131,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;

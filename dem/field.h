@@ -457,6 +457,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
         w->engine->links.on || w->engine->bodies.rigid_count > 0)
         return DEM_BAD_ARGUMENT;
+    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
         if (w->engine->bodies.capacity > 0 &&
@@ -466,7 +467,8 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
             return DEM_OUT_OF_MEMORY;
         }
     }
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* else the accelerations are those of the field already */
     w->engine->field.def = *field;
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

@@ -79,7 +79,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;

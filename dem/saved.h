@@ -66,6 +66,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("link.states", e->links.states, 0),
         DEM__DOUBLES("link.interval", e->links.interval, 0),
         DEM__DOUBLES("link.near", e->links.near, 0),
+        DEM__INTEGER("field.on", e->field.on, 0),
         DEM__INTEGER("ledger.on", e->ledger.on, 0),
         DEM__INTEGER("ledger.started", e->ledger.started, 0),
         DEM__INTEGER("ledger.counts", e->ledger.counts, 0),
@@ -188,6 +189,17 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     };
     dem__set_fields(g, fields, sizeof fields, 8);
     if (!links->on) g->fields -= 2; /* without links nothing of them */
+    if (w->engine->field.on) {
+        dem__field *field = &w->engine->field;
+        const dem__saved_field flights[] = {
+            DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+            DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+            DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+            DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+        };
+        memcpy(&g->field[g->fields], flights, sizeof flights);
+        g->fields += 4;
+    }
     if (!bodies->rigid) return;
     const dem__saved_field pieces[] = {
         DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),

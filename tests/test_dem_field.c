@@ -434,6 +434,36 @@ static void pieces(void **state) {
     assert_true(hash[0] == hash[1]);
 }
 
+/* A world saved in mid-flight and loaded goes on with the same bits and books, once its field is named again. */
+static void saved(void **state) {
+    (void)state;
+    dem_world w, again;
+    dem_gas air = dem_default_gas();
+    const int paddle = stirred(&w, DEM_SKIP_ALL, 1, 200), features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
+    assert_int_equal(dem_attach_gas(&air, &w, paddle), DEM_OK);
+    dem_force_field f = dem_gas_field(schiller, &air);
+    assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+    assert_int_equal(dem_run(&w, 1e-4, features), DEM_OK);
+    assert_true(dem_contact_count(&w) > 0);
+    const size_t size = dem_save(&w, NULL, 0);
+    void *bytes = malloc(size);
+    assert_non_null(bytes);
+    assert_int_equal(dem_save(&w, bytes, size), size);
+    assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+    assert_true(dem_hash(&again) == dem_hash(&w));
+    assert_int_equal(dem_run(&again, 1e-4, features), DEM_NO_FIELD);
+    assert_int_equal(dem_set_force_field(&again, &f), DEM_OK);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(dem_run(&again, 1e-4, features), DEM_OK);
+        assert_int_equal(dem_run(&w, 1e-4, features), DEM_OK);
+        assert_true(dem_hash(&again) == dem_hash(&w));
+    }
+    const double work = dem_energy(&w).field_work;
+    assert_true(fabs(dem_energy(&again).field_work - work) <= 1e-12 * fabs(work));
+    free(bytes);
+    dem_free(&w), dem_free(&again);
+}
+
 /* A field that is there in a part of space only, and in a periodic box. */
 static dem_vec gust(const dem_force_point *at) {
     const double here = at->position.x > 2e-4 && at->position.x < 5e-4 ? 1.0 : 0.0;
@@ -607,7 +637,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(relaxation),  cmocka_unit_test(schiller_naumann), cmocka_unit_test(laws),       cmocka_unit_test(crowd),
         cmocka_unit_test(skipping_is_exact), cmocka_unit_test(no_field_no_change), cmocka_unit_test(turning_frame), cmocka_unit_test(ledger),
-        cmocka_unit_test(pieces),      cmocka_unit_test(local_field),      cmocka_unit_test(stepping),   cmocka_unit_test(multi_rate),
+        cmocka_unit_test(saved),       cmocka_unit_test(pieces),      cmocka_unit_test(local_field),      cmocka_unit_test(stepping),   cmocka_unit_test(multi_rate),
         cmocka_unit_test(bad_input),   cmocka_unit_test(taken_off),        cmocka_unit_test(short_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
