@@ -106,7 +106,7 @@ static void ode(const program *self, json *report, plot *figure) {
     const double exact = adaptive(&d, 1e-14);
     csv *file = csv_open(self->out, "blocking_ode.csv", "method,level,error,run_time_s");
     table t = table_begin("blocking ODE, 600 s|error|run time [us]");
-    plot_panel(figure, 0, 0, "error of f after 600 s [-]", "run time [s]");
+    plot_panel(figure, 0, 0, "run time [s]", "error of f after 600 s [-]");
     plot_title(figure, "Changing rates");
     plot_log_x(figure);
     plot_log_y(figure);
@@ -134,7 +134,7 @@ static void ode(const program *self, json *report, plot *figure) {
             json_object_end(report);
             n++;
         }
-        plot_line(figure, methods[m], error, seconds, n);
+        plot_line(figure, methods[m], seconds, error, n);
         plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     }
     json_array_end(report);

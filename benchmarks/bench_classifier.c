@@ -103,7 +103,7 @@ static void separation(const program *self, json *report) {
         plot_line(figure, method_names[method], ms, error[method], levels);
         plot_style(figure, PLOT_MARKED | (method < 3 ? PLOT_DASHED : 0), method % 3);
     }
-    plot_horizontal(figure, "1e-4", 1e-4);
+    plot_horizontal(figure, "aim: 1e-4", 1e-4);
     plot_legend_outside(figure);
     plot_write(figure, self->out, "separation.svg");
 }

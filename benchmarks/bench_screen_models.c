@@ -71,7 +71,7 @@ static void bench_implicit(const program *self, plot *figure, json *report) {
     }
     csv *file = csv_open(self->out, "implicit.csv", "method,iterations,error,ns_per_call");
     plot_panel(figure, 0, 0, "time per call [ns]", "largest relative error of Y [-]");
-    plot_title(figure, "model 1: Y = (1 - p Y)^N");
+    plot_title(figure, "Dong: Y = (1 - p Y)^N");
     plot_log_x(figure);
     plot_log_y(figure);
     for (size_t m = 0; m < sizeof methods / sizeof methods[0]; m++) {
@@ -159,7 +159,7 @@ static void bench_soldinger(const program *self, plot *figure, json *report) {
         def.tolerance = 1e-14;
         screen_predict(&def, SCREEN_SOLDINGER, p, &initial, WHEN, when, exact, NULL, NULL);
         plot_panel(figure, 0, 1 + set, "run time of a case [s]", "largest error of retained [-]");
-        plot_title(figure, set ? "model 3, slow stratification" : "model 3, published parameters");
+        plot_title(figure, set ? "Soldinger, slow stratification" : "Soldinger, published parameters");
         plot_log_x(figure);
         plot_log_y(figure);
         for (int method = 0; method < 3; method++) {
@@ -233,7 +233,7 @@ static void bench_fit(const program *self, plot *figure, json *report) {
     for (int set = 0; set < 2; set++) {
         make_cases(cases, set ? 0.0 : 0.02, set ? 0.15 : 0.0, self->seed);
         plot_panel(figure, 1, set, "processor time of a fit [s]", "deviation above the best known [-]");
-        plot_title(figure, set ? "27 curves that in part never pass" : "27 curves of model 2 with noise 0.02");
+        plot_title(figure, set ? "fits: 27 curves that in part never pass" : "fits: 27 curves of Subasinghe, noise 0.02");
         plot_log_x(figure);
         plot_log_y(figure);
         plot_range_y(figure, 3e-11, 1e-3);
@@ -315,6 +315,7 @@ int main(int argc, char **argv) {
     program self = program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
     plot *figure = plot_new("screen_models.h: error against run time", 2, 3);
+    plot_panel_size(figure, 420, 320);
     bench_implicit(&self, figure, report);
     bench_soldinger(&self, figure, report);
     bench_fit(&self, figure, report);

@@ -242,7 +242,7 @@ int main(int argc, char **argv) {
     plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
     plot_log_x(figure);
     plot_range_y(figure, 0.0, 3.0);
-    plot_horizontal(figure, "1.5", 1.5);
+    plot_horizontal(figure, "aim: at most 1.5", 1.5);
     plot_line(figure, "bed at rest", count, over, gases);
     plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
@@ -250,7 +250,7 @@ int main(int argc, char **argv) {
     plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
     plot_log_x(figure);
     plot_range_y(figure, 0.0, 3.0);
-    plot_horizontal(figure, "1.5", 1.5);
+    plot_horizontal(figure, "aim: at most 1.5", 1.5);
     plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
     plot_style(figure, PLOT_MARKED, PLOT_NEXT);
     plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);

@@ -48,13 +48,15 @@ static const char *describe(char *text, size_t size, const settings *s) {
 
 /* A curve with its band where there are several seeds. */
 static void plot_average(plot *figure, const char *label, const averages *a, int curve, int n, int seeds, int colour, double highest) {
-    double *low = malloc((size_t)n * 2 * sizeof *low), *high = low ? low + n : NULL;
-    plot_line(figure, label, a->time, a->mean[curve], n);
-    plot_style(figure, 0, colour);
+    const double unit = curve == H_STAR ? 1e3 : 1.0; /* heights in mm */
+    double *low = malloc((size_t)n * 3 * sizeof *low), *high = low ? low + n : NULL, *mean = low ? high + n : NULL;
     for (int k = 0; k < n && low; k++) {
-        low[k] = fmax(a->mean[curve][k] - a->interval[curve][k], 0.0);
-        high[k] = fmin(a->mean[curve][k] + a->interval[curve][k], highest);
+        mean[k] = unit * a->mean[curve][k];
+        low[k] = unit * fmax(a->mean[curve][k] - a->interval[curve][k], 0.0);
+        high[k] = unit * fmin(a->mean[curve][k] + a->interval[curve][k], highest);
     }
+    plot_line(figure, label, a->time, mean, mean ? n : 0);
+    plot_style(figure, 0, colour);
     if (low && seeds > 1) plot_band(figure, NULL, a->time, low, high, n), plot_style(figure, 0, colour);
     free(low);
 }
@@ -65,7 +67,7 @@ static void draw(const study *st, const averages *a) {
     snprintf(title, sizeof title, "%s, %d seed%s", describe(what, sizeof what, s), st->seeds, st->seeds > 1 ? "s" : "");
     plot *figure = plot_new(title, 1, 1);
     if (s->scene == SCENE_CLOSED_PLATE) {
-        plot_panel(figure, 0, 0, "time [s]", "deviation of the mean heights h* [m]");
+        plot_panel(figure, 0, 0, "time [s]", "deviation of the mean heights h* [mm]");
         plot_average(figure, NULL, a, H_STAR, st->samples, st->seeds, 0, 1.0);
         plot_write(figure, st->self->out, "h_star.svg");
         return;
@@ -465,7 +467,7 @@ static void report_neighbours(const study *st) {
     const settings *base = &st->variants[0].set;
     const bool plate = base->scene == SCENE_CLOSED_PLATE;
     const int curves[2] = {plate ? H_STAR : SMALL, NEAR_MESH}, rows = plate ? 1 : 2;
-    const char *const what[2] = {plate ? "h* [m]" : "small retained [-]", "near-mesh retained [-]"};
+    const char *const what[2] = {plate ? "h*, deviation of the mean heights [mm]" : "small retained [-]", "near-mesh retained [-]"};
     char title[120], text[100];
     snprintf(title, sizeof title, "%s: %s and neighbours, %d seed%s",
              plate                             ? "Closed plate"

@@ -156,7 +156,7 @@ static double density(const classifier_distribution *d, double x, double h) {
 static void draw_rebound_angles(const program *self, const classifier_def *def) {
     double x[GRID], y[GRID], degree = RIDDLE_PI / 180.0;
     char label[80];
-    plot *figure = plot_new("Fig 7: angular imperfection on a plate at rest", 1, 1);
+    plot *figure = plot_new("Weers et al. (2022), Fig 7: angular imperfection on a plate at rest", 1, 1);
     plot_panel(figure, 0, 0, "rebound angle − impact angle [°]", "probability density [1/°]");
     for (int k = 0; k < 3; k++) {
         classifier_distribution d = classifier_paper_def((classifier_material)k, 3000.0, NULL).imperfection;
@@ -235,8 +235,8 @@ static void draw_approach(const program *self, const classifier_def defs[3], jso
     int n = self->quick ? 16 : 40;
     for (int i = 0; i < 80; i++) r[i] = 23.0 + 0.025 * (i + 0.5);
     for (int i = 0; i < GRID; i++) x[i] = -120.0 + 2.0 * i;
-    plot *radius = plot_new("Fig 10: where particles meet the paddle", 1, 1),
-         *angle = plot_new("Fig 8: impact and rebound on the turning wheel", 1, 2);
+    plot *radius = plot_new("Weers et al. (2022), Fig 10: where particles meet the paddle", 1, 1),
+         *angle = plot_new("Weers et al. (2022), Fig 8: impact and rebound on the turning wheel", 1, 2);
     plot_panel(radius, 0, 0, "radius of the hit [mm]", "probability density [1/mm]");
     plot_range_y(radius, 0.0, 5.0);
     double impact[GRID];
@@ -273,7 +273,7 @@ static void draw_restitution(const program *self, const classifier_def *def) {
     } spheres[] = {{"limestone", 27.1e9, 0.30, 2700.0, 1.2e9}, {"glass", 70e9, 0.22, 2500.0, 5.0e9}};
     double x[GRID], y[GRID], bar_x[2], bar_y[2], top = 0.0;
     char label[120];
-    plot *figure = plot_new("Fig 9: coefficient of restitution", 1, 1);
+    plot *figure = plot_new("Weers et al. (2022), Fig 9: coefficient of restitution", 1, 1);
     plot_panel(figure, 0, 0, "coefficient of restitution [-]", "probability density [-]");
     for (int i = 0; i < GRID; i++) x[i] = i / (GRID - 1.0);
     for (int k = 0; k < 3; k += 2) {
@@ -308,7 +308,7 @@ static void draw_restitution(const program *self, const classifier_def *def) {
 
 static void draw_contacts(const program *self, const classifier_def *def) {
     double n[12], y[12], q;
-    plot *figure = plot_new("Fig 11: contacts with other particles", 1, 1);
+    plot *figure = plot_new("Weers et al. (2022), Fig 11: contacts with other particles", 1, 1);
     plot_panel(figure, 0, 0, "contacts between the paddles [-]", "share of the particles [-]");
     for (int k = 0; k < 2; k++) {
         double mean = k ? 0.2 : 1.0, p = 1.0 - (q = mean / (1.0 + mean));
@@ -323,7 +323,7 @@ static void draw_contacts(const program *self, const classifier_def *def) {
     plot_write(figure, self->out, "fig11_contacts.svg");
 
     double a[13], b[13], c[13], x[13];
-    figure = plot_new("Fig 12: shares of the collision cases", 1, 1);
+    figure = plot_new("Weers et al. (2022), Fig 12: shares of the collision cases", 1, 1);
     plot_panel(figure, 0, 0, "contacts with other particles [-]", "share [-]");
     for (int i = 0; i < 13; i++) {
         classifier_weights w = classifier_weights_of(i);
@@ -373,7 +373,7 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
                             const classifier_fit_result *fit, const char *name) {
     double x[SIZES], um[SIZES], t[SIZES];
     char label[120], title[160];
-    snprintf(title, sizeof title, "Fig 13: separation of %s", name);
+    snprintf(title, sizeof title, "Weers et al. (2022), Fig 13: separation of %s", name);
     plot *figure = plot_new(title, 1, 1);
     plot_panel_size(figure, 600, 380);
     plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
@@ -420,7 +420,7 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
 static void draw_fixed_contacts(const program *self, classifier_model *model) {
     double x[SIZES], um[SIZES], t[SIZES], centre = classifier_quantile(model, 0.5);
     char label[80];
-    plot *figure = plot_new("Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
+    plot *figure = plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
     plot_panel_size(figure, 600, 380);
     plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
     plot_log_x(figure);
@@ -433,7 +433,7 @@ static void draw_fixed_contacts(const program *self, classifier_model *model) {
         model->weights = k < 3 ? classifier_weights_of(k) : k == 3 ? mixed : alone[k - 3];
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(model, x[i], NULL);
         if (k < 3) snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
-        plot_line(figure, k < 3 ? label : k == 3 ? "mixed as in fig 11" : cases[k - 3], um, t, SIZES);
+        plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
         plot_style(figure, k > 3 ? PLOT_DASHED : 0, k == 3 ? PLOT_BLACK : PLOT_NEXT);
     }
     model->weights = mixed;
@@ -643,10 +643,11 @@ int main(int argc, char **argv) {
         common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r.clamped);
     char range[40];
     if (fitted)
-        common_print("Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
-                     "degrees of freedom)\n",
-                     1e6 * fit.curve.size, 1e6 * fit.student * fit.size_sd, fit.curve.slope, fit.student * fit.slope_sd, fit.curve.bypass,
-                     bypass_range(range, sizeof range, &fit), fit.rms, fit.dof);
+        common_print(
+            "Measured curve: x50 %.2f +- %.2f um, slope %.2f +- %.2f, bypass %.3f%s, rms %.3f (+- 95 %% range by Student's t, %.0f "
+            "degrees of freedom)\n",
+            1e6 * fit.curve.size, 1e6 * fit.student * fit.size_sd, fit.curve.slope, fit.student * fit.slope_sd, fit.curve.bypass,
+            bypass_range(range, sizeof range, &fit), fit.rms, fit.dof);
 
     json *report = json_open(self.json);
     const double weights[3] = {r.weights.clean, r.weights.thrown, r.weights.again};

@@ -308,15 +308,14 @@ static void table1_classes(double edges[CLASSES + 1]) {
 static int study_rows(const program *self, json *report, const char *name, const condition *conditions, int n, int replicates, int steps) {
     bool impeller = !strcmp(name, "impeller");
     char file_name[60];
-    const char *labels[4];
-    char label_text[4][30];
-    double edges[CLASSES + 1], one[4], two[4], size[4], paper_one[4], paper_two[4], paper_size[4];
+    double edges[CLASSES + 1], at[4], mean[3][4], bar_of[3][4], paper[3][4]; /* Type I, Type II [%], d43 [um] */
     table1_classes(edges);
     table t = begin_rows();
     snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
     csv *file = csv_open(self->out, file_name, row_header);
-    plot *figure = plot_new(
-        impeller ? "Figure 8: size distribution at four impeller speeds" : "Figure 9: size distribution at four binder contents", 2, 2);
+    plot *figure = plot_new(impeller ? "Gantt & Gatzke, Fig 8: size distribution at four impeller speeds"
+                                     : "Gantt & Gatzke, Fig 9: size distribution at four binder contents",
+                            2, 2);
     progress bar;
     progress_begin(&bar, impeller ? "impeller speeds" : "binder contents", (double)n * replicates);
     int bad = 0;
@@ -328,14 +327,14 @@ static int study_rows(const program *self, json *report, const char *name, const
             table_row(&t, &e);
             csv_line_of(file, &e);
             write_row(report, name, &e);
-            snprintf(label_text[i], sizeof label_text[i], impeller ? "%g rpm" : "%g %%", impeller ? e.c->rpm : 100.0 * e.c->liquid);
-            labels[i] = label_text[i];
-            one[i] = result_of(&e, 0).mean;
-            two[i] = result_of(&e, 1).mean;
-            size[i] = 1e6 * result_of(&e, 4).mean;
-            paper_one[i] = p ? p->type1 : (double)NAN;
-            paper_two[i] = p ? p->type2 : (double)NAN;
-            paper_size[i] = p ? p->size_um : (double)NAN;
+            at[i] = impeller ? e.c->rpm : 100.0 * e.c->liquid;
+            for (int q = 0; q < 3; q++) {
+                const granulation_estimate x = result_of(&e, q < 2 ? q : 4);
+                mean[q][i] = (q < 2 ? 1.0 : 1e6) * x.mean, bar_of[q][i] = (q < 2 ? 1.0 : 1e6) * x.confidence;
+            }
+            paper[0][i] = p ? p->type1 : (double)NAN;
+            paper[1][i] = p ? p->type2 : (double)NAN;
+            paper[2][i] = p ? p->size_um : (double)NAN;
             char title[60];
             snprintf(title, sizeof title, impeller ? "%g rpm" : "%g %% binder", impeller ? e.c->rpm : 100.0 * e.c->liquid);
             plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
@@ -367,17 +366,15 @@ static int study_rows(const program *self, json *report, const char *name, const
     table_end(&t);
     csv_close(file);
     plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
-    figure = plot_new(impeller ? "Table 2: what becomes of collisions" : "Table 3: what becomes of collisions", 1, 3);
-    const char *x_label = impeller ? "impeller speed" : "binder";
-    plot_panel(figure, 0, 0, x_label, "Type I coalescence [% of collisions]");
-    plot_bars(figure, "granulation.h", labels, one, n);
-    plot_bars(figure, "paper", labels, paper_one, n);
-    plot_panel(figure, 0, 1, x_label, "Type II coalescence [% of collisions]");
-    plot_bars(figure, "granulation.h", labels, two, n);
-    plot_bars(figure, "paper", labels, paper_two, n);
-    plot_panel(figure, 0, 2, x_label, "mean size d43 [µm]");
-    plot_bars(figure, "granulation.h", labels, size, n);
-    plot_bars(figure, "paper", labels, paper_size, n);
+    figure = plot_new(
+        impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions" : "Gantt & Gatzke, Table 3: what becomes of collisions", 1, 3);
+    static const char *const y_labels[3] = {"Type I coalescence [% of collisions]", "Type II coalescence [% of collisions]",
+                                            "mean size d43 [µm]"};
+    for (int q = 0; q < 3; q++) {
+        plot_panel(figure, 0, q, impeller ? "impeller speed [1/min]" : "binder [%]", y_labels[q]);
+        plot_error_bars(figure, "granulation.h, 95 %", at, mean[q], bar_of[q], n);
+        plot_points(figure, "paper", at, paper[q], n);
+    }
     return plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
 }
 
@@ -527,7 +524,8 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
                 low[step] = 1e10 * (x.mean - x.confidence);
                 high[step] = 1e10 * (x.mean + x.confidence);
             }
-            snprintf(label, sizeof label, "class %d", k + 1);
+            snprintf(label, sizeof label, k + 1 < CLASSES ? "%g to %g · 10⁻¹² m³" : "over %g · 10⁻¹² m³", 1e12 * e->edges[k],
+                     1e12 * e->edges[k + 1]);
             plot_line(figure, p == 2 ? label : NULL, time, y, e->steps + 1);
             plot_style(figure, k - first < 8 ? 0 : PLOT_DASHED, (k - first) % 8);
             if (balance || classes < 7) {
@@ -566,7 +564,8 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     data.laws = &c.def.laws;
     double left = over(&e, e.records[0].number + steps).mean;
     double rate = fit_pouw(&pouw, &c, &data, edges, steps, left);
-    draw_classes(self, &e, &laws, "Figure 5: Table 1 by size class, discrete simulation (full) and population balance (dashed)",
+    draw_classes(self, &e, &laws,
+                 "Gantt & Gatzke, Fig 5: their Table 1 by size class, discrete simulation (full) and population balance (dashed)",
                  "figure5.svg", "figure5.csv", 0, 5);
     plot *figure = plot_new("Discrete simulation beside population balances, Table 1 at 360 rpm", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
@@ -623,8 +622,8 @@ static int study_normal(const program *self, json *report, granulation_def def, 
     int bad = ensemble_run(&f, self);
     if (!bad) {
         write_row(report, "normal", &f);
-        draw_classes(self, &f, NULL, "Figure 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
-        plot *figure = plot_new("Figure 6: a normal start, one run", 1, 1);
+        draw_classes(self, &f, NULL, "Gantt & Gatzke, Fig 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
+        plot *figure = plot_new("Gantt & Gatzke, Fig 6: a normal start, one run", 1, 1);
         plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
         for (int k = 0; k < 5; k++) {
             int step = k * steps / 4;
@@ -717,7 +716,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
         csv_line(file, "%g,%.9g,%.9g,%d,%d", all.list[i].time, x->st_v, x->st_def, (int)x->reason, (int)x->both);
     }
     csv_close(file);
-    plot *figure = plot_new("Figure 10: every collision in the plane of the Stokes numbers", 1, 1);
+    plot *figure = plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
     plot_panel_size(figure, 620, 430);
     plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
     plot_log_x(figure);
@@ -928,9 +927,10 @@ static int study_sound(const program *self, json *report, int replicates, int st
     table_end(&t);
     csv_close(file);
     if (bad) return bad;
-    plot *figure = plot_new("Physically sounder readings of the paper", 2, 2);
+    plot *figure =
+        plot_new("Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2, 2);
     plot_panel_size(figure, 560, 280);
-    plot_panel(figure, 0, 0, "reading", "mean miss of Type I and II [points]");
+    plot_panel(figure, 0, 0, "reading", "mean miss of Type I and II, % of collisions");
     plot_bars(figure, NULL, short_names, points, READINGS);
     plot_panel(figure, 0, 1, "reading", "mean miss of d43 [µm]");
     plot_bars(figure, NULL, short_names, microns, READINGS);

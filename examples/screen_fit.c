@@ -651,8 +651,9 @@ static const char *short_source(const study *s) { return strncmp(s->source, "SYN
 
 static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
-    snprintf(title, sizeof title, "Fraction retained: data and models, one set for all; 7 mm dashed%s", short_source(s));
-    plot *figure = plot_new(title, 2, 3);
+    snprintf(title, sizeof title, "Fraction retained: data and models, one set of parameters for all 27 cases%s", short_source(s));
+    plot *figure = plot_new(title, 4, 3);
+    plot_panel_size(figure, 330, 230);
     csv *file = csv_open(self->out, "fig8.csv",
                          "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
                          "soldinger_small,soldinger_near_mesh,dong_grain_small,dong_grain_near_mesh");
@@ -662,23 +663,21 @@ static void draw_curves(const program *self, const study *s, const results *r) {
         int k = shown[i] - 1;
         double values[KINDS][POINTS];
         screen_operation o = s->cases[k].operation;
-        snprintf(title, sizeof title, "(%c) case %d: %g mm, %g Hz, M = %g %%", 'a' + i, k + 1, 1e3 * o.amplitude, o.frequency,
-                 100.0 * o.moisture);
-        plot_panel(figure, i / 3, i % 3, "time [s]", "fraction retained [-]");
-        plot_title(figure, title);
-        plot_range_y(figure, 0.0, 1.0);
-        plot_points(figure, i ? NULL : "data, small", s->time, s->retained[k], TIMES);
-        plot_style(figure, 0, PLOT_GREY);
-        plot_points(figure, i ? NULL : "data, near-mesh", s->time, s->retained[k] + TIMES, TIMES);
-        plot_style(figure, 0, PLOT_BLACK);
-        for (int m = 1; m < KINDS; m++) {
-            predict(s, m, r->all[m].parameter, k, GRID, time, curve);
-            plot_line(figure, i ? NULL : kinds[m].name, time, curve, GRID);
-            plot_style(figure, m == GRAIN ? PLOT_THIN : 0, m - 1);
-            plot_line(figure, NULL, time, curve + GRID, GRID);
-            plot_style(figure, m == GRAIN ? PLOT_THIN | PLOT_DASHED : PLOT_DASHED, m - 1);
-            case_deviation(s, m, r->all[m].parameter, k, values[m]);
+        for (int c = 0; c < CLASSES; c++) { /* a row of small ones above one of near-mesh ones */
+            snprintf(title, sizeof title, "case %d, %d mm: %g mm, %g Hz, %g %%", k + 1, c ? 7 : 5, 1e3 * o.amplitude, o.frequency,
+                     100.0 * o.moisture);
+            plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", "fraction retained [-]");
+            plot_title(figure, title);
+            plot_range_y(figure, 0.0, 1.0);
+            plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * TIMES, TIMES);
+            plot_style(figure, 0, PLOT_BLACK);
+            for (int m = 1; m < KINDS; m++) {
+                predict(s, m, r->all[m].parameter, k, GRID, time, curve);
+                plot_line(figure, i || c ? NULL : kinds[m].name, time, curve + c * GRID, GRID);
+                plot_style(figure, m == GRAIN ? PLOT_DASHED : 0, m == GRAIN ? 0 : m - 1);
+            }
         }
+        for (int m = 1; m < KINDS; m++) case_deviation(s, m, r->all[m].parameter, k, values[m]);
         for (int j = 0; j < TIMES; j++) {
             double line[12] = {k + 1, s->time[j], s->retained[k][j], s->retained[k][TIMES + j]};
             for (int m = 1; m < KINDS; m++)
@@ -695,7 +694,7 @@ static void draw_fits(const program *self, const study *s, const results *r) {
     snprintf(title, sizeof title, "Deviation of the fits%s", short_source(s));
     plot *figure = plot_new(title, 1, 2);
     double number[CASES];
-    static const char *const names[4] = {"1", "1 grain", "2", "3"};
+    static const char *const names[4] = {"Dong", "Dong, grain", "Subasinghe", "Soldinger"};
     static const int order[4] = {1, GRAIN, 2, 3};
     double bars[5][4];
     for (int i = 0; i < 4; i++) {

@@ -46,7 +46,7 @@ static const char *const titles[] = {"Fig 7a: spherical, 1 mm, K = 1.5", "Fig 7b
 static double at(const row *r, double t) { return blocking_curve(r->f_inf + r->A, r->f_inf, r->k, t); }
 
 static void draw_table2(const program *self, json *report) {
-    plot *figure = plot_new("Free holes in time, Table 2", 2, 2);
+    plot *figure = plot_new("Free holes in time, Table 2 of Lawinska et al. (2016)", 2, 2);
     csv *file =
         csv_open(self->out, "table2.csv",
                  "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
@@ -360,7 +360,7 @@ static int sweep_one(int index, void *user) {
 
 /* Five K and three x_h beside Table 3: f* is the mean of f0 and f_inf there (section 4). */
 static void sweep(const program *self, json *report, const sieve_patch_def *def, double time) {
-    static const char *const names[XS] = {"x_h = 0.30", "x_h = 0.65", "x_h = 0.90"};
+    static const char *const names[XS] = {"30 % hard to screen (x_h = 0.30)", "65 % (x_h = 0.65)", "90 % (x_h = 0.90)"};
     static sweep_jobs jobs;
     jobs.def = *def, jobs.time = time;
     progress_begin(&jobs.bar, "sweep", KS * XS * time);
@@ -368,7 +368,7 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     progress_end(&jobs.bar);
     if (failed) return;
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
-    plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3", 2, 2);
+    plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
     csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
     table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f*, 95 % of counting|f* of Table 3|fit");
     json_array_begin(report, "sweep");
@@ -416,7 +416,7 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     json_array_end(report);
     table_end(&t);
     csv_close(file);
-    plot_panel(figure, 1, 1, "toss indicator K [-]", "mean of f at 0 s and at the end [-]");
+    plot_panel(figure, 1, 1, "toss indicator K [-]", "f*: mean of f at 0 s and at the end [-]");
     plot_title(figure, "beside Table 3, spherical (lines)");
     for (int i = 0; i < GRID; i++) at_K[i] = 0.6 + 4.3 * i / (GRID - 1);
     for (int j = 0; j < XS; j++) {
@@ -460,7 +460,9 @@ static void draw_fit(const program *self, json *report, const readings *r, const
     if (found && r->counted) plot_error_bars(figure, "three readings, 95 %", first, k, error, found);
     else if (found) plot_points(figure, "three readings", first, k, found);
     if (fit->k > 0.0) {
-        plot_horizontal(figure, "least squares", fit->k);
+        const double over[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, fitted[2] = {fit->k, fit->k};
+        plot_line(figure, "least squares", over, fitted, 2);
+        plot_style(figure, PLOT_DASHED, PLOT_BLACK);
         if (fit->k_lowest > 0.0 && fit->k_highest < 1e300) {
             double ends[2] = {r->t[1] > 0.0 ? r->t[1] : 1.0, last}, low[2] = {fit->k_lowest, fit->k_lowest},
                    high[2] = {fit->k_highest, fit->k_highest};

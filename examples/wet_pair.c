@@ -82,10 +82,10 @@ static bridge formed(const bridge_pair *pair, double volume) {
 
 static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
     if (isinf(def->radius_j))
-        snprintf(text, size, "sphere of %.3g mm on a plate, %.0f/%.0f degrees", 2e3 * def->radius_i, def->angle_i / degree,
-                 def->angle_j / degree);
+        snprintf(text, size, "sphere of %.3g mm on a plate; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
+                 def->angle_i / degree, def->angle_j / degree);
     else
-        snprintf(text, size, "spheres of %.3g and %.3g mm, %.0f/%.0f degrees", 2e3 * def->radius_i, 2e3 * def->radius_j,
+        snprintf(text, size, "spheres of %.3g and %.3g mm; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i, 2e3 * def->radius_j,
                  def->angle_i / degree, def->angle_j / degree);
     return text;
 }
