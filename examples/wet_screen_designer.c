@@ -436,7 +436,7 @@ static void report_steady(json *report, const own *o, const screen_fit_result *f
         table_cell(&t, "%.1f, %.1f", 1e3 * flow.depth, 1e3 * flow.depth_end);
         if (limit && limit != SCREEN_OUTSIDE)
             table_cell(&t, "%s", limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
-        else table_cell(&t, "%.3g", most);
+        else table_cell(&t, "%.3g%s", most, limit == SCREEN_OUTSIDE ? ", outside the fit" : "");
         json_object_begin(report, NULL);
         json_string(report, "model", lab_keys[m]);
         json_number(report, "efficiency", flow.efficiency);
