@@ -283,6 +283,12 @@ typedef struct classifier_impact {
 CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward);
 
+struct classifier_def;
+/* The same for a particle of size x [m] > 0 that gas bends from its line. The gas is that of classifier_trajectory: it turns with the wheel
+   and flows inward with radial_factor times the undisturbed velocity. hit false for bad arguments. */
+CLASSIFIER_API classifier_impact classifier_approach_in_gas(const struct classifier_def *def, classifier_drag drag, double x, double ahead,
+                                                            double tangential_against, double radial_inward);
+
 typedef enum { CLASSIFIER_LATTICE, CLASSIFIER_SOBOL, CLASSIFIER_MONTE_CARLO } classifier_sampler;
 enum { CLASSIFIER_MAX_SHIFTS = 64 };
 
@@ -316,6 +322,7 @@ typedef struct classifier_def {
     int points;        /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
     int shifts;        /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
     uint64_t seed;     /* of the shifts; 1 */
+    double approach_size; /* [m] >= 0: before the hit, gas bends the flight of all as it does that of this size; 0 (paper): straight; 0 */
 } classifier_def;
 
 typedef enum { CLASSIFIER_LIMESTONE, CLASSIFIER_GROUND_GLASS, CLASSIFIER_BEADS } classifier_material;
@@ -351,6 +358,10 @@ CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, 
 CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]); /* of A, B, C alone */
 /* Size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]. */
 CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t);
+/* The same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found: def->approach_size is not
+   read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}. NaN, CLASSIFIER_OUTSIDE if there is none. */
+CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
+                                                            const classifier_memory *memory, double *x);
 
 typedef struct classifier_result {
     double x25, x50, x75;    /* [m] */
@@ -1568,6 +1579,7 @@ CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material,
     d.points = 1024;
     d.shifts = 8;
     d.seed = 1;
+    d.approach_size = 0.0;
     if (flags) *flags = rpm == speed ? 0u : (unsigned)CLASSIFIER_EXTRAPOLATED;
     return d;
 }
@@ -1597,6 +1609,7 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
     CLASSIFIER__NEED("particle_density",
                      classifier__positive(def->particle_density) && (!def->buoyancy || def->particle_density > def->fluid_density))
     CLASSIFIER__NEED("radial_factor", classifier__positive(def->radial_factor))
+    CLASSIFIER__NEED("approach_size", def->approach_size == 0.0 || (def->approach_size >= 1e-9 && def->approach_size <= 1.0))
     CLASSIFIER__NEED("particle_restitution", def->particle_restitution >= 0.0 && def->particle_restitution <= 1.0)
     CLASSIFIER__NEED("cone_half_angle", def->cone_half_angle >= 0.0 && def->cone_half_angle <= 0.5 * RIDDLE_PI)
     CLASSIFIER__NEED("law", def->law <= CLASSIFIER_STOKES)
@@ -1676,6 +1689,78 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
     return classifier__approach(wheel, angular_speed, ahead, tangential_against, radial_inward, false);
 }
 
+/* d/dt of {x, y, v_x, v_y} in the frame of the wheel: drag on the slip, centrifugal and Coriolis acceleration */
+static inline void classifier__motion_in_wheel(const classifier_def *def, classifier_drag drag, double size, const double *y,
+                                               double *rate) {
+    double omega = def->rpm * RIDDLE_PI / 30.0, r = sqrt(y[0] * y[0] + y[1] * y[1]);
+    double in = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r);
+    double u = -in * y[0] / r - y[2], v = -in * y[1] / r - y[3], re = def->fluid_density * sqrt(u * u + v * v) * size / def->viscosity;
+    double driving = def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density;
+    double scale = 0.75 * def->viscosity / (driving * size * size); /* times c_D Re */
+    double per_slip = scale * (re > 0.0 ? classifier_drag_coefficient(drag, re) * re : drag.c1);
+    rate[0] = y[2], rate[1] = y[3];
+    rate[2] = per_slip * u + omega * omega * y[0] + 2.0 * omega * y[3];
+    rate[3] = per_slip * v + omega * omega * y[1] - 2.0 * omega * y[2];
+}
+
+/* A step of h by the classical rule of order 4 */
+static inline void classifier__step_in_wheel(const classifier_def *def, classifier_drag drag, double size, double h, double *y) {
+    double k[4][4], at[4];
+    classifier__motion_in_wheel(def, drag, size, y, k[0]);
+    for (int s = 1; s < 4; s++) {
+        for (int c = 0; c < 4; c++) at[c] = y[c] + h * (s < 3 ? 0.5 : 1.0) * k[s - 1][c];
+        classifier__motion_in_wheel(def, drag, size, at, k[s]);
+    }
+    for (int c = 0; c < 4; c++) y[c] += h / 6.0 * (k[0][c] + 2.0 * k[1][c] + 2.0 * k[2][c] + k[3][c]);
+}
+
+/* The last step is cut, by Newton's method, where the face is. */
+static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
+                                                            double tangential_against, double radial_inward) {
+    classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
+    double s, c;
+    double omega = def->rpm * RIDDLE_PI / 30.0, ra = def->wheel.outer_radius, face = 0.5 * def->wheel.thickness, h = 0.01 / omega;
+    double relaxation = def->particle_density * x * x / (18.0 * def->viscosity), turn = 2.0 * RIDDLE_PI / omega;
+    classifier__sincos(ahead, &s, &c);
+    double y[4] = {ra * c, ra * s, tangential_against * s - radial_inward * c + omega * ra * s,
+                   -tangential_against * c - radial_inward * s - omega * ra * c};
+    if (!(y[1] >= face)) return hit;
+    h = h < 0.2 * relaxation ? h : 0.2 * relaxation;
+    while (hit.time < turn && hit.iterations < 100000) {
+        double next[4] = {y[0], y[1], y[2], y[3]};
+        classifier__step_in_wheel(def, drag, x, h, next);
+        double r = sqrt(next[0] * next[0] + next[1] * next[1]);
+        if (next[1] <= face) break;
+        if (!(r >= def->wheel.inner_radius && r < 2.0 * ra)) return hit;
+        for (int k = 0; k < 4; k++) y[k] = next[k];
+        hit.time += h;
+        hit.iterations++;
+    }
+    double last = (face - y[1]) / y[3], end[4];
+    for (int tries = 0; tries < 8; tries++) {
+        for (int k = 0; k < 4; k++) end[k] = y[k];
+        classifier__step_in_wheel(def, drag, x, last, end);
+        last += (face - end[1]) / end[3];
+    }
+    double r = sqrt(end[0] * end[0] + end[1] * end[1]);
+    if (!(last >= 0.0 && last <= 1.01 * h && r >= def->wheel.inner_radius && end[3] < 0.0)) return hit;
+    hit.hit = true;
+    hit.radius = r < ra ? r : ra;
+    hit.time += last;
+    hit.speed = sqrt(end[2] * end[2] + end[3] * end[3]);
+    hit.angle = riddle_atan2(end[2], -end[3]);
+    return hit;
+}
+
+CLASSIFIER_API classifier_impact classifier_approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
+                                                            double tangential_against, double radial_inward) {
+    const classifier_impact none = {false, 0.0, 0.0, 0.0, 0.0, 0};
+    if (!(classifier_check_def(def, NULL) == CLASSIFIER_OK && classifier__drag_ok(drag) && classifier__positive(x) && x <= 1.0 &&
+          fabs(ahead) < 2.0 * RIDDLE_PI && fabs(tangential_against) < 1e9 && fabs(radial_inward) < 1e9))
+        return none;
+    return classifier__approach_in_gas(def, drag, x, ahead, tangential_against, radial_inward);
+}
+
 /* cosine of an angle within +-90 degrees */
 static inline double classifier__cos_forward(double angle) {
     double s = riddle__sin_quarter(0.5 * angle, 0);
@@ -1739,8 +1824,11 @@ typedef struct classifier__particle {
     double cos_first[CLASSIFIER__REBOUNDS], cos_second, share, v_t2, e_first, e_last;
 } classifier__particle;
 
-static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, double entry, double tangential, double radial,
-                                                          bool radius_only) {
+static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, classifier_drag drag, double entry,
+                                                          double tangential, double radial, bool radius_only) {
+    if (q->def->approach_size > 0.0)
+        return classifier__approach_in_gas(q->def, drag, q->def->approach_size, q->arc_low + entry * q->arc,
+                                          classifier__draw(&q->tangential, tangential), classifier__draw(&q->radial, radial));
     return classifier__approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
                                 classifier__draw(&q->radial, radial), radius_only);
 }
@@ -1752,8 +1840,9 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     if (def->law == CLASSIFIER_HOELZER_SOMMERFELD)
         psi = classifier__sphericity_3d(def, classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
     p->drag = classifier__model_drag(def, psi);
-    p->first = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL], false);
-    p->second = classifier__draw_approach(q, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2], true);
+    p->first = classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL], false);
+    p->second =
+        classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2], true);
     double low = classifier__below(&def->imperfection, -quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
     double high = classifier__below(&def->imperfection, quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
     for (int k = 0; k < q->rebounds; k++) {
@@ -2014,6 +2103,33 @@ CLASSIFIER_API double classifier_quantile(const classifier_model *model, double 
     goal.x = 0.0;
     return classifier__find(classifier__quantile_gap, &goal, model->def.size_low, model->def.size_high, classifier__typical_cut(model),
                             0.2);
+}
+
+/* The cut for a size in the approach depends on it weakly: its secants converge in three or four steps. */
+CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
+                                                            const classifier_memory *memory, double *x) {
+    double size = 0.0, before = 0.0, gap = 0.0;
+    if (x) *x = classifier__nan();
+    if (!(def && x && t > 0.0 && t < 1.0)) return CLASSIFIER_BAD_ARGUMENT;
+    for (int step = 0; step < 30; step++) {
+        classifier_def with = *def;
+        classifier_model model;
+        with.approach_size = size;
+        classifier_status status = classifier_init(&model, &with, memory);
+        if (status != CLASSIFIER_OK) return status;
+        if (case_weights) model.weights = *case_weights;
+        double found = classifier_quantile(&model, t), off = found - size;
+        classifier_free(&model);
+        if (!(found > 0.0)) return CLASSIFIER_OUTSIDE;
+        if (fabs(off) <= 1e-9 * found) {
+            *x = found;
+            return CLASSIFIER_OK;
+        }
+        double next = step > 1 && off != gap ? size - off * (size - before) / (off - gap) : found;
+        before = size, gap = off;
+        size = next > 0.5 * found && next < 2.0 * found ? next : found;
+    }
+    return CLASSIFIER_OUTSIDE;
 }
 
 CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,

@@ -186,6 +186,8 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
     double omega = def->rpm * RIDDLE_PI / 30.0, degree = RIDDLE_PI / 180.0,
            edge = asin(0.5 * def->wheel.thickness / def->wheel.outer_radius);
     double arc = 2.0 * RIDDLE_PI / def->wheel.paddles - 2.0 * edge, each = 1.0 / per_axis;
+    double flat = classifier_distribution_mean(&def->sphericity_2d); /* the mean shape, where gas bends the flight */
+    classifier_drag drag = classifier_hoelzer_sommerfeld(def->sphericity_is_3d ? flat : classifier_rorato(flat), def->basis);
     int hits = 0, n = per_axis;
     *a = (approach){0};
     for (int i = 0; i < n; i++) {
@@ -193,7 +195,10 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
         for (int j = 0; j < n; j++) {
             double v_r = classifier_distribution_at(&def->radial_velocity, (j + 0.5) * each);
             for (int k = 0; k < 4 * n; k++) {
-                classifier_impact hit = classifier_approach(&def->wheel, omega, edge + (k + 0.5) * 0.25 * each * arc, v_t, v_r);
+                double ahead = edge + (k + 0.5) * 0.25 * each * arc;
+                classifier_impact hit = def->approach_size > 0.0
+                                            ? classifier_approach_in_gas(def, drag, def->approach_size, ahead, v_t, v_r)
+                                            : classifier_approach(&def->wheel, omega, ahead, v_t, v_r);
                 if (!hit.hit) continue;
                 hits++;
                 a->mean_radius += hit.radius;
@@ -226,6 +231,34 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
             a->rebound[i] += a->angle[k] * bare / kept;
         }
     }
+}
+
+/* What drag before the hit changes: hit and cut with the straight flight of the paper, and with gas that bends it. */
+static void compare_approach(const program *self, const classifier_def defs[3]) {
+    csv *file = csv_open(self->out, "approach_in_gas.csv",
+                         "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
+                         "x50_straight_um,x50_in_gas_um");
+    const classifier_weights clean = {1.0, 0.0, 0.0};
+    for (int k = 0; k < 3; k++) {
+        classifier_def def = defs[k];
+        classifier_model model;
+        approach a[2];
+        double x50[2][2], rim = def.rpm * RIDDLE_PI / 30.0 * def.wheel.outer_radius, degree = RIDDLE_PI / 180.0;
+        def.points = 256;
+        if (classifier_init(&model, &def, NULL) != CLASSIFIER_OK) continue;
+        x50[1][0] = classifier_quantile(&model, 0.5);
+        model.weights = clean;
+        x50[0][0] = classifier_quantile(&model, 0.5);
+        classifier_free(&model);
+        classifier_quantile_in_gas(&def, 0.5, &clean, NULL, &x50[0][1]);
+        classifier_quantile_in_gas(&def, 0.5, NULL, NULL, &x50[1][1]);
+        sample_approach(&def, 12, &a[0]);
+        def.approach_size = x50[1][1];
+        sample_approach(&def, 12, &a[1]);
+        csv_line(file, "%.0f,%.4f,%.4f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f", def.rpm, a[0].mean_speed / rim, a[1].mean_speed / rim,
+                 a[0].mean_angle / degree, a[1].mean_angle / degree, 1e6 * x50[0][0], 1e6 * x50[0][1], 1e6 * x50[1][0], 1e6 * x50[1][1]);
+    }
+    csv_close(file);
 }
 
 static void draw_approach(const program *self, const classifier_def defs[3], json *report, const classifier_def *def) {
@@ -694,6 +727,7 @@ int main(int argc, char **argv) {
     }
     draw_rebound_angles(&self, &def);
     draw_approach(&self, defs, report, &def);
+    compare_approach(&self, defs);
     draw_restitution(&self, &def);
     draw_contacts(&self, &def);
     draw_separation(&self, defs, &def, &m, fitted ? &fit : NULL, name);

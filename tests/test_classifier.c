@@ -1347,8 +1347,65 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 5, &fit), CLASSIFIER_TOO_FEW);
 }
 
+/* Drag before the hit (specification 9 e): without gas the straight line, with it slower and flatter hits and a coarser cut. */
+static void approach_in_gas(void **state) {
+    (void)state;
+    const double speed[3] = {1.155, 0.91, 0.84}, angle[3] = {-9.6, -13.5, -14.7}, gain[3] = {3.0, 4.8, 6.8};
+    for (int k = 0; k < 3; k++) {
+        classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 3000.0 + 6000.0 * k, NULL);
+        const classifier_drag drag = classifier_hoelzer_sommerfeld(0.825, CLASSIFIER_EQUIVALENT);
+        const classifier_weights clean = {1.0, 0.0, 0.0};
+        const double omega = def.rpm * RIDDLE_PI / 30.0, in = classifier_distribution_mean(&def.radial_velocity),
+                     against = classifier_distribution_mean(&def.tangential_velocity);
+        double x50, with, sum = 0.0, tilt = 0.0;
+        def.points = 256, def.shifts = 2;
+        classifier_model model = model_of(def);
+        model.weights = clean;
+        x50 = classifier_quantile(&model, 0.5);
+        classifier_free(&model);
+        assert_int_equal(classifier_quantile_in_gas(&def, 0.5, &clean, NULL, &with), CLASSIFIER_OK);
+        near(100.0 * (with / x50 - 1.0), gain[k], 0.35);
+        for (int i = 0; i < 40; i++) {
+            const double ahead = 0.04 + (0.2618 - 0.08) * (i + 0.5) / 40.0;
+            const classifier_impact hit = classifier_approach_in_gas(&def, drag, with, ahead, against, in);
+            assert_true(hit.hit);
+            sum += hit.speed / (omega * 0.025) / 40.0, tilt += hit.angle * 180.0 / RIDDLE_PI / 40.0;
+            classifier_def thin = def; /* no gas: the exact straight line */
+            thin.fluid_density = 1e-12, thin.viscosity = 1e-17;
+            const classifier_impact a = classifier_approach(&def.wheel, omega, ahead, against, in),
+                                    b = classifier_approach_in_gas(&thin, drag, with, ahead, against, in);
+            near(b.radius, a.radius, 1e-9 * a.radius), near(b.speed, a.speed, 1e-8 * a.speed), near(b.time, a.time, 1e-9 * a.time);
+            near(b.angle, a.angle, 1e-8);
+        }
+        near(sum, speed[k], 0.015), near(tilt, angle[k], 0.8);
+        /* the size in the definition is the same model at that size */
+        def.approach_size = with;
+        model = model_of(def);
+        model.weights = clean;
+        near(classifier_quantile(&model, 0.5), with, 1e-8 * with);
+        classifier_free(&model);
+    }
+    classifier_def def = classifier_default_def();
+    const classifier_drag drag = classifier_stokes();
+    double x;
+    assert_false(classifier_approach_in_gas(NULL, drag, 1e-5, 0.1, 0.0, 1.0).hit);
+    assert_false(classifier_approach_in_gas(&def, drag, 0.0, 0.1, 0.0, 1.0).hit);
+    assert_false(classifier_approach_in_gas(&def, drag, (double)NAN, 0.1, 0.0, 1.0).hit);
+    assert_false(classifier_approach_in_gas(&def, drag, 1e-5, (double)INFINITY, 0.0, 1.0).hit);
+    assert_false(classifier_approach_in_gas(&def, drag, 1e-5, 0.1, (double)NAN, 1.0).hit);
+    assert_false(classifier_approach_in_gas(&def, drag, 1e-7, 0.2, 0.0, 1.0).hit); /* follows the gas: inward, no hit */
+    assert_int_equal(classifier_quantile_in_gas(NULL, 0.5, NULL, NULL, &x), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_quantile_in_gas(&def, 0.5, NULL, NULL, NULL), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_quantile_in_gas(&def, (double)NAN, NULL, NULL, &x), CLASSIFIER_BAD_ARGUMENT);
+    def.approach_size = -1.0;
+    assert_int_equal(classifier_check_def(&def, NULL), CLASSIFIER_BAD_DEFINITION);
+    def.approach_size = (double)NAN;
+    assert_int_equal(classifier_check_def(&def, NULL), CLASSIFIER_BAD_DEFINITION);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(approach_in_gas),
         cmocka_unit_test(test_fits_whose_best_value_lies_on_a_border),
         cmocka_unit_test(test_a_failure_is_not_hidden_by_a_later_success),
         cmocka_unit_test(drag_coefficients),
