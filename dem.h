@@ -438,7 +438,8 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended;         /* 1: the contact is over and its state may be dropped; else 0 (a double, to keep vectors of one kind) */
+    double ended;         /* 1: the contact is over, its state may be dropped and its forces end with this step; else 0 (a double, to keep
+                             vectors of one kind) */
 } dem_response;
 
 /* Everything that a law may need when a contact is born. */
@@ -659,7 +660,8 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
 /* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. */
+/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. DEM_BAD_ARGUMENT also where they would
+   make accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
 /* Takes particle i out, and with it the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
@@ -807,8 +809,9 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
 /* ---- running ---- */
 
 /* Advances by duration [s] (to the nearest step; remainders carry over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
-   (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION (def.threads; a sphere wider than
+   1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_OUT_OF_MEMORY, and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names
+   the particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* The same with a law of your own: kernel is what DEM_KERNEL made of it; it must outlive the world. Besides the statuses of dem_run:
    DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
@@ -2602,6 +2605,8 @@ static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX;
 /* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+/* Places: squares of distances stay finite. */
+static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
 /* Are the numbers of a law within what a world has room for? */
 static inline int dem__is_law(const dem_law *law) {
@@ -3335,8 +3340,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) ||
-            !dem__finite(centres[3 * k + 2]))
+        const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
             return DEM_BAD_ARGUMENT;
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
@@ -3529,7 +3534,9 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
+        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
+        return DEM_BAD_ARGUMENT;
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
@@ -3596,7 +3603,7 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(normal))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -3614,7 +3621,7 @@ static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec p
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -3656,8 +3663,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) ||
-        !dem__finite_vec(cone->high))
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
+        !dem__is_place(cone->high))
         return -(int)DEM_BAD_ARGUMENT;
     const dem_vec axis = dem__sub(cone->high, cone->low);
     if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
@@ -3695,7 +3702,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||
+    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__is_place(screen->centre) ||
         !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
         return -(int)DEM_BAD_ARGUMENT;
     if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;
@@ -5516,7 +5523,7 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
     probe.asked.drive = DEM_PRESCRIBED;
@@ -5536,8 +5543,8 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
                                       double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
     dem__move_wall(&w->wall[wall], w->time);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
@@ -9040,6 +9047,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
+            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* whatever the law of a contact that has ended answers */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);

@@ -380,7 +380,8 @@ typedef struct granulation_sim {
     int64_t steps;
     double time;            /* [s] */
     double owed;            /* after a run that was stopped: what granules have still to move in the last step, which has consolidated and
-                               counts in time and steps [s of path]; the next run does it first. 0: nothing */
+                               counts in time, in steps only when it is whole [s of path]; the next run does it first. 0: nothing (with
+                               END_OF_STEP collisions may be left; time is then a step ahead of steps) */
     double *x, *y, *z;      /* centres [m], 0 <= x < box; [n] */
     double *vx, *vy, *vz;   /* [m/s]; [n] */
     granulation_body *body; /* [n] */
@@ -2323,6 +2324,25 @@ GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, con
     return GRANULATION_OK;
 }
 
+/* A velocity that keeps its deviate from one mean and deviation to another. */
+static inline double granulation__stretched(double v, double sign, double old_mean, double old_deviation, double mean, double deviation) {
+    return sign * mean + (v - sign * old_mean) * (deviation / old_deviation);
+}
+static inline double granulation__stream_of(const granulation_sim *sim, double v, double old_mean) {
+    return sim->def.signs != GRANULATION_SAME_SIGNS && v * old_mean < 0.0 ? -1.0 : 1.0;
+}
+
+/* Do the granules' velocities stay moderate? Not where the old deviation was next to nothing and the new one is not. */
+static inline bool granulation__can_stretch(const granulation_sim *sim, const double mean[3], const double deviation[3]) {
+    const double *velocity[3] = {sim->vx, sim->vy, sim->vz}, *old_mean = sim->def.velocity_mean, *old = sim->def.velocity_deviation;
+    for (int i = 0; i < sim->n; i++)
+        for (int k = 0; k < 3; k++) {
+            const double v = velocity[k][i], sign = granulation__stream_of(sim, v, old_mean[k]);
+            if (old[k] > 0.0 && !(fabs(granulation__stretched(v, sign, old_mean[k], old[k], mean[k], deviation[k])) < 1e100)) return false;
+        }
+    return true;
+}
+
 GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
                                                             bool redraw) {
     if (!sim || !mean || !deviation) return GRANULATION_BAD_ARGUMENT;
@@ -2331,6 +2351,7 @@ GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim
     double old_mean[3], old_deviation[3];
     memcpy(old_mean, sim->def.velocity_mean, sizeof old_mean);
     memcpy(old_deviation, sim->def.velocity_deviation, sizeof old_deviation);
+    if (!redraw && !granulation__can_stretch(sim, mean, deviation)) return GRANULATION_BAD_ARGUMENT;
     memcpy(sim->def.velocity_mean, mean, sizeof old_mean);
     memcpy(sim->def.velocity_deviation, deviation, sizeof old_deviation);
     double *velocity[3] = {sim->vx, sim->vy, sim->vz};
@@ -2339,10 +2360,10 @@ GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim
         granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
         if (redraw || !(old_deviation[0] > 0.0 && old_deviation[1] > 0.0 && old_deviation[2] > 0.0)) granulation__draw_velocity(sim, fresh);
         for (int k = 0; k < 3; k++) {
-            double v = velocity[k][i], sign = sim->def.signs != GRANULATION_SAME_SIGNS && v * old_mean[k] < 0.0 ? -1.0 : 1.0;
+            double v = velocity[k][i], sign = granulation__stream_of(sim, v, old_mean[k]);
             velocity[k][i] = redraw || !(old_deviation[k] > 0.0)
                                  ? fresh[k]
-                                 : sign * mean[k] + (v - sign * old_mean[k]) * (deviation[k] / old_deviation[k]);
+                                 : granulation__stretched(v, sign, old_mean[k], old_deviation[k], mean[k], deviation[k]);
         }
         granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
     }

@@ -284,6 +284,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
+            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* whatever the law of a contact that has ended answers */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);

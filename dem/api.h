@@ -40,7 +40,8 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
 /* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. */
+/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. DEM_BAD_ARGUMENT also where they would
+   make accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
 /* Takes particle i out, and with it the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
@@ -188,8 +189,9 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
 /* ---- running ---- */
 
 /* Advances by duration [s] (to the nearest step; remainders carry over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has), DEM_OUT_OF_MEMORY, DEM_NOT_FINITE and DEM_TOO_FAST
-   (world->failed_id names the particle, world->step the step; the world can be read, saved and freed). */
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION (def.threads; a sphere wider than
+   1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_OUT_OF_MEMORY, and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names
+   the particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* The same with a law of your own: kernel is what DEM_KERNEL made of it; it must outlive the world. Besides the statuses of dem_run:
    DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */

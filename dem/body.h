@@ -165,8 +165,8 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
         return DEM_BAD_ARGUMENT;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite(centres[3 * k]) || !dem__finite(centres[3 * k + 1]) ||
-            !dem__finite(centres[3 * k + 2]))
+        const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
             return DEM_BAD_ARGUMENT;
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
@@ -359,7 +359,9 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__finite_vec(force) || !dem__finite_vec(torque)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
+        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
+        return DEM_BAD_ARGUMENT;
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};

@@ -65,6 +65,8 @@ static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX;
 /* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
+/* Places: squares of distances stay finite. */
+static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
 /* Are the numbers of a law within what a world has room for? */
 static inline int dem__is_law(const dem_law *law) {

@@ -84,7 +84,7 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__finite_vec(centre)) return DEM_BAD_ARGUMENT;
+    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->asked.drive != DEM_PRESCRIBED) probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
     probe.asked.drive = DEM_PRESCRIBED;
@@ -104,8 +104,8 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
                                       double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__finite_vec(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__positive(inertia) || !dem__finite(load) || !dem__not_negative(damping))
+    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__positive(inertia) || !dem__moderate(load / inertia) || !(damping >= 0.0 && dem__moderate(damping / inertia)))
         return DEM_BAD_ARGUMENT;
     dem__move_wall(&w->wall[wall], w->time);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);

@@ -283,7 +283,8 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended;         /* 1: the contact is over and its state may be dropped; else 0 (a double, to keep vectors of one kind) */
+    double ended;         /* 1: the contact is over, its state may be dropped and its forces end with this step; else 0 (a double, to keep
+                             vectors of one kind) */
 } dem_response;
 
 /* Everything that a law may need when a contact is born. */

@@ -41,7 +41,7 @@ static inline int dem__add_flat(dem_world *w, int kind, int material, dem_vec po
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(normal))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(normal))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, normal, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -59,7 +59,7 @@ static inline int dem__add_round(dem_world *w, int kind, int material, dem_vec p
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!w || material < 0 || material >= w->def.materials || !dem__finite_vec(point) || !dem__finite_vec(axis) || !dem__positive(radius))
+    if (!w || material < 0 || material >= w->def.materials || !dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius))
         return -(int)DEM_BAD_ARGUMENT;
     if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0))) return -(int)DEM_BAD_ARGUMENT;
     wall.kind = kind;
@@ -101,8 +101,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__finite_vec(cone->low) ||
-        !dem__finite_vec(cone->high))
+    if (!world || !world->def.allocator.fn || !cone || material < 0 || material >= world->def.materials || !dem__is_place(cone->low) ||
+        !dem__is_place(cone->high))
         return -(int)DEM_BAD_ARGUMENT;
     const dem_vec axis = dem__sub(cone->high, cone->low);
     if (!dem__not_negative(cone->low_radius) || !dem__not_negative(cone->high_radius) ||
@@ -140,7 +140,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     if (dem__is_running(world)) return -(int)DEM_BUSY;
     dem_wall wall;
     memset(&wall, 0, sizeof wall);
-    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__finite_vec(screen->centre) ||
+    if (!world || !screen || material < 0 || material >= world->def.materials || !dem__is_place(screen->centre) ||
         !dem__finite_vec(screen->normal) || !dem__finite_vec(screen->direction))
         return -(int)DEM_BAD_ARGUMENT;
     if (screen->profile != DEM_ROUND && screen->profile != DEM_SEMICIRCLE) return -(int)DEM_BAD_ARGUMENT;

@@ -439,7 +439,7 @@ static void test_bad_input(void **state) {
         assert_int_equal(dem_count_in_cells(&w, &c, 0, a, b), wanted);
     }
     const dem_cells wide = {{-1.7e308, -1, -1}, {1.7e308, 1, 1}, {3, 1, 1}, {0, 0, 0}}; /* a length that is no number */
-    add(&w, v3(1e308, 0, 0), 0.01, 0);
+    add(&w, v3(1e149, 0, 0), 0.01, 0);
     dem_count_in_cells(&w, &wide, 0, a, b);
     const dem_cells c = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 0, 0}};
     assert_int_equal(dem_coarse_grain(&w, NULL, field), DEM_BAD_ARGUMENT);

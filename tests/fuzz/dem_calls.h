@@ -1,0 +1,342 @@
+/* dem_calls.h: one public call of dem.h with numbers that are drawn beforehand, so that several worlds can be given the same one. */
+#ifndef RIDDLE_FUZZ_DEM_CALLS_H
+#define RIDDLE_FUZZ_DEM_CALLS_H
+
+#include "../dem_scenes.h"
+#include "../failing_allocator.h"
+#include "programs.h"
+
+#define HALF 0.015    /* of the part of space where things are put [m] */
+#define SMALLEST 2e-3 /* diameter [m] */
+#define LARGEST 6e-3
+#define MOST_SPHERES 48 /* that a program has at a time, about: no more are asked for */
+
+/* ---- laws of a host's own: one with other states and with hooks, and one for links ---- */
+
+/* What the hooks ask of a world that runs; what changes it must be refused. */
+static void try_to_change(dem_world *w) {
+    const double at[3] = {0.0, 0.0, 0.0}, d = 1e-3;
+    dem_region all = dem_sphere_region(dem_vec3(0, 0, 0), 1.0);
+    dem_feed feed = dem_default_feed();
+    const dem_status refused[] = {dem_add_spheres(w, 1, at, &d, 0, 0),
+                                  dem_set_motion(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0)),
+                                  dem_set_load(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0)),
+                                  dem_remove(w, 0),
+                                  dem_set_gravity(w, dem_vec3(0, 0, 0)),
+                                  dem_set_time_step(w, 1e-6),
+                                  dem_set_pair(w, 0, 0, dem_pair(&w->def, 0, 0)),
+                                  dem_vibrate(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), 0.0),
+                                  dem_move(w, 0, dem_vec3(0, 0, 0)),
+                                  dem_set_belt(w, 0, dem_vec3(0, 0, 0)),
+                                  dem_enable_wall(w, 0, 1),
+                                  dem_fill(w, &feed, 1),
+                                  dem_run(w, 1e-5, DEM_LINEAR),
+                                  (dem_status)-dem_add_box(w, 0, dem_vec3(0, 0, 0), dem_vec3(1, 1, 1)),
+                                  (dem_status)-dem_add_plane(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)),
+                                  (dem_status)-dem_take_passed(w, NULL, 1),
+                                  (dem_status)-dem_remove_region(w, &all)};
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) FUZZ_HOLDS(refused[k] == DEM_BUSY);
+    dem_free(w);
+}
+
+enum { STICKY_STATES = 5 };
+DEM_INLINE void sticky_force(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear_friction(c, state, r);
+    state[3] += c->dt; /* age of the contact [s] */
+    r->normal -= 1e-4;
+}
+static void sticky_born(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user) {
+    (void)user;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_contact_info c = dem_get_contact(w, slots[k]);
+        c.state[4] = (double)w->id[c.i];
+        dem_set_contact_state(w, slots[k], c.state);
+    }
+    try_to_change(w);
+}
+static void sticky_ended(dem_world *w, int32_t slot, void *user) {
+    (void)user;
+    FUZZ_HOLDS(dem_get_contact(w, slot).state[3] >= 0.0);
+}
+static const dem_law sticky = {"sticky",     1,           STICKY_STATES, 4, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                               sticky_force, sticky_born, sticky_ended};
+DEM_KERNEL(sticky_kernel, sticky, DEM_LINEAR | DEM_FRICTION)
+
+static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, NULL};
+DEM_LINK_KERNEL(spring_kernel, spring)
+
+static void swing(void *user, double time, dem_pose *pose) {
+    (void)user;
+    pose->shift = dem_vec3(1e-3 * riddle_sin(300.0 * time), 0.0, 2e-3 * riddle_sin(200.0 * time));
+    pose->turn = dem_vec3(0.1 * riddle_sin(100.0 * time), 0.0, 2.0 * time);
+}
+
+/* ---- calls ---- */
+
+enum {
+    ADD_SPHERES,
+    SET_MOTION,
+    SET_LOAD,
+    REMOVE,
+    REMOVE_REGION,
+    FILL,
+    FILL_MASS,
+    FEED_NUMBER,
+    FEED_MASS,
+    TAKE_PASSED,
+    ADD_PLANE,
+    ADD_CYLINDER,
+    ADD_SPHERE_WALL,
+    ADD_CONE,
+    ADD_SCREEN,
+    ADD_BOX,
+    ADD_MESH,
+    ADD_EXIT,
+    VIBRATE,
+    MOVE,
+    ROTATE,
+    PRESCRIBE,
+    CONTROL_FORCE,
+    CONTROL_TORQUE,
+    SET_BELT,
+    ENABLE_WALL,
+    SET_GRAVITY,
+    SET_PAIR,
+    SET_TIME_STEP,
+    SET_LINKS,
+    ADD_LINK,
+    RUN,
+    RUN_LAW,
+    CALLS
+};
+
+enum { NUMBERS = 16, PICKS = 4 };
+typedef struct call {
+    int kind;
+    double u[NUMBERS]; /* uniform in 0 .. 1 */
+    int pick[PICKS];   /* any non-negative number */
+    int odd;           /* that number is `value` instead; NUMBERS + k: pick k is -1 - pick; -1: none */
+    double value;
+    int most_steps; /* of a run */
+} call;
+
+static call draw_call(fuzz_draws *d, int kind, int hostile) {
+    call c;
+    c.kind = kind;
+    for (int k = 0; k < NUMBERS; k++) c.u[k] = fuzz_uniform(d);
+    for (int k = 0; k < PICKS; k++) c.pick[k] = fuzz_one_of(d, 1 << 20);
+    c.odd = -1, c.value = 0.0, c.most_steps = 1500;
+    if (hostile) c.odd = fuzz_one_of(d, NUMBERS + PICKS), c.value = fuzz_hostile_number(d);
+    return c;
+}
+
+/* Number k of a call, between low and high if it is not an odd one. */
+static double number(const call *c, int k, double low, double high) { return c->odd == k ? c->value : low + (high - low) * c->u[k]; }
+/* The same, evenly in its logarithm. */
+static double decade(const call *c, int k, double low, double high) {
+    return c->odd == k ? c->value : low * riddle_exp(riddle_log(high / low) * c->u[k]);
+}
+static dem_vec vector(const call *c, int k, double size) {
+    dem_vec v;
+    v.x = number(c, k, -size, size), v.y = number(c, k + 1, -size, size), v.z = number(c, k + 2, -size, size);
+    return v;
+}
+/* One of n, or in an odd call none of them. */
+static int pick(const call *c, int k, int n) {
+    return c->odd == NUMBERS + k ? (c->pick[k] % 2 ? -1 - c->pick[k] : n + c->pick[k]) : n > 0 ? c->pick[k] % n : 0;
+}
+
+/* A world with what its host keeps beside it. */
+typedef struct side {
+    dem_world w;
+    failing_allocator memory;
+    dem_feed feed;
+    int threads, backwards; /* given again after loading */
+    int links;              /* have they a law? */
+    double interval, near;
+} side;
+
+/* The array index of the sphere picked among those present: a save closes the gaps of those that are gone. -1: there is none. */
+static ptrdiff_t sphere(const side *s, const call *c, int k) {
+    ptrdiff_t present = 0;
+    for (ptrdiff_t i = 0; i < s->w.count; i++) present += s->w.alive[i] == DEM_PRESENT;
+    if (c->odd == NUMBERS + k) return c->pick[k] % 2 ? -1 - c->pick[k] : s->w.count + c->pick[k];
+    ptrdiff_t nth = present ? c->pick[k] % present : -1;
+    for (ptrdiff_t i = 0; i < s->w.count && present; i++) {
+        if (s->w.alive[i] == DEM_PRESENT && nth-- == 0) return i;
+    }
+    return -1;
+}
+static ptrdiff_t spheres_present(const dem_world *w) {
+    ptrdiff_t n = 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) n += w->alive[i] == DEM_PRESENT;
+    return n;
+}
+
+static dem_region region_of(const call *c) {
+    const dem_vec x = vector(c, 0, HALF);
+    const double size = number(c, 3, 0.0, HALF);
+    switch (pick(c, 0, 3)) {
+    case 0: return dem_sphere_region(x, size);
+    case 1: return dem_cylinder_region(x, vector(c, 4, 1.0), size, number(c, 7, 0.0, HALF));
+    default: return dem_box_region(x, dem_vec3(x.x + size, x.y + number(c, 7, 0.0, HALF), x.z + number(c, 8, 0.0, HALF)));
+    }
+}
+
+static dem_sizes sizes_of(const call *c) {
+    const double largest = number(c, 9, 3e-3, LARGEST), smallest = number(c, 10, 1.0, 3e-3 / SMALLEST) * SMALLEST;
+    const double list[3] = {largest, smallest, number(c, 11, SMALLEST, LARGEST)}, share[3] = {1.0, number(c, 12, 0.0, 1.0), 0.5};
+    switch (pick(c, 1, 5)) {
+    case 0: return dem_one_size(largest);
+    case 1: return dem_size_list(3, list, share, c->pick[2] % 2);
+    case 2: return dem_uniform_sizes(smallest, largest, c->pick[2] % 2);
+    case 3: return dem_lognormal_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.1, 1.0), smallest, largest, c->pick[2] % 2);
+    default: return dem_rosin_rammler_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.5, 8.0), smallest, largest, c->pick[2] % 2);
+    }
+}
+
+static void set_feed(dem_feed *feed, const call *c) {
+    feed->region = region_of(c);
+    feed->sizes = sizes_of(c);
+    feed->material = c->pick[3] % 2;
+    feed->velocity = dem_vec3(0.0, 0.0, number(c, 13, -0.3, 0.0));
+    feed->scatter = dem_vec3(number(c, 14, 0.0, 0.2), 0.1, 0.0);
+    feed->tries = 50;
+}
+
+static int add_mesh(dem_world *w, const call *c) {
+    enum { CORNERS = 4, FACES = 4 };
+    static const int32_t closed[3 * FACES] = {0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2};
+    double vertex[3 * CORNERS];
+    int32_t triangle[3 * FACES];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    for (int k = 0; k < 3 * CORNERS; k++) vertex[k] = number(c, k, -HALF, HALF);
+    memcpy(triangle, closed, sizeof closed);
+    triangle[c->pick[1] % (3 * FACES)] = pick(c, 2, CORNERS);
+    mesh.vertices = CORNERS, mesh.vertex = vertex, mesh.triangles = 1 + c->pick[3] % FACES, mesh.triangle = triangle;
+    return dem_add_mesh(w, pick(c, 0, 2), &mesh);
+}
+
+static int add_wall(dem_world *w, const call *c) {
+    const dem_vec x = vector(c, 0, HALF), n = vector(c, 3, 1.0);
+    const double size = number(c, 6, 2e-3, HALF);
+    const int material = pick(c, 0, 2);
+    dem_screen screen = dem_default_screen();
+    dem_cone cone = dem_default_cone();
+    switch (c->kind) {
+    case ADD_PLANE: return dem_add_plane(w, material, x, n);
+    case ADD_CYLINDER: return dem_add_cylinder(w, material, x, n, size, c->pick[1] % 2);
+    case ADD_SPHERE_WALL: return dem_add_sphere_wall(w, material, x, size, c->pick[1] % 2);
+    case ADD_EXIT: return dem_add_exit(w, dem__scale(HALF, n), dem__scale(-1.0, n));
+    case ADD_MESH: return add_mesh(w, c);
+    case ADD_BOX: return dem_add_box(w, material, x, dem_vec3(x.x + size, x.y + number(c, 7, 1e-3, HALF), x.z + number(c, 8, 1e-3, HALF)));
+    case ADD_CONE:
+        cone.low = x, cone.high = vector(c, 7, HALF), cone.low_radius = size, cone.high_radius = number(c, 10, 0.0, HALF);
+        return dem_add_cone(w, material, &cone);
+    default:
+        screen.aperture = number(c, 7, 2e-3, 8e-3), screen.wire = number(c, 8, 1e-3, 3e-3);
+        screen.half_x = size, screen.half_y = number(c, 9, 5e-3, HALF), screen.circular = c->pick[1] % 2;
+        screen.profile = c->pick[2] % 2 ? DEM_ROUND : DEM_SEMICIRCLE;
+        screen.centre = x, screen.normal = n, screen.direction = vector(c, 10, 1.0);
+        return dem_add_screen(w, material, &screen);
+    }
+}
+
+static dem_status move_wall(dem_world *w, const call *c) {
+    const int wall = pick(c, 0, w->walls);
+    const dem_vec centre = vector(c, 0, HALF), axis = vector(c, 3, 1.0), small = vector(c, 6, 5e-4);
+    switch (c->kind) {
+    case VIBRATE: return dem_vibrate(w, wall, small, vector(c, 9, 3.0), number(c, 12, 0.0, 80.0));
+    case MOVE: return dem_move(w, wall, vector(c, 6, 0.2));
+    case ROTATE: return dem_rotate(w, wall, centre, axis, number(c, 6, -10.0, 10.0));
+    case PRESCRIBE: return dem_prescribe(w, wall, centre, swing, NULL);
+    case CONTROL_FORCE: return dem_control_force(w, wall, axis, decade(c, 6, 1e-2, 1.0), number(c, 7, -0.5, 0.5), number(c, 8, 0.0, 1.0));
+    case CONTROL_TORQUE:
+        return dem_control_torque(w, wall, centre, axis, decade(c, 6, 1e-6, 1e-4), number(c, 7, -1e-4, 1e-4), number(c, 8, 0.0, 1e-4));
+    case SET_BELT: return dem_set_belt(w, wall, vector(c, 6, 0.3));
+    default: return dem_enable_wall(w, wall, c->pick[1] % 2);
+    }
+}
+
+/* Some spheres anywhere: in walls, in each other, on one point. */
+static dem_status add_spheres(dem_world *w, const call *c) {
+    const int n = 1 + c->pick[1] % 5;
+    double centre[15], diameter[5];
+    for (int k = 0; k < n; k++) {
+        const int same = k > 0 && c->pick[2] % 7 == 0;
+        for (int a = 0; a < 3; a++)
+            centre[3 * k + a] = same ? centre[a] : number(c, (3 * k + a) % 12, -HALF, HALF) * (a == k % 3 ? -1.0 : 1.0);
+        diameter[k] = number(c, 12 + k % 3, SMALLEST, LARGEST);
+    }
+    return dem_add_spheres(w, n, centre, diameter, pick(c, 0, 2), c->pick[3] % 3);
+}
+
+static dem_status set_pair(dem_world *w, const call *c) {
+    dem_pair_def p = *dem_pair(&w->def, 0, 0);
+    p.stiffness = decade(c, 0, 200.0, 1000.0), p.tangential_ratio = number(c, 1, 0.0, 1.0), p.restitution = number(c, 2, 0.2, 1.0);
+    p.friction = number(c, 3, 0.0, 1.0), p.rolling = number(c, 4, 0.0, 1e-4), p.tangential_damping = number(c, 5, 0.0, 0.5);
+    p.mode = (dem_restitution)pick(c, 2, 2);
+    return dem_set_pair(w, pick(c, 0, 2), pick(c, 1, 2), &p);
+}
+
+static dem_status set_links(side *s, const call *c) {
+    const double interval = decade(c, 0, 5e-6, 1e-4), near = c->pick[0] % 2 ? 0.0 : number(c, 1, 0.0, 1e-6);
+    const dem_status status = dem_set_links(&s->w, &spring_kernel, interval, near);
+    if (status == DEM_OK) s->links = 1, s->interval = interval, s->near = near;
+    return status;
+}
+static dem_status add_link(side *s, const call *c) {
+    const double state[SPRING_STATES] = {number(c, 0, 0.0, 2.0), number(c, 1, 1e-3, 8e-3), number(c, 2, 0.0, 1e-3)};
+    const ptrdiff_t i = sphere(s, c, 0), j = c->pick[2] % 4 && s->w.walls ? sphere(s, c, 1) : -1 - pick(c, 1, s->w.walls);
+    return dem_add_link(&s->w, i, j, 0, state);
+}
+
+static dem_status run_for(dem_world *w, double duration, int features, int own_law) {
+    return own_law ? dem_run_law(w, duration, &sticky_kernel) : dem_run(w, duration, features);
+}
+
+static int features_of(const call *c) {
+    static const int named[] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING,
+                                DEM_HERTZ,  DEM_HERTZ | DEM_FRICTION,  DEM_HERTZ | DEM_FRICTION | DEM_ROLLING};
+    if (c->odd == NUMBERS) return c->pick[0];
+    return named[c->pick[0] % 6] | (c->pick[1] % 2 ? DEM_ENERGY : 0);
+}
+/* 1e-4 .. 1e-2 s, or an odd one; but of a legal one no more steps than a program has time for. */
+static double duration_of(const side *s, const call *c) {
+    const double wanted = decade(c, 0, 1e-4, 1e-2), most = c->most_steps * s->w.def.dt;
+    return wanted > most && wanted < 1e16 * s->w.def.dt ? most : wanted;
+}
+
+static dem_status apply_call(side *s, const call *c) {
+    dem_world *w = &s->w;
+    if (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) {
+        const int wall = add_wall(w, c);
+        return wall >= 0 ? DEM_OK : (dem_status)-wall;
+    }
+    if (c->kind >= VIBRATE && c->kind <= ENABLE_WALL) return move_wall(w, c);
+    if (c->kind >= FILL && c->kind <= FEED_MASS) set_feed(&s->feed, c);
+    const dem_region region = region_of(c);
+    ptrdiff_t n = 0;
+    switch (c->kind) {
+    case ADD_SPHERES: return add_spheres(w, c);
+    case SET_MOTION: return dem_set_motion(w, sphere(s, c, 0), vector(c, 0, 0.3), vector(c, 3, 50.0));
+    case SET_LOAD: return dem_set_load(w, sphere(s, c, 0), vector(c, 0, 1e-3), vector(c, 3, 1e-7));
+    case REMOVE: return dem_remove(w, sphere(s, c, 0));
+    case REMOVE_REGION: n = dem_remove_region(w, &region); break;
+    case FILL: return dem_fill(w, &s->feed, c->odd == NUMBERS + 3 ? (c->pick[3] % 2 ? -1 : PTRDIFF_MAX / 2) : c->pick[3] % 12);
+    case FILL_MASS: return dem_fill_mass(w, &s->feed, number(c, 15, 0.0, 4e-4));
+    case FEED_NUMBER: return dem_feed_number(w, &s->feed, number(c, 15, 0.0, 1e3), 5e-3);
+    case FEED_MASS: return dem_feed_mass(w, &s->feed, number(c, 15, 0.0, 0.1), 5e-3);
+    case TAKE_PASSED: n = dem_take_passed(w, NULL, pick(c, 0, 100)); break;
+    case SET_GRAVITY: return dem_set_gravity(w, vector(c, 0, 20.0));
+    case SET_PAIR: return set_pair(w, c);
+    case SET_TIME_STEP: return dem_set_time_step(w, decade(c, 0, 2e-6, 6e-6));
+    case SET_LINKS: return set_links(s, c);
+    case ADD_LINK: return add_link(s, c);
+    default: return run_for(w, duration_of(s, c), features_of(c), c->kind == RUN_LAW);
+    }
+    return n >= 0 ? DEM_OK : (dem_status)-n;
+}
+
+#endif

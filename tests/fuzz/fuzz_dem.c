@@ -1,0 +1,329 @@
+/* Any program of public calls of dem.h, legal and not. Two worlds get the same calls: they skip other things, share their tasks otherwise,
+   run out of memory at other places, and now and then one is thrown away for what the other saves. What must hold:
+   - both answer the same, with a status that the call documents, and a refused call changes nothing;
+   - both end with the same bits: hash, ledger, time, records of exits;
+   - readers and saves change nothing;
+   - a run within the advised time step closes the ledger; energies are numbers whenever a run says ok;
+   - what the world holds is bounded by the spheres and walls that it has had at a time. */
+#include "dem_calls.h"
+
+#define LEDGER_TOLERANCE 0.02 /* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
+#define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
+#define FAST 1.0
+
+/* ---- what a call may answer ---- */
+
+static int is_documented(const call *c, dem_status status, int memory_failed) {
+    const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
+    const int adds = c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT);
+    switch (status) {
+    case DEM_OK: return 1;
+    case DEM_BAD_ARGUMENT: return 1;
+    case DEM_OUT_OF_MEMORY: return memory_failed;
+    case DEM_TOO_MANY: return adds;
+    case DEM_LAW_MISMATCH: return runs || c->kind == SET_LINKS;
+    case DEM_NOT_FINITE:
+    case DEM_TOO_FAST:
+    case DEM_BAD_DEFINITION: return runs;
+    default: return 0;
+    }
+}
+
+/* Calls that have what they need and no odd number are legal: they must succeed, whatever happened before. */
+static int must_succeed(const side *s, const call *c) {
+    const int of_wall = c->kind >= VIBRATE && c->kind <= ENABLE_WALL;
+    const int of_sphere = c->kind == SET_MOTION || c->kind == SET_LOAD || c->kind == REMOVE;
+    if (c->odd >= 0 || c->kind == ADD_LINK || c->kind == SET_LINKS || c->kind == RUN || c->kind == RUN_LAW) return 0;
+    if (of_wall) return s->w.walls > 0;
+    if (of_sphere) return spheres_present(&s->w) > 0;
+    return !(c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) && !(c->kind >= FILL && c->kind <= FEED_MASS);
+}
+
+/* ---- comparing ---- */
+
+static void mix_energy(uint64_t *hash, const dem_energy_ledger *l) {
+    const double *sum = &l->kinetic;
+    for (size_t k = 0; k < sizeof *l / sizeof *sum; k++) fuzz_mix_number(hash, sum[k]);
+}
+static uint64_t digest(const dem_world *w) {
+    uint64_t hash = dem_hash(w);
+    const dem_energy_ledger ledger = dem_energy(w);
+    mix_energy(&hash, &ledger);
+    fuzz_mix_number(&hash, w->time), fuzz_mix_number(&hash, w->owed);
+    fuzz_mix_bits(&hash, (uint64_t)w->step), fuzz_mix_bits(&hash, (uint64_t)w->passed_total);
+    fuzz_mix_bits(&hash, (uint64_t)dem_contact_count(w)), fuzz_mix_bits(&hash, (uint64_t)dem_link_count(w));
+    fuzz_mix_bits(&hash, (uint64_t)spheres_present(w));
+    for (ptrdiff_t k = 0; k < w->passed_count; k++) fuzz_mix_bits(&hash, w->passed[k].id), fuzz_mix_number(&hash, w->passed[k].time);
+    return hash;
+}
+
+/* In a trace: in what two worlds differ. */
+static void tell_difference(const dem_world *a, const dem_world *b) {
+    const dem_energy_ledger ledger[2] = {dem_energy(a), dem_energy(b)};
+    fprintf(stderr, "a: hash %016llx step %lld contacts %ld; b: hash %016llx step %lld contacts %ld\n", (unsigned long long)dem_hash(a),
+            (long long)a->step, (long)dem_contact_count(a), (unsigned long long)dem_hash(b), (long long)b->step,
+            (long)dem_contact_count(b));
+    for (size_t k = 0; k < sizeof ledger[0] / sizeof(double); k++) {
+        const double x = (&ledger[0].kinetic)[k], y = (&ledger[1].kinetic)[k];
+        if (x != y) fprintf(stderr, "ledger, number %d: %.17g %.17g\n", (int)k, x, y);
+    }
+}
+
+static unsigned char *saved(const dem_world *w, size_t *size) {
+    *size = dem_save(w, NULL, 0);
+    unsigned char *bytes = (unsigned char *)malloc(*size);
+    FUZZ_HOLDS(*size > 0 && bytes);
+    memset(bytes, 0xEE, *size);
+    FUZZ_HOLDS(dem_save(w, bytes, *size - 1) == *size && bytes[0] == 0xEE); /* too small: nothing is written */
+    FUZZ_HOLDS(dem_save(w, bytes, *size) == *size);
+    return bytes;
+}
+
+/* Every reader, with what is there and what is not. */
+static void read_all(const dem_world *w, const call *c) {
+    enum { CELLS = 8, BINS = 5 };
+    const dem_region region = region_of(c);
+    dem_measure measure;
+    dem_field field[CELLS];
+    dem_cells cells = {{-HALF, -HALF, -HALF}, {HALF, HALF, HALF}, {2, 2, 2}, {1e-3, 0.0, 2e-3}};
+    double bins[BINS], of_group[CELLS], of_all[CELLS], entered[4], stayed[4] = {0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < 4; k++) entered[k] = (double)NAN;
+    for (ptrdiff_t i = -1; i <= w->count; i++) dem_position(w, i), dem_velocity(w, i);
+    for (ptrdiff_t k = -1; k <= dem_contact_count(w); k++) dem_get_contact(w, k);
+    for (ptrdiff_t k = -1; k <= dem_link_count(w); k++) dem_get_link(w, k);
+    for (int k = -1; k <= w->walls; k++) dem_count_apertures(w, k);
+    dem_find_link(w, c->pick[0] % 64, c->pick[1] % 64, 0), dem_find_link(w, -1, -100, -1);
+    dem_momentum(w), dem_advise(w, features_of(c), number(c, 9, 0.1, 1.0)), dem_unlike_contacts(w, c->pick[0] % 3);
+    dem_measure_region(w, &region, &measure);
+    cells.low.x = number(c, 10, -HALF, 0.0), cells.width[1] = number(c, 11, 0.0, 1e-3);
+    dem_coarse_grain(w, &cells, field);
+    dem_count_in_cells(w, &cells, 0, of_group, of_all);
+    dem_histogram(w, c->pick[1] % 2 ? DEM_CONTACT_FORCE : DEM_CONTACT_OVERLAP, 0.0, number(c, 12, 1e-4, 1e-2), BINS, bins);
+    dem_residence(w, &region, 4, entered, stayed);
+    dem_mixing_of(CELLS, of_group, of_all);
+}
+
+static void readers_change_nothing(const side *s, const call *c) {
+    size_t size[2];
+    unsigned char *bytes[2] = {saved(&s->w, &size[0]), NULL};
+    const int calls = s->memory.calls;
+    read_all(&s->w, c);
+    bytes[1] = saved(&s->w, &size[1]);
+    FUZZ_HOLDS(size[0] == size[1] && memcmp(bytes[0], bytes[1], size[0]) == 0 && s->memory.calls == calls);
+    free(bytes[0]), free(bytes[1]);
+}
+
+/* ---- worlds ---- */
+
+/* The host's threads: each task in turn, the last first. */
+static void run_backwards(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    (void)user;
+    for (int k = tasks; k-- > 0;) task(context, k);
+}
+static void set_threads(side *s) {
+    s->w.def.threads = s->threads;
+    s->w.def.parallel = s->backwards ? run_backwards : NULL;
+}
+
+static dem_def draw_def(fuzz_draws *d) {
+    dem_def def = scene_def(fuzz_one_of(d, 2) ? 4e-6 : 5e-6);
+    for (int a = 0; a < 2; a++) {
+        for (int b = a; b < 2; b++) dem_pair(&def, a, b)->stiffness = 600.0 + 200.0 * (a + b);
+    }
+    def.material[1].young_modulus = 5e7;
+    def.gravity = fuzz_one_of(d, 4) ? dem_vec3(1.0, 0.0, -9.81) : dem_vec3(0, 0, 0);
+    def.skin = 0.05 + fuzz_uniform(d);
+    for (int a = 0; a < 3; a++) def.periodic[a] = fuzz_one_of(d, 5) == 0;
+    def.low = dem_vec3(-HALF, -HALF, -HALF), def.high = dem_vec3(HALF, HALF, HALF);
+    return def;
+}
+
+static void begin(side *s, const dem_def *def, int skip, int threads, int backwards) {
+    dem_def own = *def;
+    memset(s, 0, sizeof *s);
+    failing_init(&s->memory);
+    own.allocator.fn = failing_fn, own.allocator.user = &s->memory;
+    own.skip = skip;
+    s->threads = threads, s->backwards = backwards;
+    s->feed = dem_default_feed();
+    FUZZ_HOLDS(dem_init(&s->w, &own, NULL) == DEM_OK);
+    set_threads(s);
+}
+static void end(side *s) {
+    dem_free(&s->w);
+    FUZZ_HOLDS(failing_live(&s->memory) == 0);
+}
+
+/* What `of` saves takes the place of `s`, in the memory of s. */
+static void load_in_place(side *s, const side *of) {
+    size_t size;
+    unsigned char *bytes = saved(&of->w, &size);
+    dem_allocator hook;
+    hook.fn = failing_fn, hook.user = &s->memory;
+    end(s);
+    FUZZ_HOLDS(dem_load(&s->w, bytes, size, &hook) == DEM_OK);
+    free(bytes);
+    set_threads(s);
+    s->feed = of->feed, s->links = of->links, s->interval = of->interval, s->near = of->near;
+    for (int k = 0; k < s->w.walls; k++) {
+        if (s->w.wall[k].asked.drive != DEM_PRESCRIBED) continue;
+        FUZZ_HOLDS(dem_run(&s->w, 0.0, DEM_LINEAR) == DEM_NO_MOTION);
+        FUZZ_HOLDS(dem_prescribe(&s->w, k, s->w.wall[k].asked.spin_centre, swing, NULL) == DEM_OK);
+    }
+    if (s->links) FUZZ_HOLDS(dem_set_links(&s->w, &spring_kernel, s->interval, s->near) == DEM_OK);
+}
+
+/* ---- energy and memory ---- */
+
+/* Is the ledger to be judged? Overlaps and speeds are moderate, the step is short enough, and nobody comes out of a wall on the other
+   side of a periodic box. */
+static int is_tame(const dem_world *w, int features) {
+    if (!(w->def.dt <= dem_advise(w, features, FAST).advised)) return 0;
+    for (int a = 0; a < 3; a++) {
+        if (w->def.periodic[a] && w->walls > 0) return 0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] == DEM_PRESENT && !(dem__length(dem_velocity(w, i)) < FAST)) return 0;
+    }
+    for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
+        const dem_contact_info c = dem_get_contact(w, k);
+        const double r = w->particle[c.i].radius, least = c.j >= 0 && w->particle[c.j].radius < r ? w->particle[c.j].radius : r;
+        if (!(-c.gap < DEEP * least)) return 0;
+    }
+    return 1;
+}
+static double moved(const dem_energy_ledger *l) {
+    return l->kinetic + l->rotational + l->elastic + fabs(l->normal_loss) + fabs(l->sliding_loss) + fabs(l->rolling_loss) +
+           fabs(l->wall_work) + fabs(l->external_work) + fabs(l->link_work) + fabs(l->added) + fabs(l->removed) + l->released;
+}
+static void energies_are_numbers(const dem_energy_ledger *l) {
+    const double *sum = &l->kinetic;
+    for (size_t k = 0; k < sizeof *l / sizeof *sum; k++) FUZZ_HOLDS(fabs(sum[k]) <= DBL_MAX);
+}
+static void ledger_closes(const dem_energy_ledger *before, const dem_energy_ledger *now) {
+    const double error = fabs(now->error - before->error), scale = moved(now);
+    FUZZ_HOLDS(error <= LEDGER_TOLERANCE * scale);
+}
+
+/* Bytes that so many spheres, walls and threads need at most: see Memory in the manual of dem.h. Spheres of these sizes have at most 12
+   near pairs and 8 contacts each that begin apart; where they lie on one point each has all others. */
+typedef struct peaks {
+    ptrdiff_t spheres, walls, pairs, contacts, links, passed;
+} peaks;
+static void note_peaks(peaks *p, const dem_world *w) {
+#define NOTE(field, value) p->field = (value) > p->field ? (value) : p->field
+    NOTE(spheres, w->count), NOTE(walls, w->walls), NOTE(contacts, dem_contact_count(w)), NOTE(links, dem_link_count(w));
+    NOTE(pairs, w->engine->pairs.count), NOTE(passed, w->passed_count);
+#undef NOTE
+}
+static void memory_is_bounded(const side *s, const peaks *p) {
+    const double growth = 1.6, room = 1024.0;
+    const double spheres = (540.0 + 12.0 * (double)p->walls) * ((double)p->spheres * growth + 64.0);
+    const double others = 60.0 * ((double)p->pairs * growth + 6.0 * (double)p->spheres * growth + room) +
+                          500.0 * ((double)p->contacts * growth + 8.0 * (double)p->spheres + 256.0) +
+                          300.0 * ((double)p->links * growth + room) + 90.0 * ((double)p->passed * 3.0 + 256.0);
+    const double fixed = 200e3 + 100e3 * s->threads + 10e3 * (double)p->walls;
+    FUZZ_HOLDS((double)s->memory.live_bytes <= spheres + others + fixed);
+}
+
+/* ---- a program ---- */
+
+typedef struct program {
+    side a, b;
+    peaks most;
+    int extreme; /* an odd number was accepted: energies may be of any size */
+    int over;    /* a run has failed: the world can be read, saved and freed, no more */
+} program;
+
+/* The call with memory that fails once in it; then again, with all the memory there is. */
+static dem_status apply_short_of_memory(side *s, const call *c, int fail_at) {
+    const int runs = c->kind == RUN || c->kind == RUN_LAW;
+    const side before = *s;
+    const uint64_t was = digest(&s->w);
+    s->memory.fail_at = s->memory.calls + fail_at, s->memory.fail_count = 1;
+    dem_status status = apply_call(s, c);
+    s->memory.fail_at = -1;
+    if (status != DEM_OUT_OF_MEMORY) return status;
+    if (!runs) {
+        FUZZ_HOLDS(digest(&s->w) == was);
+        s->feed = before.feed;
+        return apply_call(s, c);
+    }
+    FUZZ_HOLDS(s->w.owed == 0.0 || s->w.step == before.w.step);
+    load_in_place(s, s);
+    return DEM_OUT_OF_MEMORY;
+}
+
+static int has_failed(dem_status s) { return s == DEM_NOT_FINITE || s == DEM_TOO_FAST; }
+
+static void try_call(program *p, fuzz_draws *d, const call *c) {
+    side *a = &p->a, *b = &p->b;
+    const int runs = c->kind == RUN || c->kind == RUN_LAW, short_of_memory = fuzz_one_of(d, 20) == 0, fail_at = fuzz_one_of(d, 6);
+    const uint64_t before = digest(&a->w);
+    const int needed = must_succeed(a, c);
+    int tame = 0;
+    if (runs) { /* contacts that are there already are found before the first step */
+        const dem_status first = run_for(&a->w, 0.0, features_of(c), c->kind == RUN_LAW);
+        const dem_status second = run_for(&b->w, 0.0, features_of(c), c->kind == RUN_LAW);
+        p->over = has_failed(first) || has_failed(second);
+        if (p->over) return;
+        FUZZ_HOLDS(first == second);
+        tame = first == DEM_OK && c->kind == RUN && (features_of(c) & DEM_ENERGY) && !p->extreme && is_tame(&a->w, features_of(c));
+    }
+    const dem_energy_ledger energy = dem_energy(&a->w);
+    const dem_status of_a = apply_call(a, c), of_b = short_of_memory && !runs ? apply_short_of_memory(b, c, fail_at) : apply_call(b, c);
+    if (fuzz_traces) {
+        fprintf(stderr, "call %2d odd %2d %g: a %d, b %d; %ld spheres, %d walls, step %lld\n", c->kind, c->odd, c->value, of_a, of_b,
+                (long)a->w.count, a->w.walls, (long long)a->w.step);
+    }
+    FUZZ_HOLDS(is_documented(c, of_a, 0) && is_documented(c, of_b, 0));
+    p->over = has_failed(of_a) || has_failed(of_b); /* how soon it is noticed that a sphere is too fast depends on the lists */
+    if (p->over) return;
+    FUZZ_HOLDS(of_a == of_b);
+    FUZZ_HOLDS(of_a == DEM_OK || !needed);
+    if (of_a != DEM_OK && !runs) FUZZ_HOLDS(digest(&a->w) == before);
+    if (of_a == DEM_OK && c->odd >= 0) p->extreme = 1;
+    if (fuzz_traces && digest(&a->w) != digest(&b->w)) tell_difference(&a->w, &b->w);
+    FUZZ_HOLDS(digest(&a->w) == digest(&b->w));
+    note_peaks(&p->most, &a->w), note_peaks(&p->most, &b->w);
+    memory_is_bounded(a, &p->most), memory_is_bounded(b, &p->most);
+    if (!runs || of_a != DEM_OK) return;
+    const dem_energy_ledger now = dem_energy(&a->w);
+    energies_are_numbers(&now);
+    if (tame && is_tame(&a->w, features_of(c))) ledger_closes(&energy, &now);
+}
+
+/* How often each call is drawn. */
+static int draw_kind(fuzz_draws *d) {
+    static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN, RUN, RUN, RUN, RUN, RUN, RUN_LAW};
+    const int n = (int)(sizeof often / sizeof *often), k = fuzz_one_of(d, CALLS + n);
+    return k < CALLS ? k : often[k - CALLS];
+}
+
+static uint64_t run_program(fuzz_draws *d) {
+    program p;
+    uint64_t hash = 0xcbf29ce484222325u;
+    memset(&p, 0, sizeof p);
+    const dem_def def = draw_def(d);
+    begin(&p.a, &def, DEM_SKIP_ALL, 1, 0);
+    begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1);
+    const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
+    for (int calls = lasts ? 10000 : 8 + fuzz_one_of(d, 24); calls > 0; calls--) {
+        const int kind = draw_kind(d), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
+        call c = draw_call(d, kind, hostile);
+        c.most_steps = lasts ? 10 : 1500;
+        const int grows = kind == ADD_SPHERES || (kind >= FILL && kind <= FEED_MASS);
+        if (grows && spheres_present(&p.a.w) > MOST_SPHERES) continue;
+        try_call(&p, d, &c);
+        if (fuzz_one_of(d, 6) == 0) readers_change_nothing(&p.a, &c);
+        if (p.over) readers_change_nothing(&p.b, &c);
+        if (p.over) break;
+        if (fuzz_one_of(d, 6) == 0) load_in_place(&p.b, &p.a);
+        fuzz_mix_bits(&hash, digest(&p.a.w));
+    }
+    fuzz_mix_bits(&hash, digest(&p.a.w));
+    end(&p.a), end(&p.b);
+    return hash;
+}
+
+FUZZ_PROGRAMS(200)
