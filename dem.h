@@ -58,6 +58,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "dem.h needs NaN and exact arithmetic: compile without -ffast-math and -ffinite-math-only"
@@ -2287,15 +2290,15 @@ typedef struct dem__links {
 typedef struct dem__field {
     int on; /* a field was set; after loading without its law */
     dem_force_field def;
-    dem__timers timers;  /* of flights: the step in which the next one begins */
-    int64_t rebuilds;    /* of the list that the timers were made for */
-    int32_t *stepping;   /* those that took the last step, */
-    ptrdiff_t steppers;  /* so many */
-    int64_t *until;      /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
+    dem__timers timers;    /* of flights: the step in which the next one begins */
+    int64_t rebuilds;      /* of the list that the timers were made for */
+    int32_t *stepping;     /* those that took the last step, */
+    ptrdiff_t steppers;    /* so many */
+    int64_t *until;        /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* there [m/s] */
-    dem_vec *force;      /* on one that takes steps, in the last one [N] */
-    double *work;        /* of the field along the flight [J] */
-    double *booked;      /* part of it that the ledger has [J] */
+    dem_vec *force;        /* on one that takes steps, in the last one [N] */
+    double *work;          /* of the field along the flight [J] */
+    double *booked;        /* part of it that the ledger has [J] */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
@@ -2316,6 +2319,12 @@ typedef struct dem__scratch {
     int32_t *index; /* of each particle */
 } dem__scratch;
 
+/* Whether OpenMP's threads pay. Written by parallel.h; no result depends on it. */
+typedef struct dem__pace {
+    double loss;              /* time lost by waiting, since it was made up for [s] */
+    double alone_until, rest; /* time until which loops run alone; for how long they last did [s] */
+} dem__pace;
+
 typedef struct dem__engine {
     dem__run run;
     dem__bodies bodies;
@@ -2325,6 +2334,7 @@ typedef struct dem__engine {
     dem__links links;
     dem__ledger ledger;
     dem__scratch scratch;
+    dem__pace pace;
     dem__field field;
 } dem__engine;
 
@@ -5628,16 +5638,57 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 /* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are.
    May be changed here alone: who runs a task. */
 
-/* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
-static inline void dem__parallel(const dem_def *def, int tasks, void (*task)(void *context, int index), void *context) {
+/* Runs the tasks of a loop one after the other. */
+static inline void dem__run_alone(int tasks, void (*task)(void *context, int index), void *context) {
+    for (int q = 0; q < tasks; q++) task(context, q);
+}
+
+#ifdef _OPENMP
+/* Where another program takes a core, threads wait for each other longer than the work takes. Books a loop that ran from start to end [s]
+   beside the time that its tasks would have taken one after the other (a task that was interrupted counts for no more than three of the
+   first, which the waiting thread did itself). After a loss of 2 ms loops run alone: for 20 ms, and for twice as long each time that
+   threads lose again soon after. */
+static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
+    double alone = 0.0;
+    for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
+    pace->loss += end - start - alone;
+    if (!(pace->loss > 0.0)) pace->loss = 0.0;
+    if (!(pace->loss > 2e-3)) return;
+    pace->rest = end > pace->alone_until + 5.0 * pace->rest ? 0.02 : 2.0 * pace->rest;
+    if (pace->rest > 2.0) pace->rest = 2.0;
+    pace->alone_until = end + pace->rest;
+    pace->loss = 0.0;
+}
+
+/* Runs the tasks of a loop on OpenMP's threads, unless these lose time. */
+static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
+    const double start = omp_get_wtime();
+    double spent[DEM__PARTS_MAX];
     int q;
+    if (start < pace->alone_until) {
+        dem__run_alone(tasks, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+    for (q = 0; q < tasks; q++) {
+        const double began = omp_get_wtime();
+        task(context, q);
+        spent[q] = omp_get_wtime() - began;
+    }
+    dem__judge_threads(pace, start, omp_get_wtime(), spent, tasks);
+}
+#endif
+
+/* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
+static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
     if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
-    else if (def->parallel) def->parallel(def->parallel_user, tasks, task, context);
+    else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
     else {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static, 1) num_threads(tasks)
+        dem__run_openmp(&w->engine->pace, tasks, task, context);
+#else
+        dem__run_alone(tasks, task, context);
 #endif
-        for (q = 0; q < tasks; q++) task(context, q);
     }
 }
 
@@ -5682,7 +5733,7 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
     split.context = context;
     split.n = n;
     split.parts = parts;
-    dem__parallel(&w->def, parts, dem__run_part, &split);
+    dem__parallel(w, parts, dem__run_part, &split);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>lists */

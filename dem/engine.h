@@ -208,15 +208,15 @@ typedef struct dem__links {
 typedef struct dem__field {
     int on; /* a field was set; after loading without its law */
     dem_force_field def;
-    dem__timers timers;  /* of flights: the step in which the next one begins */
-    int64_t rebuilds;    /* of the list that the timers were made for */
-    int32_t *stepping;   /* those that took the last step, */
-    ptrdiff_t steppers;  /* so many */
-    int64_t *until;      /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
+    dem__timers timers;    /* of flights: the step in which the next one begins */
+    int64_t rebuilds;      /* of the list that the timers were made for */
+    int32_t *stepping;     /* those that took the last step, */
+    ptrdiff_t steppers;    /* so many */
+    int64_t *until;        /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* there [m/s] */
-    dem_vec *force;      /* on one that takes steps, in the last one [N] */
-    double *work;        /* of the field along the flight [J] */
-    double *booked;      /* part of it that the ledger has [J] */
+    dem_vec *force;        /* on one that takes steps, in the last one [N] */
+    double *work;          /* of the field along the flight [J] */
+    double *booked;        /* part of it that the ledger has [J] */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
@@ -237,6 +237,12 @@ typedef struct dem__scratch {
     int32_t *index; /* of each particle */
 } dem__scratch;
 
+/* Whether OpenMP's threads pay. Written by parallel.h; no result depends on it. */
+typedef struct dem__pace {
+    double loss;              /* time lost by waiting, since it was made up for [s] */
+    double alone_until, rest; /* time until which loops run alone; for how long they last did [s] */
+} dem__pace;
+
 typedef struct dem__engine {
     dem__run run;
     dem__bodies bodies;
@@ -246,6 +252,7 @@ typedef struct dem__engine {
     dem__links links;
     dem__ledger ledger;
     dem__scratch scratch;
+    dem__pace pace;
     dem__field field;
 } dem__engine;
 
