@@ -192,11 +192,50 @@ static void test_readers_write_nothing(void **state) {
     dem_free(&w);
 }
 
+/* Threads that lose time are left alone for longer and longer, and come back. */
+static void test_threads_that_lose(void **state) {
+    (void)state;
+#ifdef _OPENMP
+    dem__pace pace;
+    const double fair[2] = {1e-4, 1e-4}, late[2] = {1e-4, 5e-3};
+    double now = 1.0, rest = 0.01;
+    memset(&pace, 0, sizeof pace);
+    for (int k = 0; k < 1000; k++) dem__judge_threads(&pace, now, now + 1.1e-4, fair, 2); /* both at once: a gain */
+    assert_true(pace.loss == 0.0 && pace.alone_until == 0.0);
+    for (int k = 0; k < 9; k++) dem__judge_threads(&pace, now, now + 4e-4, fair, 2); /* 2e-4 s lost each time */
+    assert_true(pace.loss > 1.7e-3 && pace.alone_until == 0.0);
+    dem__judge_threads(&pace, now, now + 1.1e-4, fair, 2);
+    assert_true(pace.loss < 1.8e-3);
+    for (int k = 0; k < 9; k++) { /* one long wait each time that they are tried again */
+        dem__judge_threads(&pace, now, now + 5e-3, late, 2);
+        rest = 2.0 * rest < 2.0 ? 2.0 * rest : 2.0;
+        assert_true(fabs(pace.rest - rest) < 1e-12 && fabs(pace.alone_until - (now + 5e-3 + rest)) < 1e-12);
+        now = pace.alone_until;
+    }
+    assert_true(pace.rest == 2.0);
+    now += 11.0; /* after long good times the first rest is short again */
+    dem__judge_threads(&pace, now, now + 5e-3, late, 2);
+    assert_true(fabs(pace.rest - 0.02) < 1e-12);
+    dem_world w; /* what is left alone runs all the same */
+    uint64_t hash[2];
+    for (int alone = 0; alone < 2; alone++) {
+        assert_int_equal(scene_make(&w, SCENE_DEEP, DEM_SKIP_ALL, 2, NULL), DEM_OK);
+        w.engine->pace.alone_until = alone ? HUGE_VAL : 0.0;
+        assert_int_equal(dem_run(&w, scene_duration(SCENE_DEEP) / 40, scene_features(SCENE_DEEP)), DEM_OK);
+        hash[alone] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1]);
+#else
+    skip();
+#endif
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scenes_hold),           cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
         cmocka_unit_test(test_checker_sees),          cmocka_unit_test(test_saved_goes_on),     cmocka_unit_test(test_threads_of_a_host),
-        cmocka_unit_test(test_readers_write_nothing),
+        cmocka_unit_test(test_readers_write_nothing), cmocka_unit_test(test_threads_that_lose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
