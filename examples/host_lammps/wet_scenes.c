@@ -67,7 +67,7 @@ static dem_def definition(double stiffness, double friction, double wall_frictio
 }
 
 /* The bed of benchmarks/README.md with 2 000 spheres. */
-static int bed_scene(start *s, dem_world *world, const char *folder) {
+static int bed_scene(start *s, dem_world *world, const char *folder, double amplitude) {
     static const char *const names[3] = {"x", "y", "z"};
     char path[1000], message[1200];
     csv_data data;
@@ -85,7 +85,7 @@ static int bed_scene(start *s, dem_world *world, const char *folder) {
     for (int a = 0; a < 3; a++) s->low[a] = a == 2 ? -0.01 : 0.0, s->high[a] = a == 2 ? 0.5 : 0.045;
     if (dem_init(world, &def, NULL) != DEM_OK) return common_fail("the bed cannot be made");
     const int floor_wall = dem_add_plane(world, 1, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
-    return dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, 1e-3), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), 50.6) == DEM_OK ? 0 : -1;
+    return dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), 50.6) == DEM_OK ? 0 : -1;
 }
 
 /* A drum of 60 mm, 20 mm long, periodic along its axis z, 60 turns a minute, a third full of spheres of 2.5 mm. */
@@ -150,7 +150,7 @@ static void measure(csv *file, const wet_scene *wet, const dem_world *world, int
 int main(int argc, char **argv) {
     int scene = 0;
     bool dry = false;
-    double duration = 0.1, every = 1e-3, moisture = 0.01;
+    double duration = 0.1, every = 1e-3, moisture = 0.01, amplitude = 1e-3;
     char place[600];
     const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *data = NULL;
     option options[] = {
@@ -158,6 +158,7 @@ int main(int argc, char **argv) {
         option_positive("time", "S", &duration, 1e3, "simulated time [s]"),
         option_positive("every", "S", &every, 1e3, "between two lines of the course [s]"),
         option_double("moisture", "SHARE", &moisture, 1e-4, 0.05, "mass of water over mass of spheres [-]"),
+        option_double("amplitude", "M", &amplitude, 0.0, 0.01, "of the floor of the bed [m]"),
         option_flag("dry", &dry, "without liquid: what the wet run is compared with"),
         option_string("beds", "DIR", &folder, "folder of the bed's start"),
         option_string("data", "FILE", &data, "write the start as a LAMMPS data file and run nothing"),
@@ -170,7 +171,7 @@ int main(int argc, char **argv) {
     wet_scene books;
     memset(&world, 0, sizeof world);
     memset(&books, 0, sizeof books);
-    int failed = scene ? drum_scene(&s, &world, self.seed) : bed_scene(&s, &world, folder);
+    int failed = scene ? drum_scene(&s, &world, self.seed) : bed_scene(&s, &world, folder, amplitude);
     if (!failed) start_shake(&s, self.seed);
     if (!failed && data) failed = write_data(&s, data);
     if (!failed && !data) {
