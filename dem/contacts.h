@@ -127,20 +127,25 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     b.def = &w->def;
     b.features = features;
     b.material_i = w->material[i];
-    b.radius_i = w->particle[i].radius;
+    b.radius_i = dem__touching_radius(w, i);
     if (j >= 0) {
         double other = dem__inertia(w, j);
         b.material_j = w->material[j];
-        b.radius_j = w->particle[j].radius;
+        b.radius_j = dem__touching_radius(w, j);
         b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
     } else {
         dem__touch touch;
-        dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, contacts->element[c], &touch);
+        if (dem__is_convex_contact(w, c)) dem__touch_at_place(w, c, &touch);
+        else dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, contacts->element[c], &touch);
         b.material_j = w->wall[-1 - j].material;
-        b.curvature = w->wall[-1 - j].kind == DEM_CONE ? contacts->touch[0][c] : touch.curvature;
+        b.curvature = w->wall[-1 - j].kind == DEM_CONE && !dem__is_convex_contact(w, c) ? contacts->touch[0][c] : touch.curvature;
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
+    }
+    if (dem__is_convex_contact(w, c)) {
+        const double per_i = dem__per_share(w, i) / w->particle[i].mass;
+        b.mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     }
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;

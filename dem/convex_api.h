@@ -17,6 +17,7 @@ typedef struct dem_convex {
     double reach;                      /* from the centroid to the farthest point [m] */
     double volume;                     /* [m3] */
     double moment[3];                  /* principal moments of inertia over density [m5] */
+    double share;                      /* of its mass that the outermost corner has in a hit, mean over directions [-] */
     dem_vec half;                      /* [m] */
     dem_vec centroid;                  /* in the frame that the polyhedron was given in [m] */
     dem_vec axis[3];                   /* the principal axes in that frame, right-handed; where moments are equal, those nearest to it */
@@ -38,3 +39,21 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
 /* From a closed surface of triangles that is convex: refused besides if an edge has not two triangles, or a corner lies outside of a
    triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
+
+/* Adds a shape to a world; returns its number from 0 on, or minus a dem_status. It is copied, and stays. */
+DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
+/* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any length but 0, scalar
+   first, from the shape's principal axes to the world's; NULL: none is turned. Else as dem_add_spheres. Each is one particle, whose radius
+   is that of the sphere around it.
+
+   A contact is a point: a corner at the other body, or two edges that cross. All are the pair's law between spheres of the rounding radii
+   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points where edges cross are
+   weighted, so that force passes to corners without a jump. Runs need DEM_FRICTION (else DEM_POLYHEDRON; a coefficient of 0 takes it
+   out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Walls are
+   touched by corners: right where a wall is flat or hollow there; what the edges of a polyhedron do at wires, rims and convex edges of a
+   wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
+                                  int group);
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
+DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* the world's; NULL if it is not there */
+DEM_API int64_t dem_core_overlaps(const dem_world *world);                  /* pairs whose cores overlapped in the last step: 0 is right */

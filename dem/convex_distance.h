@@ -4,11 +4,6 @@
    (3 corners, 3 edges, 2 faces) are cores like any other.
    May be changed here alone: rounds and their order; a separation is never too large. */
 
-/* Where a core is: its centre [m] and where its own axes point. */
-typedef struct dem__placed {
-    dem_vec x, axis[3];
-} dem__placed;
-
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
 }
@@ -37,11 +32,6 @@ typedef struct dem__simplex {
     dem_vec at[4];
     double part[4];
 } dem__simplex;
-
-/* The corners that were nearest at the last look at a pair: 12 bytes that change how fast a distance is found, not what it is. */
-typedef struct dem__nearest_cache {
-    uint8_t n, a[4], b[4], unused[3];
-} dem__nearest_cache;
 
 DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
     for (int k = 0; k < n; k++) { /* kept ascends */

@@ -1,24 +1,10 @@
 /* ----------------------------------------------------------------------------------- >>convex_points */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose whom to look at. Promises: what a point is depends on its own two features; forces along the normals of corners' points are
-   the gradient of a potential; normals, gaps and weights are continuous in the motion.
+   only choose whom to look at. Promises: what a point is depends on its own two features; weight times overlap along the normals is the
+   gradient of a potential (of a linear law), and continuous in the motion.
    May be changed here alone: which features are looked at; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 32 }; /* of a pair: two faces of eight corners each have not more */
-
-/* Of rounded cores a and b: a sphere of a's radius about `at` touches one of b's radius about at - (gap + radii) normal. */
-typedef struct dem__convex_point {
-    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges. What history goes by */
-    dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; 0 .. 1, by which forces are multiplied */
-} dem__convex_point;
-
-/* From 0 to 1, with slope 0 at both ends. */
-DEM_INLINE double dem__smooth_step(double x) {
-    x = x > 0.0 ? x : 0.0;
-    x = x < 1.0 ? x : 1.0;
-    return x * x * (3.0 - 2.0 * x);
-}
+enum { DEM__POINTS_MAX = 64 }; /* of a pair: faces of many corners that lie on each other have not more; further ones are left out */
 
 /* Signed distance of a point p from a box, in its frame, and the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -145,34 +131,65 @@ DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     return lean;
 }
 
-/* Of a point at t along an edge: how much is left to its ends, over the way in which the ends' own contacts fade. */
-DEM_INLINE double dem__from_ends(const dem__placed_edge *e, double t, double fade) {
-    const double rest = e->length - t, least = t < rest ? t : rest;
-    return dem__smooth_step(least / fade);
+/* Where a corner is nearest to an edge: the unit vector from there to it, and the distance. */
+DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
+    const dem_vec d = dem__sub(x, e->from);
+    const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+    const double distance = dem__length(off);
+    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : e->outward;
+    return distance;
 }
 
-/* The point where edge p of a crosses edge q of b; 0: they do not, or are too far apart. Its weight goes to 0 towards the ends of edges,
-   where corners' points take over; where the edges become parallel; and where the normal leans over a face by a quarter. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, dem__convex_point *out) {
+/* Two edges that cross, at s and t along them: the unit vector from q to p and the signed distance. 0: they do not. apart: the cores do not
+   overlap, so that nearest points tell the direction. */
+static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
+                                     double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
-    if (!(square > 1e-4)) return 0;
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along);
-    const double s = (c * on_q - on_p) / square, t = (on_q - c * on_p) / square, sine = sqrt(square);
-    if (!(s > 0.0 && s < p->length && t > 0.0 && t < q->length)) return 0;
-    const dem_vec between = dem__sub(q->outward, p->outward);
-    const dem_vec from_q = dem__sub(dem__plus(p->from, s, p->along), dem__plus(q->from, t, q->along));
-    const int known = dem__dot(between, between) > 0.0;
-    const double side = dem__dot(product, known ? between : from_q) < 0.0 ? -1.0 : 1.0;
-    out->normal = dem__scale(side / sine, product);
-    out->gap = dem__dot(out->normal, from_q) - radii;
-    if (!(out->gap < 0.0)) return 0;
-    const double lean_p = dem__lean(p, dem__scale(-1.0, out->normal)), lean_q = dem__lean(q, out->normal), fade = radii / sine;
-    out->weight = dem__smooth_step(5.0 * sine) * dem__smooth_step(1.0 - 4.0 * lean_p) * dem__smooth_step(1.0 - 4.0 * lean_q) *
-                  dem__from_ends(p, s, fade) * dem__from_ends(q, t, fade);
-    out->key = 2 * DEM_CORNERS_MAX + p->number * DEM_EDGES_MAX + q->number;
+    if (!(square > 1e-12)) return 0; /* parallel: the corners are all */
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
+    *s = (c * on_q - on_p) / square;
+    if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
+    const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
+    const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
+    *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
+    *distance = dem__dot(*normal, from_q);
+    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+}
+
+/* The points where edge p of a crosses edge q of b, from out on; how many. The energy of the overlap D there is counted beyond what the
+   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, which is 0, and its slope, where
+   the crossing reaches an end and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends, with
+   weights. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
+    double s, distance, rest[4], left = 1.0, share[4];
+    if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
+    const double overlap = radii - distance;
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* farther within each other: on far sides of the cores */
+    int n = 1;
+    out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
+    out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
-    return out->weight > 0.0;
+    for (int k = 0; k < 4; k++) {
+        const dem__placed_edge *own = k < 2 ? p : q, *other = k < 2 ? q : p;
+        const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
+        dem__convex_point *end = &out[n];
+        dem_vec off;
+        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
+        share[k] = at_end > 0.0 ? at_end * at_end / (overlap * overlap) : 0.0;
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
+        end->at = k < 2 ? x : dem__plus(x, -from, off);
+        n++;
+    }
+    if (!(left > 1e-10)) return 0;
+    out->weight = left;
+    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    return n;
 }
 
 /* The points of corners of a at b, from point n on; how many there are then. The numbers of b's corners begin at `key`. */
@@ -183,7 +200,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         dem__convex_point *p = &out[n];
         const dem_vec x = dem__corner_at(a->shape, a->place, k);
         const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
-        p->key = key + k, p->weight = 1.0, p->at = x;
+        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
         p->gap = distance - radii;
         if (key > 0) { /* they have changed places */
             p->at = dem__plus(x, -distance, p->normal);
@@ -195,15 +212,15 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
 }
 
 /* Those where edges cross. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, dem__convex_point *out, int n) {
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
     dem__placed_edge p, other[DEM_EDGES_MAX];
     int others = 0;
     for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, &other[others]);
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, &p)) continue;
-        for (int f = 0; f < others && n < DEM__POINTS_MAX; f++) {
-            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, &out[n]);
+        for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
         }
     }
     return n;
@@ -225,5 +242,5 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     dem__choose_corners(&sb, radii - low_a, -1.0);
     if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
     if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
-    return dem__find_edge_points(&sa, &sb, out, n);
+    return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }

@@ -282,8 +282,31 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
+/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions, each
+   with the energy that this corner takes up in a hit, which goes as the share; through the middles of 8 x 8 squares on each side of a cube. */
+static inline double dem__mean_share(const dem_convex *s) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = 0; k < 6 * 64; k++) {
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
+        const int side = k / 128;
+        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
+        double farthest = -HUGE_VAL, turned = 0.0;
+        dem_vec n;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        for (int q = 0; q < s->corners; q++) {
+            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
+            if (dem__dot(r, n) <= farthest) continue;
+            farthest = dem__dot(r, n);
+            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
+        }
+        const double share = 1.0 / (1.0 + turned);
+        sum += weight * share * share, weights += weight * share;
+    }
+    return sum / weights;
+}
+
 /* The shape from corners about their middle; NULL, or what is wrong. */
-static inline const char *dem__shape_of(dem_convex *s, dem_vec middle, double rounding) {
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
     const char *reason;
@@ -301,6 +324,7 @@ static inline const char *dem__shape_of(dem_convex *s, dem_vec middle, double ro
         core.reach = far > core.reach ? far : core.reach;
     }
     dem__find_box(&core);
+    core.share = dem__mean_share(&core);
     *s = core;
     return NULL;
 }
@@ -319,7 +343,7 @@ DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corne
         shape->corners = n;
         for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
         for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
-        wrong = dem__shape_of(shape, middle, rounding);
+        wrong = dem__shape_from(shape, middle, rounding);
     }
     if (reason) *reason = wrong;
     return wrong ? DEM_BAD_ARGUMENT : DEM_OK;

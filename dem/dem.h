@@ -1,4 +1,4 @@
-/* dem.h - spheres in time: contact laws, walls and screens, neighbour search, integration.
+/* dem.h - particles in time: contact laws, walls and screens, neighbour search, integration.
 
        #include <stdio.h>
 
@@ -23,6 +23,7 @@
    Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
              coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
+   Bodies    spheres, and convex polyhedra with rounded edges (dem_add_convex, docs/dem_convex.md).
    Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
              or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
              that is the pair's kernel.
@@ -44,7 +45,7 @@
    Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file, which alone has DEM_KERNEL.
    Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
              Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld, Di Felice.
-   Not here  non-spherical particles, the flow of fluids, heat, files, printing. */
+   Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
 
@@ -60,6 +61,7 @@
 #include "wall_shapes.h"
 #include "gas_laws.h"
 #ifdef DEM__BODIES
+#include "convex_state.h"
 #include "engine.h"
 #include "store.h"
 #include "definition.h"
@@ -84,9 +86,11 @@
 #include "bounds.h"
 #include "compact.h"
 #include "grid.h"
+#include "convex_pairs.h"
 #include "pairs.h"
 #include "rows.h"
 #include "edges.h"
+#include "convex_rows.h"
 #include "kernel.h"
 #include "removal.h"
 #include "contacts.h"
@@ -102,6 +106,7 @@
 #include "filling.h"
 #include "measure.h"
 #include "records.h"
+#include "convex_save.h"
 #include "saved.h"
 #include "save.h"
 #include "load.h"

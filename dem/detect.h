@@ -102,6 +102,7 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
 /* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
    second place, and what else a mesh has is found by dem__follow_meshes. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
+    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* the others: by its corners and edges, in convex_pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -209,7 +210,7 @@ static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int 
     const ptrdiff_t i = w->engine->contacts.i[c];
     const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH) return 0;
+    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* a polyhedron's follows its points */
     const int slots = dem__contacts_at(w, i, k, slot);
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }

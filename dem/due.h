@@ -72,6 +72,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) dem__follow_meshes(w, step);
+    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {

@@ -251,6 +251,7 @@ typedef struct dem__engine {
     dem__contacts contacts;
     dem__links links;
     dem__ledger ledger;
+    dem__convex_state convex;
     dem__scratch scratch;
     dem__pace pace;
     dem__field field;

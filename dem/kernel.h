@@ -136,6 +136,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
     if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
+    if (w->engine->convex.shapes > 0) dem__fill_convex_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 
 /* Calls the law for n contacts of a block, and stores its answers. */
@@ -236,12 +237,14 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
+        if (w->engine->convex.shapes > 0) dem__finish_convex_rows(w, &x->rows, &x->types, base, n, &at, 0.5 * h, features);
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
         if (only_ledger) {
             dem__store_ledger(&old, &at, n);
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
+        if (w->engine->convex.shapes > 0) dem__leave_convex_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);

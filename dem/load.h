@@ -79,7 +79,8 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) ||
+        !dem__is_flag(e->ledger.counts))
         return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
@@ -167,6 +168,24 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
     return left == 0;
 }
 
+/* Reads the shapes of polyhedra. */
+static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t n = dem__entries_of(file, "shape.corners");
+    if (n == 0) return DEM_OK;
+    convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
+    if (!convex->shape) return DEM_OUT_OF_MEMORY;
+    memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
+    convex->shapes = (int)n;
+    w->engine->walls.touch_keepers++;
+    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
 /* Makes room for what a file holds. Counts become those of the file. */
 static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
     dem__engine *e = w->engine;
@@ -239,6 +258,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
         const dem_particle *p = &w->particle[i];
         if (!dem__positive(p->radius) || !dem__positive(p->mass) || p->origin > w->step || p->origin < 0) return 0;
         if (w->material[i] < 0 || w->material[i] >= w->def.materials || (i > 0 && w->id[i] <= w->id[i - 1])) return 0;
+        if (!dem__is_sound_polyhedron(w, i)) return 0;
     }
     return 1;
 }
@@ -255,7 +275,9 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         if (!dem__are_bodies(w, i, j) || (j >= 0 && j < i)) return 0;
-        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS)) return 0;
+        if (j < 0 && w->wall[-1 - j].kind == DEM_MESH && !dem__shape_of(w, i) &&
+            (contacts->element[c] < 0 || contacts->element[c] >= DEM__NUMBERS))
+            return 0;
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
     }
@@ -294,6 +316,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
     dem__group g;
     if (!dem__read_world(file, w, &g)) return DEM_BAD_DATA;
     dem_status status = dem__read_walls(file, w, &g);
+    if (status == DEM_OK) status = dem__read_shapes(file, w, &g);
     if (status == DEM_OK) status = dem__read_state(file, w, &g);
     if (status != DEM_OK) return status;
     if (!dem__are_sound_particles(w) || !dem__are_sound_contacts(w)) return DEM_BAD_DATA;

@@ -188,7 +188,10 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     *to = dem_position(w, c.i);
     *force = c.force;
     if (c.j >= 0) *from = dem__sub(*to, dem__nearest_image(w, dem__sub(*to, dem_position(w, c.j))));
-    else {
+    else if (k < contacts->count && dem__shape_of(w, c.i)) {
+        const ptrdiff_t slot = dem__slot_of(w, k);
+        *from = dem__add(*to, dem__plus(dem__place_arm(w, slot), -dem__touching_radius(w, c.i) - c.gap, dem__place_normal(w, slot)));
+    } else {
         dem__touch touch;
         dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
                          &touch);

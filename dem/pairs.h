@@ -267,16 +267,6 @@ static inline int dem__find_adjacent(dem_world *w) {
     return 1;
 }
 
-/* The near pair of two particles, or -1. */
-static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    if (w->engine->run.needs_lists) return -1;
-    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
-        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
-    }
-    return -1;
-}
-
 static inline void dem__list_wall_contacts(dem_world *w) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
@@ -292,6 +282,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
+        if (contacts->near[c] < -1) continue; /* of a polyhedron: convex_pairs.h sees to it */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -460,6 +451,10 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
+    if (w->engine->convex.shapes > 0 && !dem__list_convex_pairs(w)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;

@@ -187,7 +187,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     }
     count.free = count.total;
     for (ptrdiff_t i = 0; i < world->count; i++) {
-        if (!world->alive[i] || world->touching[i] < 2) continue;
+        if (!world->alive[i] || world->touching[i] < 2 || dem__shape_of(world, i)) continue;
         const dem_vec d = dem__sub(dem__at(world, i, dem__now(world, i)), s->position);
         if (!(fabs(dem__dot(d, s->axis[2])) < world->particle[i].radius)) continue;
         dem_vec normal[DEM__TOUCHES];

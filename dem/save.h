@@ -89,6 +89,10 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__pair_fields(&w->def.pair[0][0], &g), dem__write_group(s, w, &g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX, 0);
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
+    if (w->engine->convex.shapes > 0) {
+        g.needed = g.fields = dem__shape_fields(w->engine->convex.shape, g.field);
+        dem__write_group(s, w, &g, w->engine->convex.shapes, 0);
+    }
     dem__write_particles(s, w, &g);
     dem__write_bodies(s, w, &g);
     dem__write_contacts(s, w, &g);

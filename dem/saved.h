@@ -200,6 +200,10 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         memcpy(&g->field[g->fields], flights, sizeof flights);
         g->fields += 4;
     }
+    if (w->engine->convex.shapes > 0) {
+        const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+        g->field[g->fields++] = shape[0];
+    }
     if (!bodies->rigid) return;
     const dem__saved_field pieces[] = {
         DEM__DOUBLES("particle.offset", bodies->offset[0], sizeof *bodies->offset),

@@ -7,6 +7,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0; /* everything, once; the timers stay */
     dem__test_all_pairs(w, w->step);
+    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -285,6 +286,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
+    if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION)) return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* loaded: dem_set_links comes first */
 }

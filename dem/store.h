@@ -31,6 +31,12 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
+/* The shape of particle i, or NULL if it is a sphere. */
+DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
+    const dem__convex_state *convex = &w->engine->convex;
+    return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
+}
+
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -64,6 +70,10 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = &bodies->rigid_of, list[n++].size = sizeof(int32_t);
         list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
         list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
+    }
+    if (w->engine->convex.shapes > 0) {
+        list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
+        list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
     }
     list[n].address = &w->particle, list[n++].size = sizeof(dem_particle);
     list[n].address = &w->spin_rate, list[n++].size = sizeof(dem_vec);

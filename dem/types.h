@@ -38,7 +38,8 @@
                         "dem_set_links after dem_load")                                                                                    \
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
-    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")
+    X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")                      \
+    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME

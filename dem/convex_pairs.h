@@ -1,0 +1,354 @@
+/* ----------------------------------------------------------------------------------- >>convex_pairs */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: what a contact is depends on its own pair and step,
+   never on what was looked at before, or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are looked at, and when; every point that touches is found. */
+
+/* Of particle i and an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
+   normal in the wall's frame, in 54 parts. */
+static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
+    if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
+    if (wall->kind != DEM_MESH) return corner;
+    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
+                         dem__dot(touch->normal, wall->axis[2])};
+    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
+    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
+    int32_t place = 2 * most + (n[most] < 0.0);
+    for (int a = 1; a < 3; a++) {
+        const double over = n[(most + a) % 3] / fabs(n[most]);
+        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
+    }
+    return corner + DEM_CORNERS_MAX * place;
+}
+
+/* Where polyhedra first .. end-1 will be at a step. */
+static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int64_t step = *(const int64_t *)context;
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (!w->alive[i] || !dem__shape_of(w, i)) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+        const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+        dem__placed *place = &w->engine->convex.place[i];
+        place->x = dem__in_box(w, p.x);
+        for (int a = 0; a < 3; a++) place->axis[a] = dem__to_lab(turn, dem_vec3(a == 0, a == 1, a == 2));
+    }
+}
+
+/* The points of a sphere at x, seen from the polyhedron's centre: one, or none. sphere_first: it is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
+                                        dem__convex_point *out) {
+    dem_vec n;
+    const double distance = dem__from_core(s, place, x, &n);
+    out->gap = distance - radius - s->radius;
+    if (!(out->gap < 0.0)) return 0;
+    out->key = out->taken = 0, out->weight = 1.0;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
+    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
+    return 1;
+}
+
+/* The points of two particles: `at` is measured from the centre of i. */
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
+    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_particle *particle = w->particle;
+    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
+    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
+    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
+    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
+    if (!(dem__dot(d, d) < reach * reach)) return 0;
+    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
+    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
+    if (!a) return dem__points_of_sphere(b, &pb, d, particle[p->i].radius, 1, out);
+    if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
+    dem__gap_of_cores gap;
+    pb.x = dem__scale(-1.0, d);
+    dem__find_gap(a, &pa, b, &pb, a->radius + b->radius, &p->cache, &gap);
+    *overlaps += gap.overlap;
+    return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
+}
+
+/* The points of a particle's corners at a wall, which is where it will be. */
+static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int n = 0;
+    if (!wall->enabled) return 0;
+    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
+    if (!(least < 0.0)) return 0;
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec arm = dem__from_core_frame(place, dem__point(s->corner[k]));
+        const int found = dem__touch_wall(wall, dem__add(place->x, arm), s->radius, 0.0, touch, &least);
+        for (int q = 0; q < found && n < DEM__POINTS_MAX; q++) {
+            dem__convex_point *point = &out[n];
+            if (!(touch[q].gap < 0.0)) continue;
+            point->key = dem__wall_key(wall, &touch[q], k), point->taken = 0;
+            point->normal = touch[q].normal, point->at = arm, point->gap = touch[q].gap, point->weight = 1.0;
+            int is_new = 1;
+            for (int m = n - 1; m >= 0 && is_new && out[m].key % DEM_CORNERS_MAX == k; m--) is_new = out[m].key != point->key;
+            n += is_new;
+        }
+    }
+    return n;
+}
+
+/* A look at all pairs, by several threads, each of which has a share of the points. */
+typedef struct dem__convex_look {
+    int64_t step, overlaps[DEM__PARTS_MAX];
+    ptrdiff_t share;
+    int full[DEM__PARTS_MAX];
+} dem__convex_look;
+static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__convex_look *look = (dem__convex_look *)context;
+    dem__convex_state *convex = &w->engine->convex;
+    ptrdiff_t at = look->share * part;
+    const ptrdiff_t limit = at + look->share;
+    look->overlaps[part] = look->full[part] = 0;
+    for (ptrdiff_t q = first; q < end; q++) {
+        dem__convex_pair *p = &convex->pair[q];
+        p->first = (int32_t)at, p->count = 0;
+        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (limit - at < DEM__POINTS_MAX) {
+            look->full[part] = 1;
+            return;
+        }
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, convex->point + at);
+        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
+        at += p->count;
+    }
+}
+
+/* Room for so many points. Their contents are not kept. */
+static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    if (wanted <= convex->point_capacity) return 1;
+    if (wanted > INT32_MAX / 2) return 0;
+    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
+    if (!fresh) return 0;
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
+    convex->point = fresh, convex->point_capacity = wanted;
+    return 1;
+}
+
+/* The points of all pairs at a step. Returns 0 when out of memory. */
+static inline int dem__find_convex_points(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, convex->pairs);
+    dem__convex_look look;
+    int full = 1;
+    look.step = step;
+    dem__in_parts(w, dem__parts(w, w->count), w->count, dem__place_polyhedra, &step);
+    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
+    while (full) {
+        full = 0;
+        look.share = convex->point_capacity / parts;
+        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
+        for (int q = 0; q < parts; q++) full |= look.full[q];
+        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
+    }
+    convex->overlaps = 0;
+    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    return 1;
+}
+
+DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    double *const *place = w->engine->contacts.touch;
+    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
+    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
+}
+
+/* Takes the contacts of chunks first .. end-1 to their points of this step; one whose point is gone has a gap, and so ends. */
+static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part, (void)context;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            if (contacts->near[c] > -2) continue;
+            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
+            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
+            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            while (point < stop && point->key != contacts->element[c]) point++;
+            if (point < stop) {
+                dem__set_place(w, c, point);
+                point->taken = 1;
+            } else contacts->touch[3][c] = w->particle[p->i].radius;
+        }
+    }
+}
+
+/* Takes the contacts of polyhedra to a step at which the walls already are, and makes new ones. */
+static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!dem__find_convex_points(w, step)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return;
+    }
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
+    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
+        const dem__convex_pair *p = &convex->pair[q];
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
+            if (point->taken) continue;
+            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
+            const ptrdiff_t c = dem__next_slot(w) - 1;
+            dem__set_place(w, c, point);
+            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+        }
+    }
+}
+
+/* The near pair of two particles, or -1. */
+static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
+    }
+    return -1;
+}
+
+/* The pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
+    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
+    if (j >= 0 && near_pair < 0) return -1;
+    while (low < high) {
+        const ptrdiff_t middle = (low + high) / 2;
+        const dem__convex_pair *p = &convex->pair[middle];
+        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
+        if (before) low = middle + 1;
+        else high = middle;
+    }
+    const dem__convex_pair *p = &convex->pair[low];
+    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
+}
+
+/* How many pairs there are, with pair == NULL, or lists them. */
+static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
+    ptrdiff_t n = 0;
+    dem__convex_pair p;
+    memset(&p, 0, sizeof p);
+    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
+        const dem__near *q = &w->engine->pairs.near[k];
+        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
+        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
+        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
+        n++;
+    }
+    *of_particles = n;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i); k++) {
+            if (w->wall[k].kind == DEM_EXIT) continue;
+            p.i = i, p.j = -1 - k, p.near = -1;
+            if (pair) pair[n] = p;
+            n++;
+        }
+    }
+    return n;
+}
+
+/* Lists the pairs anew, takes them from those that are tested as spheres, and tells contacts which is theirs. 0: out of memory. */
+static inline int dem__list_convex_pairs(dem_world *w) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    if (n > INT32_MAX / 2) return 0;
+    if (n > convex->pair_capacity) {
+        const ptrdiff_t larger = n + n / 4 + 64;
+        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
+        if (!fresh) return 0;
+        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
+        convex->pair = fresh, convex->pair_capacity = larger;
+    }
+    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
+        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
+        contacts->near[c] = (int32_t)(-2 - q);
+        if (q < 0) contacts->ended[c] = 1; /* cannot be: they touch */
+    }
+    return 1;
+}
+
+/* ---- public ---- */
+
+DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !shape || shape->corners < 4 || shape->corners > DEM_CORNERS_MAX || !dem__positive(shape->reach) ||
+        !dem__positive(shape->radius) || !dem__positive(shape->volume))
+        return -(int)DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__array list[DEM__ARRAYS_MAX];
+    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
+    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
+    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
+    convex->shape = fresh;
+    convex->shape[convex->shapes++] = *shape;
+    if (convex->shapes > 1) return convex->shapes - 1;
+    dem__bodies *bodies = &w->engine->bodies;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
+    dem__release(a, convex->shape, size);
+    convex->shape = NULL, convex->shapes = 0;
+    return -(int)DEM_OUT_OF_MEMORY;
+}
+
+/* Are n orientations quaternions with a length? */
+static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
+    dem_quaternion q;
+    for (ptrdiff_t k = 0; k < n && orientations; k++) {
+        const double *o = orientations + 4 * k;
+        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
+                                  int group) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
+        shape >= w->engine->convex.shapes)
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    const dem_convex *s = &w->engine->convex.shape[shape];
+    const double density = w->def.material[material].density;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = 0; k < 3 * n; k++) {
+        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+    }
+    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
+    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
+    dem__body_def body;
+    memset(&body, 0, sizeof body);
+    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
+    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations + 4 * k;
+        body.x = dem__point(centres + 3 * k);
+        if (orientations) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
+    }
+    return DEM_OK;
+}
+
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
+    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
+    return world->engine->convex.shape_of[i] - 1;
+}
+DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
+    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
+}
+DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }

@@ -1,0 +1,367 @@
+/* Polyhedra as particles of dem.h: at rest, sliding, tipping, rocking, in hits, rebounding; with spheres, walls, threads, saves. */
+#include "dem.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static const double pi = 3.14159265358979323846;
+static uint64_t seed = 1;
+static double uniform(double low, double high) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+static double bell(void) {
+    double sum = -6.0;
+    for (int k = 0; k < 12; k++) sum += uniform(0, 1);
+    return sum;
+}
+static void near(double a, double b, double tolerance) {
+    if (!(fabs(a - b) <= tolerance)) print_message("%.15g is not %.15g\n", a, b);
+    assert_true(fabs(a - b) <= tolerance);
+}
+
+/* A world of one material, 1000 kg/m3. */
+static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity, int threads) {
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);
+    dem_pair_def *pair = dem_pair(&def, m, m);
+    pair->stiffness = k, pair->restitution = e, pair->friction = friction, pair->tangential_ratio = tangential_ratio;
+    def.dt = dt, def.gravity = gravity, def.threads = threads;
+    assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
+}
+static int brick(dem_world *w, double a, double b, double c, double rounding) {
+    dem_convex s;
+    assert_int_equal(dem_make_brick(&s, dem_vec3(a, b, c), rounding, NULL), DEM_OK);
+    const int shape = dem_add_shape(w, &s);
+    assert_true(shape >= 0);
+    return shape;
+}
+static void put(dem_world *w, int shape, double x, double y, double z, double q0, double q1, double q2, double q3) {
+    const double at[3] = {x, y, z}, q[4] = {q0, q1, q2, q3};
+    assert_int_equal(dem_add_convex(w, shape, 1, at, q, 0, 0), DEM_OK);
+}
+static void ground(dem_world *w) { assert_int_equal(dem_add_plane(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)), 0); }
+
+#define RUN(w, time) assert_int_equal(dem_run(w, time, DEM_LINEAR | DEM_FRICTION), DEM_OK)
+
+/* Standing, it sinks by m g/(4 k); on a face of another brick as well. */
+static void test_rest(void **state) {
+    (void)state;
+    dem_world w;
+    make(&w, 1e-5, 1e4, 0.5, 0.5, 0.8, dem_vec3(0, 0, -9.81), 1);
+    ground(&w);
+    const int shape = brick(&w, 0.01, 0.01, 0.0208, 0.03), slab = brick(&w, 0.03, 0.03, 0.01, 0.03);
+    put(&w, shape, 0, 0, 0.0104, 1, 0, 0, 0);
+    put(&w, slab, 0.1, 0, 0.005, 1, 0, 0, 0);
+    put(&w, shape, 0.1, 0, 0.0204, 1, 0, 0, 0);
+    RUN(&w, 2.0);
+    const double m = dem_mass(&w, 0), load = m + dem_mass(&w, 1);
+    near(0.0104 - dem_position(&w, 0).z, m * 9.81 / 4e4, 1e-12);
+    near(0.005 - dem_position(&w, 1).z, load * 9.81 / 4e4, 1e-11);
+    near(dem_position(&w, 1).z + 0.0154 - dem_position(&w, 2).z, m * 9.81 / 4e4, 1e-11);
+    assert_int_equal(dem_contact_count(&w), 12);
+    near(dem_core_overlaps(&w), 0.0, 0.0);
+    dem_free(&w);
+}
+
+/* Down a slope of 30 degrees: g (sin - mu cos). */
+static void test_slide(void **state) {
+    (void)state;
+    dem_world w;
+    make(&w, 1e-5, 1e4, 0.5, 0.3, 0.8, dem_vec3(9.81 * 0.5, 0, -9.81 * sqrt(0.75)), 1);
+    ground(&w);
+    const int shape = brick(&w, 0.01, 0.01, 0.0208, 0.03);
+    put(&w, shape, 0, 0, 0.005 - 1000 * 2.08e-6 * 9.81 * sqrt(0.75) / 4e4, 1, 1, 0, 0);
+    RUN(&w, 0.2);
+    const double before = dem_velocity(&w, 0).x;
+    RUN(&w, 0.2);
+    near((dem_velocity(&w, 0).x - before) / 0.2, 2.3562872366624, 1e-8);
+    dem_free(&w);
+}
+
+/* Does it stand on a slope that is raised slowly to this angle [degrees]? q: its orientation, height: of its centre. */
+static int stands(double degrees, double q0, double q2, double q3, double height) {
+    dem_world w;
+    make(&w, 5e-4, 1e8, 0.3, 5.0, 0.8, dem_vec3(0, 0, -9.81), 1);
+    ground(&w);
+    const int shape = brick(&w, 1.0, 1.0, 2.08, 0.002);
+    put(&w, shape, 0, 0, height - 5e-5, q0, 0, q2, q3);
+    for (int k = 1; k <= 60; k++) {
+        const double angle = (k < 40 ? k / 40.0 : 1.0) * degrees * pi / 180.0;
+        assert_int_equal(dem_set_gravity(&w, dem_vec3(9.81 * sin(angle), 0, -9.81 * cos(angle))), DEM_OK);
+        RUN(&w, 0.05);
+    }
+    const double fallen = fabs(dem_position(&w, 0).z - height);
+    dem_free(&w);
+    return fallen < 0.02;
+}
+/* It tips where its centre of mass is above the edge, which the rounding brings in by 0.2 %: standing, lying along the slope, standing on
+   an edge's direction. */
+static void test_tip(void **state) {
+    (void)state;
+    assert_true(stands(25.6768156818382 - 0.5, 1, 0, 0, 1.04));
+    assert_false(stands(25.6768156818382 + 0.5, 1, 0, 0, 1.04));
+    assert_true(stands(64.3231843181618 - 0.5, 1, 1, 0, 0.5));
+    assert_false(stands(64.3231843181618 + 0.5, 1, 1, 0, 0.5));
+    assert_true(stands(34.2121902110491 - 0.5, 1, 0, sqrt(2.0) - 1.0, 1.04));
+    assert_false(stands(34.2121902110491 + 0.5, 1, 0, sqrt(2.0) - 1.0, 1.04));
+}
+
+/* Housner's block (1963): from half its tipping angle it falls to upright in acosh(2)/p, linearised; then it goes on about the other edge
+   with 1 - 1.5 sin^2 of the angle of its diagonal of its rate. */
+static void test_rock(void **state) {
+    (void)state;
+    dem_world w;
+    const double alpha = atan(1.0 / 2.08), theta = 0.5 * alpha, r = 0.5 * sqrt(1.0 + 2.08 * 2.08), p = sqrt(0.75 * 9.81 / r);
+    make(&w, 5e-5, 1e9, 0.02, 5.0, 0.8, dem_vec3(0, 0, -9.81), 1);
+    dem_pair_def stuck = *dem_pair(&w.def, 0, 0);
+    stuck.tangential_damping = 1.0; /* the edge that is hit does not spring sideways */
+    assert_int_equal(dem_set_pair(&w, 0, 0, &stuck), DEM_OK);
+    ground(&w);
+    const int shape = brick(&w, 1.0, 1.0, 2.08, 0.002);
+    put(&w, shape, 0, 0, r * cos(alpha - theta) - 1e-5, cos(0.5 * theta), 0, sin(0.5 * theta), 0);
+    /* the same without the small angle, of a body that turns about its edge */
+    double x = theta, v = 0.0, exact = 0.0;
+    for (const double h = 1e-5; x > 0.0; exact += h) {
+        v -= h * p * p * sin(alpha - x) / 1.0;
+        x += h * v;
+    }
+    double upright = 0.0, before = 0.0, after = 0.0;
+    while (w.time < 0.7 && !(upright > 0.0 && w.time > upright + 0.03)) {
+        RUN(&w, 1e-3);
+        const dem_quaternion q = dem_orientation(&w, 0);
+        /* its rate when upright, from that at an angle: rate^2/2 + p^2 cos(alpha - angle) is kept */
+        const double own = dem_spin(&w, 0).y, gain = 2.0 * p * p * (cos(alpha - 2.0 * fabs(q.y)) - cos(alpha));
+        const double rate = sqrt(own * own + gain);
+        if (upright == 0.0 && q.y <= 1e-4) upright = w.time;
+        if (upright == 0.0) before = rate;
+        after = rate;
+    }
+    print_message("rocking: upright after %.4f s (%.4f, linearised %.4f), rate times %.4f (%.4f)\n", upright, exact, acosh(2.0) / p,
+                  after / before, 1.0 - 1.5 * sin(alpha) * sin(alpha));
+    near(upright, exact, 0.005);
+    near(exact, acosh(2.0) / p, 0.01);
+    near(after / before, 0.71838389906879, 0.02);
+    dem_free(&w);
+}
+
+static double energy(const dem_world *w) {
+    const dem_energy_ledger l = dem_energy(w);
+    return l.kinetic + l.rotational;
+}
+static dem_vec angular(const dem_world *w) {
+    dem_vec sum = dem_vec3(0, 0, 0);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_body b = dem_get_body(w, i);
+        const dem_vec own = dem__momentum_of(b.axes, b.moments, b.spin);
+        sum = dem__add(sum, dem__add(own, dem__scale(b.mass, dem__cross(b.position, b.velocity))));
+    }
+    return sum;
+}
+
+/* Elastic hits of bricks, at so many steps a contact: the root mean square error of the energy; momenta are kept. */
+static double hit_error(int hits, double steps, double friction) {
+    double sum = 0.0;
+    int n = 0;
+    seed = 7;
+    while (n < hits) {
+        dem_world w;
+        const double m = 2080.0, k = 0.5 * m / (0.025 * 0.025);
+        make(&w, pi * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
+        const int shape = brick(&w, 1.0, 1.0, 2.08, 0.05);
+        for (int i = 0; i < 2; i++) put(&w, shape, 2.6 * i, 0.5 * i * bell(), 0.5 * i * bell(), bell(), bell(), bell(), bell());
+        dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
+        dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
+        const double before = energy(&w);
+        const dem_vec turning = angular(&w);
+        while (w.time < 3.0 || dem_contact_count(&w) > 0) RUN(&w, 0.1);
+        assert_true(dem__length(dem_momentum(&w)) < 1e-13 * m);
+        assert_true(dem__length(dem__sub(angular(&w), turning)) < 1e-13 * m);
+        assert_int_equal(dem_core_overlaps(&w), 0);
+        if (fabs(dem_velocity(&w, 0).x - 0.5) > 1e-12) sum += (energy(&w) / before - 1.0) * (energy(&w) / before - 1.0), n++;
+        dem_free(&w);
+    }
+    return sqrt(sum / n);
+}
+static void test_hits(void **state) {
+    (void)state;
+    const double coarse = hit_error(100, 100, 0.0), fine = hit_error(60, 400, 0.0);
+    print_message("energy of a hit: rms error %.2g at t_n/100, %.2g at t_n/400\n", coarse, fine);
+    assert_true(coarse < 2e-3 && fine < 2e-4);
+    hit_error(20, 50, 0.5); /* momenta with friction */
+}
+
+/* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound, against the spec's own program. */
+static void test_rebound(void **state) {
+    (void)state;
+    const double table[5][4] = {{.29, .18, .14, 54}, {.50, .28, .17, 45}, {.65, .34, .19, 41}, {.75, .38, .20, 41}, {.90, .47, .21, 37}};
+    for (int row = 0; row < 5; row++) {
+        double sum = 0, squares = 0, angles = 0;
+        const int n = 400;
+        const double m = 2080.0, k = m / (0.01 * 0.01);
+        seed = 3;
+        for (int hit = 0; hit < n; hit++) {
+            dem_world w;
+            make(&w, pi * sqrt(m / k) / 25, k, table[row][0], 0.8, 0.78, dem_vec3(0, 0, 0), 1);
+            ground(&w);
+            const int shape = brick(&w, 1.0, 1.0, 2.08, 0.005); /* as the spec's, whose corners are points */
+            put(&w, shape, 0, 0, 1.3, bell(), bell(), bell(), bell());
+            dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
+            do RUN(&w, 0.1);
+            while (dem_position(&w, 0).z < 1.25 && w.time < 10.0);
+            const dem_vec v = dem_velocity(&w, 0);
+            const double angle = atan2(v.x, v.z) * 180 / pi;
+            sum += v.z / n, squares += v.z * v.z / n, angles += angle * angle / n;
+            dem_free(&w);
+        }
+        const double scatter = sqrt(squares - sum * sum);
+        print_message("brick on plane, e %.2f: %.3f +- %.3f (%.2f, %.2f), %.1f degrees (%.0f)\n", table[row][0], sum, scatter,
+                      table[row][1], table[row][2], sqrt(angles), table[row][3]);
+        near(sum, table[row][1], 0.03);
+        near(scatter, table[row][2], 0.03);
+        near(sqrt(angles), table[row][3], 3.0);
+    }
+}
+
+/* A pile of bricks, another shape and spheres in a box; hashes at the end. */
+static void fill_box(dem_world *w, int threads, int n) {
+    const double tall[18] = {1e-3, 0, 0, -1e-3, 0, 0, 0, 1e-3, 0, 0, -1e-3, 0, 0, 0, 1.5e-3, 0, 0, -1.5e-3};
+    dem_convex s;
+    make(w, 2e-6, 8000.0, 0.5, 0.4, 0.8, dem_vec3(0, 0, -9.81), threads);
+    assert_true(dem_add_box(w, 0, dem_vec3(-0.008, -0.008, 0), dem_vec3(0.008, 0.008, 0.1)) >= 0);
+    assert_int_equal(dem_make_convex(&s, 6, tall, 0.05, NULL), DEM_OK);
+    const int shapes[2] = {brick(w, 1e-3, 1e-3, 2e-3, 0.05), dem_add_shape(w, &s)};
+    seed = 11;
+    for (int k = 0; k < n; k++) {
+        const double x = (k % 5 - 2) * 3e-3, y = (k / 5 % 5 - 2) * 3e-3, z = 2e-3 + k / 25 * 2.4e-3, d = 1.5e-3, at[3] = {x, y, z};
+        if (k % 7 == 3) assert_int_equal(dem_add_spheres(w, 1, at, &d, 0, 0), DEM_OK);
+        else put(w, shapes[k % 2], x, y, z, bell(), bell(), bell(), bell());
+        dem_set_motion(w, k, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
+    }
+}
+static void test_pile(void **state) {
+    (void)state;
+    uint64_t hash[3];
+    for (int run = 0; run < 3; run++) {
+        dem_world w, again;
+        fill_box(&w, run == 1 ? 2 : 1, 150);
+        if (run == 2) {
+            RUN(&w, 0.005);
+            const size_t size = dem_save(&w, NULL, 0);
+            unsigned char *bytes = malloc(size);
+            assert_int_equal(dem_save(&w, bytes, size), size);
+            assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+            dem_free(&w);
+            free(bytes);
+            w = again;
+            RUN(&w, 0.005);
+        } else RUN(&w, 0.01);
+        hash[run] = dem_hash(&w);
+        assert_true(w.contact_steps > 5000);
+        assert_int_equal(dem_core_overlaps(&w), 0);
+        for (ptrdiff_t i = 0; i < w.count; i++) {
+            const dem_vec x = dem_position(&w, i);
+            assert_true(fabs(x.x) < 0.008 && fabs(x.y) < 0.008 && x.z > 0.0);
+        }
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1]);
+    assert_true(hash[0] == hash[2]);
+}
+
+/* A sphere on a brick's face, and a brick on a sphere that is held: overlaps m g/k. The ledger adds up. */
+static void test_spheres(void **state) {
+    (void)state;
+    dem_world w;
+    const double at[3] = {0, 0, 0.0208 + 0.0025}, d = 0.005;
+    make(&w, 1e-5, 1e4, 0.5, 0.5, 0.8, dem_vec3(0, 0, -9.81), 1);
+    ground(&w);
+    put(&w, brick(&w, 0.01, 0.01, 0.0208, 0.03), 0, 0, 0.0104, 1, 0, 0, 0);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    assert_int_equal(dem_run(&w, 2.0, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+    near(dem_position(&w, 0).z + 0.0104 + 0.0025 - dem_position(&w, 1).z, dem_mass(&w, 1) * 9.81 / 1e4, 1e-12);
+    const dem_energy_ledger l = dem_energy(&w);
+    assert_true(fabs(l.error) < 0.02 * l.released);
+    dem_free(&w);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    dem_world w;
+    dem_convex s;
+    const double at[3] = {0, 0, 1}, bad[3] = {0, NAN, 0}, none[4] = {0, 0, 0, 0}, odd[4] = {1, 0, HUGE_VAL, 0};
+    make(&w, 1e-5, 1e4, 0.5, 0.5, 0.8, dem_vec3(0, 0, 0), 1);
+    assert_int_equal(dem_add_convex(&w, 0, 1, at, NULL, 0, 0), DEM_BAD_ARGUMENT); /* no such shape */
+    memset(&s, 0, sizeof s);
+    assert_int_equal(dem_add_shape(&w, &s), -(int)DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_shape(&w, NULL), -(int)DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_shape(NULL, &s), -(int)DEM_BAD_ARGUMENT);
+    const int shape = brick(&w, 1, 1, 2, 0.03);
+    assert_int_equal(dem_add_convex(&w, shape, 1, bad, NULL, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape, 1, at, none, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape, 1, at, odd, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape, 1, NULL, NULL, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 1, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape, -1, at, NULL, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_add_convex(&w, shape + 1, 1, at, NULL, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(w.count, 0);
+    assert_int_equal(dem_add_convex(&w, shape, 0, NULL, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_shape_of(&w, 0), shape);
+    assert_int_equal(dem_shape_of(&w, 1), -1);
+    assert_non_null(dem_get_shape(&w, shape));
+    assert_null(dem_get_shape(&w, shape + 1));
+    assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR), DEM_POLYHEDRON);
+    assert_int_equal(dem_run(&w, 1e-3, DEM_HERTZ | DEM_FRICTION), DEM_OK);
+    dem_free(&w);
+}
+
+/* An allocator that fails from the n-th call on. */
+static int left;
+static void *failing(void *user, void *old, size_t old_size, size_t new_size) {
+    (void)user, (void)old_size;
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    return left-- > 0 ? realloc(old, new_size) : NULL;
+}
+static void test_memory(void **state) {
+    (void)state;
+    int done = 0;
+    for (int n = 0; !done && n < 200; n++) {
+        dem_def def = dem_default_def();
+        dem_world w;
+        dem_convex s;
+        const double at[6] = {0, 0, 1.04, 0, 0, 3.1};
+        dem_add_material(&def, 1000.0, 1e7, 0.3);
+        dem_pair(&def, 0, 0)->stiffness = 1e8;
+        def.dt = 1e-4;
+        def.allocator.fn = failing;
+        left = n;
+        assert_int_equal(dem_make_brick(&s, dem_vec3(1, 1, 2.08), 0.03, NULL), DEM_OK);
+        if (dem_init(&w, &def, NULL) != DEM_OK) continue;
+        const int wall = dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)), shape = dem_add_shape(&w, &s);
+        assert_true(shape == 0 || shape == -(int)DEM_OUT_OF_MEMORY);
+        const dem_status added = shape == 0 ? dem_add_convex(&w, shape, 2, at, NULL, 0, 0) : DEM_OUT_OF_MEMORY;
+        const dem_status ran = dem_run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
+        assert_true(ran == DEM_OK || ran == DEM_OUT_OF_MEMORY);
+        done = wall == 0 && added == DEM_OK && ran == DEM_OK;
+        dem_free(&w);
+    }
+    assert_true(done);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rest),    cmocka_unit_test(test_slide),   cmocka_unit_test(test_tip),  cmocka_unit_test(test_rock),
+        cmocka_unit_test(test_hits),    cmocka_unit_test(test_rebound), cmocka_unit_test(test_pile), cmocka_unit_test(test_spheres),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_memory),
+    };
+    if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
