@@ -230,6 +230,14 @@ static int read_two(tree_file *file, const tree *v, const scene_field *f, const 
     return read_text(file, v->item[0], f, &two[0]) || read_text(file, v->item[1], f, &two[1]) ? -1 : 0;
 }
 
+/* Names stand in columns of CSV files. */
+static int check_name(tree_file *file, const tree *key) {
+    const size_t length = strlen(key->text);
+    if (length >= 1 && length <= 40 && strspn(key->text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") == length)
+        return 0;
+    return tree_fail(file, key, "%.60s: a name has 1 to 40 letters, digits, '_', '-' or '.'", key->text);
+}
+
 static int read_list(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
     const tree_kind wanted = f->kind == FIELD_NAMED ? TREE_MAP : TREE_LIST;
     if (v->kind != wanted)
@@ -241,6 +249,7 @@ static int read_list(tree_file *file, const tree *v, const scene_field *f, scene
     if (!item) return -1;
     list->n = v->n, list->item = item;
     for (int k = 0; k < v->n; k++) {
+        if (f->kind == FIELD_NAMED && check_name(file, v->key[k])) return -1;
         void *at = item + (size_t)k * f->section->size;
         if (fields_read(file, v->item[k], f->section, at)) return -1;
         ((scene_part *)at)->name = f->kind == FIELD_NAMED ? v->key[k]->text : NULL;

@@ -9,6 +9,7 @@
 #include "scene_walls.h"
 #include "scene_wet.h"
 
+enum { STEPS = 2000 };
 static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
 
 /* ---- definition ---- */
@@ -82,14 +83,16 @@ static int choose_step(scene *s, dem_def def, double *dt) {
                : tree_fail(s->file, s->file->root, "no time step can be advised: give time_step");
 }
 
+/* No longer than feeds allow, than the run, and than STEPS steps, so that Ctrl-C is heard. */
 static int choose_tick(scene *s) {
-    double shortest = s->def->measure.every;
+    double shortest = fmin(fmin(s->def->measure.every, s->def->duration), STEPS * s->world.def.dt);
     for (int k = 0; k < s->sources; k++)
         if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
     const double ticks = s->def->duration / s->tick, steps = s->tick / s->world.def.dt;
     if (!(ticks < 1e9))
-        return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million rows or feedings");
+        return tree_fail(s->file, fields_where(&s->def->part, "duration"), "duration: more than a thousand million ticks of %.3g s",
+                         s->tick);
     if (!(steps >= 1.0))
         return tree_fail(s->file, s->def->measure.part.where, "measure: every is below the time step of %.3g s", s->world.def.dt);
     return 0;
