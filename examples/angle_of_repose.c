@@ -28,7 +28,7 @@ typedef struct heap {
     progress *bar;
     /* found */
     dem_status status;
-    double angle, error;                 /* [rad]: slope and its standard error */
+    double angle, error;                 /* [rad]: slope and its standard error, from sectors */
     double radius[RINGS], height[RINGS]; /* of rings, and of centres over the plate [m]; NaN where hardly any sector has one */
     double speed, time;                  /* largest at the end [m/s], simulated [s] */
     int on_plate;
@@ -77,9 +77,24 @@ static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     }
 }
 
+/* Standard error of the slope: from the slopes of the sectors, each a line through its own rings. That the surface is curved makes none. */
+static double slope_error(double (*top)[SECTORS], const double *radius) {
+    double all = 0.0, sum = 0.0, square = 0.0;
+    for (int s = 0; s < SECTORS; s++) {
+        double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+        for (int k = 1; k < RINGS; k++) {
+            if (top[k][s] == top[k][s]) n += 1.0, x += radius[k], y += top[k][s], xx += radius[k] * radius[k], xy += radius[k] * top[k][s];
+        }
+        if (n < 3.0) continue;
+        const double angle = -atan((n * xy - x * y) / (n * xx - x * x));
+        all += 1.0, sum += angle, square += angle * angle;
+    }
+    return all > 2.0 ? sqrt(fmax(square - sum * sum / all, 0.0) / (all - 1.0) / all) : (double)NAN;
+}
+
 /* Highest centres by ring and sector, and the line through the rings' means between a fifth of the radius and the rim. */
 static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
-    double top[RINGS][SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    double top[RINGS][SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
     h->angle = h->error = (double)NAN;
     h->on_plate = 0, h->speed = 0.0;
     for (int k = 0; k < RINGS * SECTORS; k++) top[k / SECTORS][k % SECTORS] = (double)NAN;
@@ -103,12 +118,11 @@ static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
         h->height[k] = 2 * filled >= (k == 0 ? 2 : SECTORS) ? sum / filled : (double)NAN;
         if (k == 0 || !(h->height[k] == h->height[k])) continue; /* the tip is round */
         const double r = h->radius[k], z = h->height[k];
-        n += 1.0, x += r, y += z, xx += r * r, xy += r * z, yy += z * z;
+        n += 1.0, x += r, y += z, xx += r * r, xy += r * z;
     }
     if (n < 3.0) return;
-    const double sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n, slope = sxy / sxx;
-    h->angle = -atan(slope);
-    h->error = sqrt(fmax(syy - slope * sxy, 0.0) / (n - 2.0) / sxx) / (1.0 + slope * slope);
+    h->angle = -atan((xy - x * y / n) / (xx - x * x / n));
+    h->error = slope_error(top, h->radius);
 }
 
 /* Pours one heap and measures it. */
@@ -175,7 +189,7 @@ static int pour_one(int index, void *user) {
 static void report(const program *self, const heap *heaps, int n, const dem_stl_report *stl) {
     const double degree = 180.0 / RIDDLE_PI;
     double friction[CASES], angle[CASES], error[CASES];
-    table t = table_begin("friction [-]|angle of repose [deg]|+- [deg]|on the plate|largest speed [mm/s]");
+    table t = table_begin("friction [-]|angle of repose [deg]|standard error [deg]|on the plate|largest speed [mm/s]");
     csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,on_plate,largest_speed_m_s");
     plot *figure = plot_new("Heaps poured through a funnel", 1, 2);
     plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");

@@ -145,7 +145,7 @@ static int one_replicate(int index, void *user) {
     ensemble *e = (ensemble *)user;
     record *r = e->records + index;
     granulation_sim sim;
-    r->status = start(&sim, e->c, e->seed + (uint64_t)index);
+    r->status = start(&sim, e->c, program_seed_of(e->seed, (uint64_t)index));
     granulation_tally before = sim.tally;
     if (r->status == GRANULATION_OK) note(&sim, e, r, 0, &before);
     for (int step = 0; step < e->steps && r->status == GRANULATION_OK; step++) {
@@ -247,7 +247,7 @@ static void write_row(json *report, const char *study, const ensemble *e) {
 }
 
 static table begin_rows(void) {
-    return table_begin("rpm|binder [%]|Type I [%]|paper|Type II [%]|paper|rebound [%]|paper|d43 [um]|paper|interactions|breakages");
+    return table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 %|paper|interactions|breakages");
 }
 
 static void table_number(table *t, const char *format, double value) {
@@ -674,7 +674,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     granulation_status status = GRANULATION_OK;
     for (int run = 0; run < runs && status == GRANULATION_OK; run++) {
         granulation_sim sim;
-        status = start(&sim, &c, self->seed + (uint64_t)run);
+        status = start(&sim, &c, program_seed_of(self->seed, (uint64_t)run));
         int done = 0;
         for (int k = 0; k < 3 && status == GRANULATION_OK; k++) {
             status = granulation_sim_run(&sim, when[k] - done);

@@ -323,11 +323,11 @@ static void report(study *st, double k) {
         char text[80];
         plot_panel(figure, 0, 1, "D/d - k [-]", "rate [kg/s]");
         plot_log_x(figure), plot_log_y(figure);
-        snprintf(text, sizeof text, "exponent %.2f \xc2\xb1 %.2f at k = %.3g", a[EXPONENT], e[EXPONENT], k);
+        snprintf(text, sizeof text, "exponent %.2f, standard error %.2f, at k = %.3g", a[EXPONENT], e[EXPONENT], k);
         plot_error_bars(figure, "rate", x, y, error, n_orifices);
         plot_line(figure, text, fine, law, 60);
         plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
-        common_print("exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n", a[EXPONENT], e[EXPONENT],
+        common_print("+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n", a[EXPONENT], e[EXPONENT],
                      k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
         if (n_orifices > 2)
             common_print("both free: exponent %.2f +- %.2f, k = %.2f +- %.2f\n", a[FREE_EXPONENT], e[FREE_EXPONENT], a[FREE_K], e[FREE_K]);

@@ -153,6 +153,21 @@ static void look(curves *c, const dem_world *world, const drum *d, double time) 
     }
 }
 
+/* Standard error of a mean in time: from the means of eight blocks of the samples first .. n-1, which are long enough to be independent
+   where a single sample is not. NaN for fewer than sixteen samples. */
+static double error_of_mean(const double *value, int first, int n) {
+    enum { BLOCKS = 8 };
+    double sum = 0.0, square = 0.0;
+    if (n - first < 2 * BLOCKS) return (double)NAN;
+    for (int b = 0; b < BLOCKS; b++) {
+        const int from = first + b * (n - first) / BLOCKS, to = first + (b + 1) * (n - first) / BLOCKS;
+        double mean = 0.0;
+        for (int k = from; k < to; k++) mean += value[k] / (to - from);
+        sum += mean, square += mean * mean;
+    }
+    return sqrt(fmax(square - sum * sum / BLOCKS, 0.0) / (BLOCKS - 1) / BLOCKS);
+}
+
 static void draw(const curves *c, const dem_world *world, const drum *d, const char *out, double angle, double error) {
     char text[80];
     plot *figure = plot_new(d->dosta ? "Drum of Dosta et al." : "Two sizes in a drum", 2, 2);
@@ -161,7 +176,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     plot_line(figure, "radial segregation", c->time, c->radial, c->n);
     plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
-    snprintf(text, sizeof text, "second half: %.1f \xc2\xb1 %.1f degrees", angle, error);
+    snprintf(text, sizeof text, "mean of the second half: %.1f, standard error %.1f degrees", angle, error);
     plot_line(figure, NULL, c->time, c->angle, c->n);
     plot_range_y(figure, 0.0, 60.0);
     plot_horizontal(figure, NULL, angle);
@@ -275,18 +290,21 @@ int main(int argc, char **argv) {
         csv_close(file);
         angle /= late;
         const double scatter = sqrt(fmax(square / late - angle * angle, 0.0));
-        draw(&c, &world, &d, self.out, angle, scatter);
+        const double error = error_of_mean(c.angle, c.n / 2, c.n);
+        draw(&c, &world, &d, self.out, angle, error);
         draw_world(&world, &view, self.out, "rotating_drum.png");
         common_print(
-            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (it scatters by %.1f in time), "
+            "%d small, %d large spheres, %.3g turns, dt %.3g s. Second half of the time: angle %.1f degrees (standard error %.1f; it "
+            "scatters by %.1f in time), "
             "Lacey %.3f, unlike "
             "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
-            d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, scatter, lacey / late, unlike / late, radial / late, c.lacey[0],
+            d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, error, scatter, lacey / late, unlike / late, radial / late, c.lacey[0],
             c.unlike[0], c.radial[0]);
         json *j = json_open(self.json);
         json_integer(j, "small_spheres", d.count[SMALL]);
         json_integer(j, "large_spheres", d.count[LARGE]);
         json_number(j, "angle_of_repose_deg", angle);
+        json_number(j, "angle_standard_error_deg", error);
         json_number(j, "angle_scatter_deg", scatter);
         json_number(j, "lacey_start", c.lacey[0]);
         json_number(j, "lacey_end", lacey / late);

@@ -619,8 +619,24 @@ static void test_progress(void **state) {
     assert_false(common_interrupted());
 }
 
+/* Seeds of runs: none under seed s is one under s + 1, nor of another run. */
+static void test_seeds_of_runs(void **state) {
+    (void)state;
+    for (uint64_t s = 0; s < 6; s++) {
+        for (uint64_t r = 0; r < 6; r++) {
+            for (uint64_t k = 0; k < 60 * 60; k++) {
+                if (k / 60 == s && k % 60 == r) continue;
+                assert_true(program_seed_of(s, r) != program_seed_of(k / 60, k % 60));
+            }
+        }
+    }
+    assert_true(program_seed_of(1, 0) == program_seed_of(1, 0));
+    assert_true(program_seed_of(UINT64_MAX, 1) != program_seed_of(0, 0));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_seeds_of_runs),
         cmocka_unit_test(test_options_good),
         cmocka_unit_test(test_options_bad),
         cmocka_unit_test_setup_teardown(test_output_whole_or_absent, make_folder, remove_folder),

@@ -323,3 +323,14 @@ void program_refuse(const program *self, const char *option_name, const char *va
     fprintf(stderr, "%s: --%s%s%s: allowed: %s\n", self->name, option_name, value ? " " : "", value ? value : "", allowed_text);
     exit(2);
 }
+
+uint64_t program_seed_of(uint64_t seed, uint64_t index) {
+    uint64_t z = seed;
+    for (int k = 0; k < 2; k++) { /* splitmix64's mixer, over the seed and then the index */
+        z += UINT64_C(0x9e3779b97f4a7c15) + (k ? index : 0);
+        z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+        z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+        z ^= z >> 31;
+    }
+    return z;
+}

@@ -48,6 +48,9 @@ program program_start(const char *name, const char *about, option *options, int 
    hosts with their own main. */
 int options_parse(program *self, option *options, int n, int argc, char **argv, char *message, int message_size);
 
+/* The seed of run `index` of those that a program makes under --seed: mixed, so that runs under seeds that follow each other share none. */
+uint64_t program_seed_of(uint64_t seed, uint64_t index);
+
 /* Says that an option's value is bad for a reason that only the program knows, and leaves with 2:
    "batch_screening: --case 4: not with --amplitude-mm". value may be NULL. */
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed);
