@@ -139,11 +139,13 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.shapes > 0) dem__fill_convex_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 
-/* Calls the law for n contacts of a block, and stores its answers. */
+/* Calls the law for n contacts of a block, or for n links, and stores its answers. Links have sizes of a contact type only; all that the
+   choice leaves out is constant where the loop is compiled. */
+enum { DEM__OF_LINKS = 1 << 20 };
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;
-    const int has_friction = (features & DEM_FRICTION) != 0;
+    const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
     dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
@@ -151,25 +153,28 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-        for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
+        for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0) dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
-        for (int a = 0; a < law->history && has_friction; a++) x->past[a][k] = s[a];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * h, has_friction, &q, &arm_i, &arm_j);
-        const double predict = x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */
+        for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
+        dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, has_friction, &q, &arm_i, &arm_j);
+        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
-        q.mass = x->types.mass[k];
+        q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
         q.dt = h;
         q.rate = rate;
-        q.constants = p;
+        q.constants = is_link ? NULL : p;
         q.user = user;
         law->force(&q, s, &r);
         for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
-        x->before[k] = old->force[k], x->was[k] = old->gap[k], x->ended[k] = r.ended;
-        at->force[k] = r.contact;
-        at->gap[k] = x->rows.gap[k];
+        x->ended[k] = r.ended;
+        if (!is_link) {
+            x->before[k] = old->force[k], x->was[k] = old->gap[k];
+            at->force[k] = r.contact;
+            at->gap[k] = x->rows.gap[k];
+        }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
             r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
@@ -306,37 +311,11 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
     dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
 }
 
-/* Calls the links' law for a block. Of a contact type links have sizes only. */
-DEM_INLINE void dem__apply_link_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
-                                    const dem__columns *at, const dem_law *law, double h) {
-    const void *user = w->user;
-    dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
-    for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
-    DEM__INDEPENDENT
-    for (int k = 0; k < n; k++) {
-        dem_contact q;
-        dem_response r;
-        double s[DEM_STATE_MAX], arm_i = 0.0, arm_j = 0.0;
-        for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
-        for (int a = 0; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
-        dem__contact_geometry(&x->rows, &x->types, k, 0.0, 1, &q, &arm_i, &arm_j);
-        q.mass = 0.0;
-        q.share = share[k];
-        q.dt = h;
-        q.rate = 1.0 / h;
-        q.constants = NULL;
-        q.user = user;
-        law->force(&q, s, &r);
-        for (int a = 0; a < law->history; a++) at->state[a][k] = dem__flushed(s[a]);
-        x->ended[k] = r.ended;
-        dem__put_force(at->out, k, &q, &r, arm_i, arm_j, DEM_FRICTION);
-    }
-}
-
 /* Evaluates links first .. end - 1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
     dem__work *x = &w->engine->scratch.work[part];
+    const double h = w->engine->run.kernel_dt;
     for (ptrdiff_t base = first; base < end; base += DEM__BLOCK) {
         const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
         const size_t bytes = (size_t)n * sizeof(double);
@@ -346,7 +325,7 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
         for (int a = 0; a < 9; a++) old.out[a] = links->wrench[a] + base;
         for (int a = 0; a < law->states; a++) at.state[a] = DEM__COPY_ROWS ? x->block.state[a] : old.state[a];
         for (int a = 0; a < 9; a++) at.out[a] = DEM__COPY_ROWS ? x->block.out[a] : old.out[a];
-        dem__apply_link_law(w, x, links->i + base, links->j + base, n, &old, &at, law, w->engine->run.kernel_dt);
+        dem__apply_law(w, x, links->i + base, links->j + base, n, &old, &at, law, h, 1.0 / h, DEM_FRICTION | DEM__OF_LINKS);
         for (int a = 0; a < law->history && DEM__COPY_ROWS; a++) memcpy(old.state[a], at.state[a], bytes);
         for (int a = 0; a < 9 && DEM__COPY_ROWS; a++) memcpy(old.out[a], at.out[a], bytes);
         memcpy(links->gap + base, x->rows.gap, bytes);

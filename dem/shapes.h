@@ -49,13 +49,6 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     return s;
 }
 
-/* Do two walls vibrate as one, as a deck and its side wall do? */
-DEM_INLINE int dem__sways_with(const dem_wall *a, const dem_wall *b) {
-    return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
-           memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 && a->asked.frequency == b->asked.frequency &&
-           a->asked.motion_start == b->asked.motion_start;
-}
-
 /* The frame and place that a pose gives a wall. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
@@ -114,10 +107,11 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 }
 
 /* Puts a kinematic wall where it is t after its motion began. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
-    const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
-    w->velocity = dem__add(sway->velocity, w->asked.drift);
-    w->acceleration = sway->acceleration;
+static inline void dem__kinematic_wall(dem_wall *w, double t) {
+    const dem__sway sway = dem__sway_at(w, t);
+    const dem_vec shift = dem__add(sway.shift, dem__scale(t, w->asked.drift));
+    w->velocity = dem__add(sway.velocity, w->asked.drift);
+    w->acceleration = sway.acceleration;
     dem_vec origin = w->asked.origin;
     if (w->spin != 0.0) {
         double angle = w->spin * t;
@@ -136,10 +130,7 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *s
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
-    else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
-        dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
-    }
+    else dem__kinematic_wall(w, time - w->asked.motion_start);
 }
 
 /* One place where a sphere is near a wall. */
