@@ -235,6 +235,20 @@ typedef enum dem_restitution {
     DEM_NAIVE    /* the dashpot may pull at the end: contact ends when the overlap is zero */
 } dem_restitution;
 
+#define DEM_CLUMP_MAX 64 /* spheres of a clump */
+
+/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(); volume, moments and axes may be replaced
+   by better ones, the centres then being from the true centre of mass. */
+typedef struct dem_clump {
+    int spheres;                   /* 1 .. DEM_CLUMP_MAX: those that can touch something */
+    dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
+    double radius[DEM_CLUMP_MAX];  /* [m] */
+    dem_vec origin;                /* the centre of mass in that frame, as given [m] */
+    double volume;                 /* of the union [m3] */
+    dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
+} dem_clump;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
@@ -664,6 +678,18 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
    Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
+/* A shape of n spheres that overlap or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere; diameters: [n] [m] > 0.
+   Volume, centre of mass and moments are those of the union at one density: exact for spheres that do not overlap and for centres on one
+   line; else what overlaps is found to about 1e-5 of the whole. Moments that differ by less than that are taken to be equal. A sphere
+   that lies within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n] [m], the shape
+   being stretched to that, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of any length but 0) from the
+   shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a clump follow each other, move as one and do
+   not touch each other. What touches counts with the mass of the whole. Nothing is added on failure. */
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
+                                  const double *orientations, int material, int group);
 /* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
 /* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. DEM_BAD_ARGUMENT also where they would
@@ -3636,6 +3662,313 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__wake(w, i); /* a loaded particle is no free flight: it takes steps */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
+    return DEM_OK;
+}
+
+/* --------------------------------------------------------------------------------------- >>clump-shape */
+/* Mass properties of bodies made of spheres: pure functions of numbers. Anything may be changed here that keeps what dem_make_clump says. */
+/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
+typedef struct dem__content {
+    double volume;
+    dem_vec first;
+    double second[6];
+} dem__content;
+
+static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
+    const double v = weight * volume;
+    c->volume += v;
+    c->first = dem__plus(c->first, v, at);
+    c->second[0] += v * (at.x * at.x + spread.x), c->second[1] += v * (at.y * at.y + spread.y),
+        c->second[2] += v * (at.z * at.z + spread.z);
+    c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
+}
+
+/* A sphere's, exactly: r^2/5 is its mean square along an axis. */
+static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
+    const double spread = 0.2 * r * r;
+    dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
+}
+
+static inline void dem__sort_numbers(double *v, int n) {
+    for (int k = 1; k < n; k++) {
+        const double x = v[k];
+        int q = k;
+        for (; q > 0 && v[q - 1] > x; q--) v[q] = v[q - 1];
+        v[q] = x;
+    }
+}
+
+/* Spheres with their centres on a line from `from` along the unit vector u: a body of revolution, whose squared radius is the greatest of
+   parabolas in x; between the places where another is the greatest the integrals are of polynomials, which five points of Gauss's find
+   exactly. */
+static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
+    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
+    static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
+                                     0.23692688505618909};
+    double end[DEM_CLUMP_MAX * (DEM_CLUMP_MAX + 3) / 2];
+    int ends = 0;
+    for (int i = 0; i < n; i++) {
+        end[ends++] = at[i] - radius[i], end[ends++] = at[i] + radius[i];
+        for (int j = 0; j < i; j++) {
+            if (at[i] == at[j]) continue;
+            end[ends++] = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+        }
+    }
+    dem__sort_numbers(end, ends);
+    for (int e = 1; e < ends; e++) {
+        const double half = 0.5 * (end[e] - end[e - 1]), middle = 0.5 * (end[e] + end[e - 1]);
+        for (int g = 0; g < 5 && half > 0.0; g++) {
+            const double x = middle + half * node[g];
+            double square = 0.0;
+            for (int i = 0; i < n; i++) {
+                const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
+                square = s > square ? s : square;
+            }
+            const double q = 0.25 * square; /* mean square of a disc across */
+            dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
+                             dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
+            c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
+            c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
+            c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
+        }
+    }
+}
+
+/* The part of a line along z through (x, y) that lies in more than one sphere, as often as it does so too much. */
+static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
+    double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
+    int m = 0;
+    for (int k = 0; k < n; k++) {
+        const double dx = x - centre[k].x, dy = y - centre[k].y, square = radius[k] * radius[k] - dx * dx - dy * dy;
+        if (!(square > 0.0)) continue;
+        const double half = sqrt(square);
+        low[m] = centre[k].z - half, high[m] = centre[k].z + half;
+        bound[2 * m] = low[m], bound[2 * m + 1] = high[m];
+        m++;
+    }
+    if (m < 2) return;
+    dem__sort_numbers(bound, 2 * m);
+    for (int b = 1; b < 2 * m; b++) {
+        const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
+        int times = -1;
+        for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
+        if (times > 0) dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
+    }
+}
+
+/* Spheres anywhere: each exactly, less what overlaps, found on 400 x 400 lines that are exact along z. */
+enum { DEM__CLUMP_LINES = 400 };
+static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (int k = 0; k < n; k++) {
+        dem__add_ball(c, 1.0, centre[k], radius[k]);
+        for (int other = 0; other < n; other++) { /* the box of those that overlap others */
+            const double sum = radius[k] + radius[other];
+            const dem_vec d = dem__sub(centre[k], centre[other]);
+            if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
+            for (int a = 0; a < 2; a++) {
+                const double at = dem_axis(centre[k], a);
+                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a], high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
+            }
+        }
+    }
+    const double wx = (high[0] - low[0]) / DEM__CLUMP_LINES, wy = (high[1] - low[1]) / DEM__CLUMP_LINES;
+    for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
+        for (int q = 0; q < DEM__CLUMP_LINES; q++)
+            dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
+    }
+}
+
+/* Principal moments and axes of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations. Where it is diagonal already nothing
+   turns. */
+static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
+    double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
+    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    for (int sweep = 0; sweep < 60; sweep++) {
+        const int p = sweep % 3, r = (p + 1) % 3, o = (p + 2) % 3;
+        const double least = 1e-15 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]));
+        if (!(fabs(a[p][r]) > least)) continue;
+        const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
+        const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r], apo = a[p][o], aro = a[r][o];
+        a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
+        a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
+        q = dem__turns(q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
+    }
+    *axes = dem__kept_unit(q);
+    return dem_vec3(a[0][0], a[1][1], a[2][2]);
+}
+
+/* Moments that differ by less than what they are known to are equal: then free rotation is exact. */
+static inline void dem__merge_moments(dem_vec *moments, double known) {
+    double *m[3] = {&moments->x, &moments->y, &moments->z};
+    for (int k = 0; k < 3; k++) {
+        double *a = m[k], *b = m[(k + 1) % 3];
+        if (fabs(*a - *b) <= known * *a) *a = *b = 0.5 * (*a + *b);
+    }
+    if (fabs(moments->x - moments->y) <= known * moments->x && fabs(moments->y - moments->z) <= known * moments->x)
+        moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
+}
+
+/* Do all centres lie on a line? Its origin and direction; where they are on it. */
+static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
+    double most = 0.0;
+    *u = dem_vec3(1.0, 0.0, 0.0);
+    for (int k = 1; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        const double length = dem__length(d);
+        if (length > most) most = length, *u = dem__scale(1.0 / length, d);
+    }
+    for (int k = 0; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        at[k] = dem__dot(d, *u);
+        if (!(dem__length(dem__plus(d, -at[k], *u)) <= 1e-12 * size)) return 0;
+    }
+    return 1;
+}
+
+/* Those that lie within another touch nothing: the rest, in order; how many. */
+static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
+    int kept = 0;
+    for (int k = 0; k < n; k++) {
+        int inner = 0;
+        for (int o = 0; o < n && !inner; o++) {
+            const int twin = radius[o] == radius[k] && o > k; /* of twins the first stays */
+            inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
+        }
+        if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
+    }
+    return kept;
+}
+
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump) {
+    dem_clump c;
+    dem__content content;
+    double size = 0.0, at[DEM_CLUMP_MAX];
+    int order[3];
+    dem_vec u;
+    if (!centres || !diameters || !clump || n < 1) return DEM_BAD_ARGUMENT;
+    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
+    memset(&c, 0, sizeof c), memset(&content, 0, sizeof content);
+    for (int k = 0; k < n; k++) {
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!(diameters[k] >= 1e-30 && diameters[k] <= 1e30) || !(dem__length(x) <= 1e30)) return DEM_BAD_ARGUMENT;
+        c.radius[k] = 0.5 * diameters[k], c.centre[k] = x;
+        const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
+        size = extent > size ? extent : size;
+    }
+    const dem_vec from = c.centre[0]; /* moments about a point within, lengths by its size: no number is too large */
+    for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
+    c.spheres = dem__drop_inner(n, c.centre, c.radius);
+    const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
+    if (c.spheres == 1) dem__add_ball(&content, 1.0, c.centre[0], c.radius[0]);
+    else if (line) dem__add_revolution(&content, c.spheres, at, c.radius, c.centre[0], u);
+    else dem__add_union(&content, c.spheres, c.centre, c.radius);
+    const double v = content.volume, *s = content.second;
+    const dem_vec m = dem__scale(1.0 / v, content.first);
+    const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
+    const double tensor[6] = {yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
+    c.moments = dem__clump_axes(tensor, &c.axes);
+    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
+    dem__order_moments(&c.moments, &c.axes, order);
+    for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
+    c.origin = dem__plus(from, size, m);
+    c.volume = v * size * size * size;
+    c.moments = dem__scale(size * size * size * size * size, c.moments);
+    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
+        return DEM_BAD_ARGUMENT;
+    *clump = c;
+    return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------- >>clumps */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. Anything may be changed here without
+   looking elsewhere. */
+static inline int dem__is_clump(const dem_clump *c) {
+    dem_quaternion unit;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
+    const dem_vec m = c->moments;
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the two others */
+    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    for (int k = 0; k < c->spheres; k++) {
+        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
+    }
+    return 1;
+}
+
+DEM_API double dem_clump_diameter(const dem_clump *clump) {
+    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
+}
+
+/* Radius of the sphere about the centre of mass that holds a clump [m]. */
+static inline double dem__clump_reach(const dem_clump *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->spheres; k++) {
+        const double r = dem__length(c->centre[k]) + c->radius[k];
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
+/* A body of a clump's shape, `scale` times as large, of a material; offset and radius: [spheres], filled here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
+                                            double *radius) {
+    const double density = w->def.material[material].density, cube = scale * scale * scale;
+    dem__body_def def;
+    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &axes);
+    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    def.mass = density * cube * c->volume;
+    def.moments = dem__scale(density * cube * scale * scale, c->moments);
+    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
+    return def;
+}
+
+/* Are a body's numbers ones to compute with? */
+static inline int dem__is_body_def(const dem__body_def *def) {
+    const dem_vec m = def->moments;
+    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const double r = def->radius[k];
+        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
+                                  const double *orientations, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_vec offset[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
+    const double own = dem_clump_diameter(clump);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return DEM_BAD_ARGUMENT;
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+    }
+    if (n == 0) return DEM_OK;
+    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__add_body(w, &def);
+    }
     return DEM_OK;
 }
 
@@ -9548,22 +9881,37 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* A correction where a rigid body takes part. What a shift changes of the angular momentum about the common centre, which the velocities of
-   the centres of mass make, two opposite impulses at the particles take back. */
-static DEM__NOINLINE void dem__correct_bodies(dem_world *w, int32_t c, int has_friction) {
+/* Does a rigid body take part in the contact in slot c? */
+DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* The impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Its shift, when all impulses have been given: they act where forces were found. What a shift changes of the angular momentum about the
+   common centre, which the velocities of the centres of mass make, two opposite impulses at the particles take back. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
     if (j < 0) {
-        dem__push_any(w, i, impulse, on_i, h->shift, n);
-        const dem_vec place = w->particle[i].x, v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    dem__push_any(w, i, impulse, on_i, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
     const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
     const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
     const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
@@ -9578,8 +9926,8 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    if (dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j))) {
-        dem__correct_bodies(w, c, has_friction);
+    if (dem__has_body(w, c)) {
+        dem__push_bodies(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -9616,6 +9964,13 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
             if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+        }
+    }
+    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c] && dem__has_body(w, c)) dem__shift_bodies(w, c);
         }
     }
 }

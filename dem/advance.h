@@ -176,22 +176,37 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* A correction where a rigid body takes part. What a shift changes of the angular momentum about the common centre, which the velocities of
-   the centres of mass make, two opposite impulses at the particles take back. */
-static DEM__NOINLINE void dem__correct_bodies(dem_world *w, int32_t c, int has_friction) {
+/* Does a rigid body take part in the contact in slot c? */
+DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* The impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Its shift, when all impulses have been given: they act where forces were found. What a shift changes of the angular momentum about the
+   common centre, which the velocities of the centres of mass make, two opposite impulses at the particles take back. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
     if (j < 0) {
-        dem__push_any(w, i, impulse, on_i, h->shift, n);
-        const dem_vec place = w->particle[i].x, v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    dem__push_any(w, i, impulse, on_i, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
     const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
     const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
     const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
@@ -206,8 +221,8 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    if (dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j))) {
-        dem__correct_bodies(w, c, has_friction);
+    if (dem__has_body(w, c)) {
+        dem__push_bodies(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -244,6 +259,13 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
             if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+        }
+    }
+    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->edge[c] && dem__has_body(w, c)) dem__shift_bodies(w, c);
         }
     }
 }

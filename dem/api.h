@@ -38,6 +38,18 @@ DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed
 /* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
    Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
+/* A shape of n spheres that overlap or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere; diameters: [n] [m] > 0.
+   Volume, centre of mass and moments are those of the union at one density: exact for spheres that do not overlap and for centres on one
+   line; else what overlaps is found to about 1e-5 of the whole. Moments that differ by less than that are taken to be equal. A sphere
+   that lies within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n] [m], the shape
+   being stretched to that, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of any length but 0) from the
+   shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a clump follow each other, move as one and do
+   not touch each other. What touches counts with the mass of the whole. Nothing is added on failure. */
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
+                                  const double *orientations, int material, int group);
 /* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
 /* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. DEM_BAD_ARGUMENT also where they would

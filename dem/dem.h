@@ -70,6 +70,8 @@
 #include "flight.h"
 #include "rigid.h"
 #include "body.h"
+#include "clump_shape.h"
+#include "clumps.h"
 #include "walls.h"
 #include "mesh.h"
 #include "convex_shape.h"

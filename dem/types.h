@@ -75,6 +75,20 @@ typedef enum dem_restitution {
     DEM_NAIVE    /* the dashpot may pull at the end: contact ends when the overlap is zero */
 } dem_restitution;
 
+#define DEM_CLUMP_MAX 64 /* spheres of a clump */
+
+/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(); volume, moments and axes may be replaced
+   by better ones, the centres then being from the true centre of mass. */
+typedef struct dem_clump {
+    int spheres;                   /* 1 .. DEM_CLUMP_MAX: those that can touch something */
+    dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
+    double radius[DEM_CLUMP_MAX];  /* [m] */
+    dem_vec origin;                /* the centre of mass in that frame, as given [m] */
+    double volume;                 /* of the union [m3] */
+    dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
+} dem_clump;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
