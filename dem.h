@@ -752,6 +752,8 @@ typedef struct dem_feed {
     int material, group; /* as in dem_add_spheres; default 0 */
     dem_vec velocity;    /* of the new spheres [m/s]; default 0 */
     dem_vec scatter;     /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
+    const dem_clump *clump; /* shape of what is fed, oriented at random, the sizes being those of spheres of the same volume; it must stay
+                               as long as the feed is used. Default NULL: spheres */
     int tries;           /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
     uint64_t random;     /* the generator's state: the seed at first; default 1 */
     /* written by the functions below */
@@ -6756,7 +6758,17 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
    May be changed here alone: tolerances; a particle never leaves its bound unseen. */
 
 /* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.stride * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r) return dem__body_link_drift(w, r, i);
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
@@ -6791,7 +6803,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
-    if (links->on && links->first_link[i] >= 0) c->tolerance += 2.0 * dem__link_drift(w, i);
+    if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
     c->reach = w->particle[i].radius + 0.5 * links->near + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
@@ -9153,6 +9165,7 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     dem_world *w = world;
     if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
@@ -10759,6 +10772,39 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
 
 DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
+/* What the change of a link's force and torque makes of the velocities of a particle, or its body, in half an interval. */
+static inline void dem__change_motion(dem_world *w, ptrdiff_t i, double half, dem_vec force, dem_vec torque) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        const dem_vec about = dem__add(torque, dem__cross(w->engine->bodies.arm[i], force));
+        r->v = dem__flushed_vec(dem__plus(r->v, half / r->mass, force)), r->a = dem__plus(r->a, 1.0 / r->mass, force);
+        r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, about)), r->torque = dem__add(r->torque, about);
+        dem__place_pieces(w, r);
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque);
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+}
+
+/* Has particle i a load of links, or had it one? */
+DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
+    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* A particle whose links have been evaluated keeps its bound while that holds until they are again. */
+static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
+    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    else {
+        const int32_t one = (int32_t)i;
+        dem__renew_bound(w, i, w->step);
+        dem__reset_pair_timers(w, &one, 1, w->step);
+    }
+}
+
 /* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
@@ -10768,38 +10814,37 @@ static inline void dem__step_links(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     const double h = (double)links->stride * run->dt;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!dem__is_linked(w, i)) continue;
         dem__set_origin(w, i);
-        dem__wrap(w, i);
-        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - dem__motion_energy(w, i));
+        if (r) dem__wrap_body(w, r), dem__place_pieces(w, r);
+        else dem__wrap(w, i);
+        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (!dem__is_linked(w, i)) continue;
         const dem__sum *sum = &bodies->sum[i];
-        dem_particle *p = &w->particle[i];
-        const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(sum->load));
-        const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(sum->load));
-        const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
-        links->is_loaded[i] = links->first_link[i] >= 0;
-        p->v = dem__flushed_vec(dem__plus(p->v, 0.5 * h, a)), p->a = dem__add(p->a, a);
-        p->spin = dem__flushed_vec(dem__plus(p->spin, 0.5 * h, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-        if (ledger->on) {
-            dem__book_link_work(w, dem__motion_energy(w, i));
-            for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
-        }
+        if (r && ledger->on) dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        dem__change_motion(w, i, 0.5 * h, dem__sub(dem__first(bodies->load[i]), dem__first(sum->load)),
+                           dem__sub(dem__second(bodies->load[i]), dem__second(sum->load)));
+        if (ledger->on) dem__book_link_work(w, dem__motion_energy(w, r ? r->first : i));
         for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* when all of a body has been changed */
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem_particle *p = &w->particle[i];
+        if (!dem__is_linked(w, i)) continue;
+        links->is_loaded[i] = links->first_link[i] >= 0;
+        for (int q = 0; q < 3 && ledger->on; q++)
+            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         if (run->needs_lists) continue;
-        const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-        if (strayed < bodies->bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
-        else {
-            const int32_t one = (int32_t)i;
-            dem__renew_bound(w, i, w->step);
-            dem__reset_pair_timers(w, &one, 1, w->step);
-        }
+        if (!r) dem__check_linked(w, i);
+        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
     }
     for (int32_t k = 0; k < (int32_t)links->count;) {
         if (links->ended[k]) dem__cut_link(w, k);
@@ -11662,19 +11707,18 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
 }
 
 /* Makes a room for the present spheres around a region and n new ones of given radii. */
-static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
+static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
+                                        double reach) {
     dem_vec low, high, x;
-    double widest = 0.0;
     memset(room, 0, sizeof *room);
     const dem_status status = dem__make_inside(&room->inside, w, region);
     if (status != DEM_OK) return status;
     dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
-        widest = radius[k] > widest ? radius[k] : widest;
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(widest, widest, widest); /* a face's spheres stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* a face's spheres stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
@@ -11803,25 +11847,111 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
-/* Finds a free place for a sphere of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x) {
+/* Draws an orientation, all alike likely: a point of the unit ball in four dimensions, made longer. */
+static inline dem_quaternion dem__random_turn(uint64_t *random) {
+    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    for (int tries = 0; tries < 1000; tries++) {
+        double u[4], square = 0.0;
+        for (int a = 0; a < 4; a++) u[a] = 2.0 * dem__uniform(random) - 1.0, square += u[a] * u[a];
+        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q)) break;
+    }
+    return q;
+}
+
+/* Particles of a feed's body; its size, and that of particle k, over the radius of the sphere of its volume. */
+static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+static inline double dem__feed_reach(const dem_feed *feed) {
+    return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
+}
+
+/* Tells where particle k of a clump is, and its radius, for a body of the volume of a sphere of a given radius. */
+static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
+                                       double *piece) {
+    const double scale = radius * dem__feed_scale(feed);
+    *piece = scale * feed->clump->radius[k];
+    return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
+}
+
+/* Is there room for a body of a feed? */
+static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                double radius) {
+    if (!feed->clump) return dem__is_free(w, room, x, radius, feed->group);
+    for (int k = 0; k < feed->clump->spheres; k++) {
+        double piece;
+        const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
+        if (!dem__is_free(w, room, at, piece, feed->group)) return 0;
+    }
+    return 1;
+}
+
+/* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
+    const double reach = radius * dem__feed_reach(feed);
     for (int tries = 0; tries < feed->tries; tries++) {
-        if (!dem__random_place(&feed->region, radius, &feed->random, x)) return 0;
+        if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres will */
-        if (dem__is_free(w, room, *x, radius, feed->group)) return 1;
+        if (feed->clump) *turn = dem__random_turn(&feed->random);
+        if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
 }
 
-/* Finds places for n spheres, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
+/* Takes the places of a body's particles, in their order. */
+static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                    double radius) {
+    if (!feed->clump) dem__settle_in(room, x, radius);
+    for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
+        double piece;
+        const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
+        dem__settle_in(room, at, piece);
+    }
+}
+
+/* New bodies of a feed: as they are drawn and placed, then as they lie in memory. */
+typedef struct dem__batch {
+    double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
+    double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
+    size_t bytes;
+} dem__batch;
+static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
+    b->bytes = (size_t)n * (size_t)(19 + pieces) * sizeof(double);
+    b->radius = (double *)memory->fn(memory->user, NULL, 0, b->bytes);
+    if (!b->radius) return 0;
+    b->place = b->radius + n, b->turn = b->place + 3 * n, b->diameter = b->turn + 4 * n, b->centre = b->diameter + n;
+    b->orientation = b->centre + 3 * n, b->velocity = b->orientation + 4 * n, b->piece = b->velocity + 3 * n;
+    return 1;
+}
+
+/* Draws n radii, and finds those of their particles. The largest there is of a body's. */
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
+                                     int at_once) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
+    double widest = 0.0;
+    dem__draw_due(w, feed, number, mass, n, b->radius);
+    if (at_once) dem__sort_sizes(b->radius, n);
+    for (ptrdiff_t k = 0; k < n * pieces; k++) {
+        const double r = b->radius[k / pieces];
+        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r;
+        widest = r > widest ? r : widest;
+    }
+    return widest;
+}
+
+/* Finds places for n bodies, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
    once; of a source the first of them waits, and with it those behind it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, const double *radius, ptrdiff_t n, int by_mass,
-                                    int at_once) {
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+    ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
         dem_vec x;
-        if (dem__find_place(w, room, feed, radius[k], &x)) {
-            dem__settle_in(room, x, radius[k]);
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        if (dem__find_place(w, room, feed, radius, &x, &q)) {
+            double *turn = b->turn + 4 * found;
+            dem__settle_body(w, room, feed, x, q, radius);
+            for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
+            turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
+            b->radius[found++] = radius;
             feed->placed_mass += m;
             if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
             else feed->due -= at_once ? 0.0 : 1.0;
@@ -11829,22 +11959,26 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
             feed->missed++;
             feed->missed_mass += m;
         } else {
-            feed->waiting = 2.0 * radius[k];
+            feed->waiting = 2.0 * radius;
             return;
         }
     }
 }
 
-/* Lists the spheres that were placed, cell by cell, so that neighbours in space become neighbours in memory. How many are they? */
-static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, double *diameter, double *centre,
-                                         double *velocity) {
+/* Lists the bodies that were placed, in the order of the cells of their first particles, so that neighbours in space become neighbours in
+   memory. How many are they? */
+static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
     for (ptrdiff_t c = 0; c < room->cells; c++) {
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
-            diameter[placed] = 2.0 * room->radius[q];
+            const ptrdiff_t body = (q - present) / pieces;
+            if ((q - present) % pieces != 0) continue;
+            b->diameter[placed] = 2.0 * b->radius[body];
+            for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
-                centre[3 * placed + a] = room->centre[3 * (ptrdiff_t)q + a];
-                velocity[3 * placed + a] =
+                b->centre[3 * placed + a] = b->place[3 * body + a];
+                b->velocity[3 * placed + a] =
                     dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
             }
             placed++;
@@ -11853,49 +11987,50 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
     return placed;
 }
 
-/* Adds spheres with velocities; all or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const double *centre, const double *diameter,
-                                         const double *velocity) {
-    const dem_status status = dem_add_spheres(w, n, centre, diameter, feed->material, feed->group);
+/* Adds bodies with velocities; all or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
+    const dem_status status = feed->clump
+                                  ? dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group)
+                                  : dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const dem_vec v = dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]);
-        dem_set_motion(w, w->count - n + k, v, dem_vec3(0.0, 0.0, 0.0));
+        const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
+        dem_set_motion(w, w->count - (n - k) * pieces, v, dem_vec3(0.0, 0.0, 0.0));
     }
     return status;
 }
 
-/* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
+/* Places bodies: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
+    dem__batch batch;
     ptrdiff_t placed = 0;
     const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
     double smallest, largest;
     dem__are_sizes(&feed->sizes, &smallest, &largest);
     if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
     const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
-    if (n == INT32_MAX / 8) return DEM_TOO_MANY;
+    if (n >= INT32_MAX / 8 / pieces) return DEM_TOO_MANY;
     if (n == 0) {
         *feed = counted;
         return DEM_OK;
     }
-    double *radius = (double *)memory.fn(memory.user, NULL, 0, (size_t)n * 7 * sizeof *radius);
-    if (!radius) return DEM_OUT_OF_MEMORY;
-    double *centre = radius + n, *velocity = centre + 3 * n;
-    dem__draw_due(w, &after, number, mass, most, radius);
-    if (at_once) dem__sort_sizes(radius, n);
-    dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
+    if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
+    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, at_once);
+    dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
-        dem__find_places(w, &room, &after, radius, n, mass < HUGE_VAL, at_once);
-        placed = dem__list_placed(&room, present, &after, radius, centre, velocity); /* their diameters in place of the radii */
+        dem__find_places(w, &room, &after, &batch, n, mass < HUGE_VAL, at_once);
+        placed = dem__list_placed(&room, present, &after, &batch);
     }
     dem__clear_room(&room, w);
-    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, centre, radius, velocity);
-    memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
+    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, &batch);
+    memory.fn(memory.user, batch.radius, batch.bytes, 0);
     if (status != DEM_OK) return status;
     after.placed += placed;
     *feed = after;
@@ -11908,6 +12043,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->clump && !dem__is_clump(f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
         !(f->scatter.z >= 0.0))
@@ -12154,8 +12290,31 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre. 0 if it
-   carries no force. */
+/* Where particle i is counted, and how fast it is there: a rigid body once, at its centre of mass. 0 for its other particles. */
+static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r && r->first != i) return 0;
+    *at = r ? dem__body_position(w, r) : dem_position(w, i);
+    *v = r ? dem__plus(r->v, dem__now(w, i), r->a) : dem_velocity(w, i);
+    return 1;
+}
+
+/* The part of a particle's volume that counts: all of a sphere; those of a body share what is left of them where they overlap. */
+static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
+    return r ? r->mass / sum : 1.0;
+}
+
+/* From the centre of the body that particle i is a part of to the particle's. */
+static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre; of a body: of
+   mass. 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -12170,6 +12329,10 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
         dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
                          &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
+    }
+    if (w->engine->bodies.rigid) {
+        *to = dem__sub(*to, dem__arm_now(w, c.i));
+        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
     }
     return dem__dot(c.force, c.force) > 0.0;
 }
@@ -12195,23 +12358,25 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     dem__tree_bounds(region, &low, &high);
     for (int pass = 0; pass < 2; pass++) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem_vec at = dem_position(w, i), v = dem_velocity(w, i);
+            const dem_vec at = dem_position(w, i);
             const double r = w->particle[i].radius;
+            dem_vec centre, v;
             if (!w->alive[i]) continue;
+            const double filled = pass == 0 ? dem__filled(w, i) * share : 0.0;
+            const int counts = dem__counts(w, i, &centre, &v);
             for (int image = 0; image < images; image++) {
-                const dem_vec x = dem__add(at, shift[image]);
-                if (!(x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
-                      x.z - r <= high.z))
-                    continue;
-                const int is_in = dem__holds(region, &inside, x);
-                if (pass == 0) m.solid_fraction += dem__ball_in(region, &inside, x, r) * share;
-                if (pass == 0 && is_in) {
+                const dem_vec x = dem__add(at, shift[image]), c = dem__add(centre, shift[image]);
+                if (pass == 0 && x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
+                    x.z - r <= high.z)
+                    m.solid_fraction += dem__ball_in(region, &inside, x, r) * filled;
+                if (!counts || !(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+                if (!dem__holds(region, &inside, c)) continue;
+                if (pass == 0) {
                     m.count++;
                     m.mass += w->particle[i].mass;
                     m.coordination += w->touching[i];
                     m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
-                }
-                if (pass == 1 && is_in) {
+                } else {
                     const dem_vec u = dem__sub(v, m.velocity);
                     m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
                     dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
@@ -12314,9 +12479,9 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     memset(&load, 0, sizeof load);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
+        dem_vec at;
         load.mass = w->particle[i].mass;
-        load.velocity = dem_velocity(w, i);
-        dem__smear(w, c, field, dem_position(w, i), &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
@@ -12367,8 +12532,9 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const uint64_t id = w->id[i];
-        if (!w->alive[i] || id >= (uint64_t)n) continue;
-        const int inside = dem_region_holds(region, dem_position(w, i)), was = dem__finite(entered[id]);
+        dem_vec at, v;
+        if (!w->alive[i] || id >= (uint64_t)n || !dem__counts(w, i, &at, &v)) continue;
+        const int inside = dem_region_holds(region, at), was = dem__finite(entered[id]);
         if (was && !inside) stayed[id] += w->time - entered[id];
         if (was != inside) entered[id] = inside ? w->time : (double)NAN;
     }
@@ -12383,9 +12549,9 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     sharp.width[0] = sharp.width[1] = sharp.width[2] = 0.0;
     for (ptrdiff_t k = 0; k < number; k++) of_group[k] = of_all[k] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_vec x = dem_position(w, i);
+        dem_vec x, v;
         int at[3], last;
-        if (!w->alive[i] || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
+        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
             !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
             continue;
         const ptrdiff_t k = ((ptrdiff_t)at[2] * sharp.n[1] + at[1]) * sharp.n[0] + at[0];

@@ -112,6 +112,8 @@ typedef struct dem_feed {
     int material, group; /* as in dem_add_spheres; default 0 */
     dem_vec velocity;    /* of the new spheres [m/s]; default 0 */
     dem_vec scatter;     /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
+    const dem_clump *clump; /* shape of what is fed, oriented at random, the sizes being those of spheres of the same volume; it must stay
+                               as long as the feed is used. Default NULL: spheres */
     int tries;           /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
     uint64_t random;     /* the generator's state: the seed at first; default 1 */
     /* written by the functions below */

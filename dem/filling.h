@@ -58,19 +58,18 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
 }
 
 /* Makes a room for the present spheres around a region and n new ones of given radii. */
-static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n) {
+static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
+                                        double reach) {
     dem_vec low, high, x;
-    double widest = 0.0;
     memset(room, 0, sizeof *room);
     const dem_status status = dem__make_inside(&room->inside, w, region);
     if (status != DEM_OK) return status;
     dem__tree_bounds(region, &low, &high);
     room->smallest = HUGE_VAL;
     for (ptrdiff_t k = 0; k < n; k++) {
-        widest = radius[k] > widest ? radius[k] : widest;
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(widest, widest, widest); /* a face's spheres stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* a face's spheres stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
@@ -199,25 +198,111 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
-/* Finds a free place for a sphere of a feed, by random tries. Returns 0 if there was none. */
-static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x) {
+/* Draws an orientation, all alike likely: a point of the unit ball in four dimensions, made longer. */
+static inline dem_quaternion dem__random_turn(uint64_t *random) {
+    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    for (int tries = 0; tries < 1000; tries++) {
+        double u[4], square = 0.0;
+        for (int a = 0; a < 4; a++) u[a] = 2.0 * dem__uniform(random) - 1.0, square += u[a] * u[a];
+        if (square <= 1.0 && square > 1e-6 && dem__unit_turn(dem__quaternion(u[0], dem_vec3(u[1], u[2], u[3])), &q)) break;
+    }
+    return q;
+}
+
+/* Particles of a feed's body; its size, and that of particle k, over the radius of the sphere of its volume. */
+static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+static inline double dem__feed_reach(const dem_feed *feed) {
+    return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
+}
+
+/* Tells where particle k of a clump is, and its radius, for a body of the volume of a sphere of a given radius. */
+static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
+                                       double *piece) {
+    const double scale = radius * dem__feed_scale(feed);
+    *piece = scale * feed->clump->radius[k];
+    return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
+}
+
+/* Is there room for a body of a feed? */
+static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                double radius) {
+    if (!feed->clump) return dem__is_free(w, room, x, radius, feed->group);
+    for (int k = 0; k < feed->clump->spheres; k++) {
+        double piece;
+        const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
+        if (!dem__is_free(w, room, at, piece, feed->group)) return 0;
+    }
+    return 1;
+}
+
+/* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
+static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
+    const double reach = radius * dem__feed_reach(feed);
     for (int tries = 0; tries < feed->tries; tries++) {
-        if (!dem__random_place(&feed->region, radius, &feed->random, x)) return 0;
+        if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres will */
-        if (dem__is_free(w, room, *x, radius, feed->group)) return 1;
+        if (feed->clump) *turn = dem__random_turn(&feed->random);
+        if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
 }
 
-/* Finds places for n spheres, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
+/* Takes the places of a body's particles, in their order. */
+static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
+                                    double radius) {
+    if (!feed->clump) dem__settle_in(room, x, radius);
+    for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
+        double piece;
+        const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
+        dem__settle_in(room, at, piece);
+    }
+}
+
+/* New bodies of a feed: as they are drawn and placed, then as they lie in memory. */
+typedef struct dem__batch {
+    double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
+    double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
+    size_t bytes;
+} dem__batch;
+static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
+    b->bytes = (size_t)n * (size_t)(19 + pieces) * sizeof(double);
+    b->radius = (double *)memory->fn(memory->user, NULL, 0, b->bytes);
+    if (!b->radius) return 0;
+    b->place = b->radius + n, b->turn = b->place + 3 * n, b->diameter = b->turn + 4 * n, b->centre = b->diameter + n;
+    b->orientation = b->centre + 3 * n, b->velocity = b->orientation + 4 * n, b->piece = b->velocity + 3 * n;
+    return 1;
+}
+
+/* Draws n radii, and finds those of their particles. The largest there is of a body's. */
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
+                                     int at_once) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
+    double widest = 0.0;
+    dem__draw_due(w, feed, number, mass, n, b->radius);
+    if (at_once) dem__sort_sizes(b->radius, n);
+    for (ptrdiff_t k = 0; k < n * pieces; k++) {
+        const double r = b->radius[k / pieces];
+        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r;
+        widest = r > widest ? r : widest;
+    }
+    return widest;
+}
+
+/* Finds places for n bodies, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
    once; of a source the first of them waits, and with it those behind it. */
-static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, const double *radius, ptrdiff_t n, int by_mass,
-                                    int at_once) {
+static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
+    ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const double m = dem__sphere_mass(w, feed->material, radius[k]);
+        const double radius = b->radius[k], m = dem__sphere_mass(w, feed->material, radius);
         dem_vec x;
-        if (dem__find_place(w, room, feed, radius[k], &x)) {
-            dem__settle_in(room, x, radius[k]);
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        if (dem__find_place(w, room, feed, radius, &x, &q)) {
+            double *turn = b->turn + 4 * found;
+            dem__settle_body(w, room, feed, x, q, radius);
+            for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
+            turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
+            b->radius[found++] = radius;
             feed->placed_mass += m;
             if (by_mass) feed->due_mass -= at_once ? 0.0 : m;
             else feed->due -= at_once ? 0.0 : 1.0;
@@ -225,22 +310,26 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
             feed->missed++;
             feed->missed_mass += m;
         } else {
-            feed->waiting = 2.0 * radius[k];
+            feed->waiting = 2.0 * radius;
             return;
         }
     }
 }
 
-/* Lists the spheres that were placed, cell by cell, so that neighbours in space become neighbours in memory. How many are they? */
-static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, double *diameter, double *centre,
-                                         double *velocity) {
+/* Lists the bodies that were placed, in the order of the cells of their first particles, so that neighbours in space become neighbours in
+   memory. How many are they? */
+static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
     for (ptrdiff_t c = 0; c < room->cells; c++) {
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
-            diameter[placed] = 2.0 * room->radius[q];
+            const ptrdiff_t body = (q - present) / pieces;
+            if ((q - present) % pieces != 0) continue;
+            b->diameter[placed] = 2.0 * b->radius[body];
+            for (int a = 0; a < 4; a++) b->orientation[4 * placed + a] = b->turn[4 * body + a];
             for (int a = 0; a < 3; a++) {
-                centre[3 * placed + a] = room->centre[3 * (ptrdiff_t)q + a];
-                velocity[3 * placed + a] =
+                b->centre[3 * placed + a] = b->place[3 * body + a];
+                b->velocity[3 * placed + a] =
                     dem_axis(feed->velocity, a) + dem_axis(feed->scatter, a) * (2.0 * dem__uniform(&feed->random) - 1.0);
             }
             placed++;
@@ -249,49 +338,50 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
     return placed;
 }
 
-/* Adds spheres with velocities; all or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const double *centre, const double *diameter,
-                                         const double *velocity) {
-    const dem_status status = dem_add_spheres(w, n, centre, diameter, feed->material, feed->group);
+/* Adds bodies with velocities; all or none. */
+static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
+    const dem_status status = feed->clump
+                                  ? dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group)
+                                  : dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
-        const dem_vec v = dem_vec3(velocity[3 * k], velocity[3 * k + 1], velocity[3 * k + 2]);
-        dem_set_motion(w, w->count - n + k, v, dem_vec3(0.0, 0.0, 0.0));
+        const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
+        dem_set_motion(w, w->count - (n - k) * pieces, v, dem_vec3(0.0, 0.0, 0.0));
     }
     return status;
 }
 
-/* Places spheres: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
+/* Places bodies: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
    the order drawn, up to the first without a place, which then waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
     dem_feed after = *feed, counted = *feed;
     dem__room room;
+    dem__batch batch;
     ptrdiff_t placed = 0;
     const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    const ptrdiff_t pieces = dem__feed_pieces(feed);
     double smallest, largest;
     dem__are_sizes(&feed->sizes, &smallest, &largest);
     if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
     const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
-    if (n == INT32_MAX / 8) return DEM_TOO_MANY;
+    if (n >= INT32_MAX / 8 / pieces) return DEM_TOO_MANY;
     if (n == 0) {
         *feed = counted;
         return DEM_OK;
     }
-    double *radius = (double *)memory.fn(memory.user, NULL, 0, (size_t)n * 7 * sizeof *radius);
-    if (!radius) return DEM_OUT_OF_MEMORY;
-    double *centre = radius + n, *velocity = centre + 3 * n;
-    dem__draw_due(w, &after, number, mass, most, radius);
-    if (at_once) dem__sort_sizes(radius, n);
-    dem_status status = dem__make_room(&room, w, &feed->region, radius, n);
+    if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
+    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, at_once);
+    dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
-        dem__find_places(w, &room, &after, radius, n, mass < HUGE_VAL, at_once);
-        placed = dem__list_placed(&room, present, &after, radius, centre, velocity); /* their diameters in place of the radii */
+        dem__find_places(w, &room, &after, &batch, n, mass < HUGE_VAL, at_once);
+        placed = dem__list_placed(&room, present, &after, &batch);
     }
     dem__clear_room(&room, w);
-    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, centre, radius, velocity);
-    memory.fn(memory.user, radius, (size_t)n * 7 * sizeof *radius, 0);
+    if (status == DEM_OK) status = dem__add_moving(w, &after, placed, &batch);
+    memory.fn(memory.user, batch.radius, batch.bytes, 0);
     if (status != DEM_OK) return status;
     after.placed += placed;
     *feed = after;
@@ -304,6 +394,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
         return 0;
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
+    if (f->clump && !dem__is_clump(f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
         !(f->scatter.z >= 0.0))

@@ -180,8 +180,31 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre. 0 if it
-   carries no force. */
+/* Where particle i is counted, and how fast it is there: a rigid body once, at its centre of mass. 0 for its other particles. */
+static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (r && r->first != i) return 0;
+    *at = r ? dem__body_position(w, r) : dem_position(w, i);
+    *v = r ? dem__plus(r->v, dem__now(w, i), r->a) : dem_velocity(w, i);
+    return 1;
+}
+
+/* The part of a particle's volume that counts: all of a sphere; those of a body share what is left of them where they overlap. */
+static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    double sum = 0.0;
+    for (ptrdiff_t k = 0; r && k < r->pieces; k++) sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
+    return r ? r->mass / sum : 1.0;
+}
+
+/* From the centre of the body that particle i is a part of to the particle's. */
+static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre; of a body: of
+   mass. 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -196,6 +219,10 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
         dem__touch_place(w, k < contacts->count ? dem__slot_of(w, k) : -1, &w->wall[-1 - c.j], *to, w->particle[c.i].radius, c.element,
                          &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
+    }
+    if (w->engine->bodies.rigid) {
+        *to = dem__sub(*to, dem__arm_now(w, c.i));
+        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
     }
     return dem__dot(c.force, c.force) > 0.0;
 }
@@ -221,23 +248,25 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     dem__tree_bounds(region, &low, &high);
     for (int pass = 0; pass < 2; pass++) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem_vec at = dem_position(w, i), v = dem_velocity(w, i);
+            const dem_vec at = dem_position(w, i);
             const double r = w->particle[i].radius;
+            dem_vec centre, v;
             if (!w->alive[i]) continue;
+            const double filled = pass == 0 ? dem__filled(w, i) * share : 0.0;
+            const int counts = dem__counts(w, i, &centre, &v);
             for (int image = 0; image < images; image++) {
-                const dem_vec x = dem__add(at, shift[image]);
-                if (!(x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
-                      x.z - r <= high.z))
-                    continue;
-                const int is_in = dem__holds(region, &inside, x);
-                if (pass == 0) m.solid_fraction += dem__ball_in(region, &inside, x, r) * share;
-                if (pass == 0 && is_in) {
+                const dem_vec x = dem__add(at, shift[image]), c = dem__add(centre, shift[image]);
+                if (pass == 0 && x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
+                    x.z - r <= high.z)
+                    m.solid_fraction += dem__ball_in(region, &inside, x, r) * filled;
+                if (!counts || !(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z)) continue;
+                if (!dem__holds(region, &inside, c)) continue;
+                if (pass == 0) {
                     m.count++;
                     m.mass += w->particle[i].mass;
                     m.coordination += w->touching[i];
                     m.velocity = dem__add(m.velocity, dem__scale(w->particle[i].mass, v));
-                }
-                if (pass == 1 && is_in) {
+                } else {
                     const dem_vec u = dem__sub(v, m.velocity);
                     m.granular_temperature += w->particle[i].mass * dem__dot(u, u);
                     dem__add_stress(m.kinetic_stress, w->particle[i].mass * share, u, u);
@@ -340,9 +369,9 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     memset(&load, 0, sizeof load);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
+        dem_vec at;
         load.mass = w->particle[i].mass;
-        load.velocity = dem_velocity(w, i);
-        dem__smear(w, c, field, dem_position(w, i), &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < w->engine->contacts.count + w->engine->links.count; k++) {
@@ -393,8 +422,9 @@ DEM_API dem_status dem_residence(const dem_world *world, const dem_region *regio
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const uint64_t id = w->id[i];
-        if (!w->alive[i] || id >= (uint64_t)n) continue;
-        const int inside = dem_region_holds(region, dem_position(w, i)), was = dem__finite(entered[id]);
+        dem_vec at, v;
+        if (!w->alive[i] || id >= (uint64_t)n || !dem__counts(w, i, &at, &v)) continue;
+        const int inside = dem_region_holds(region, at), was = dem__finite(entered[id]);
         if (was && !inside) stayed[id] += w->time - entered[id];
         if (was != inside) entered[id] = inside ? w->time : (double)NAN;
     }
@@ -409,9 +439,9 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     sharp.width[0] = sharp.width[1] = sharp.width[2] = 0.0;
     for (ptrdiff_t k = 0; k < number; k++) of_group[k] = of_all[k] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_vec x = dem_position(w, i);
+        dem_vec x, v;
         int at[3], last;
-        if (!w->alive[i] || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
+        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
             !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
             continue;
         const ptrdiff_t k = ((ptrdiff_t)at[2] * sharp.n[1] + at[1]) * sharp.n[0] + at[0];

@@ -118,6 +118,39 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
 
 DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
+/* What the change of a link's force and torque makes of the velocities of a particle, or its body, in half an interval. */
+static inline void dem__change_motion(dem_world *w, ptrdiff_t i, double half, dem_vec force, dem_vec torque) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        const dem_vec about = dem__add(torque, dem__cross(w->engine->bodies.arm[i], force));
+        r->v = dem__flushed_vec(dem__plus(r->v, half / r->mass, force)), r->a = dem__plus(r->a, 1.0 / r->mass, force);
+        r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, about)), r->torque = dem__add(r->torque, about);
+        dem__place_pieces(w, r);
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque);
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+}
+
+/* Has particle i a load of links, or had it one? */
+DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
+    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* A particle whose links have been evaluated keeps its bound while that holds until they are again. */
+static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
+    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    else {
+        const int32_t one = (int32_t)i;
+        dem__renew_bound(w, i, w->step);
+        dem__reset_pair_timers(w, &one, 1, w->step);
+    }
+}
+
 /* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
    get what the mean of the old force and the new one would have made. */
 static inline void dem__step_links(dem_world *w) {
@@ -127,38 +160,37 @@ static inline void dem__step_links(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     const double h = (double)links->stride * run->dt;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!dem__is_linked(w, i)) continue;
         dem__set_origin(w, i);
-        dem__wrap(w, i);
-        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - dem__motion_energy(w, i));
+        if (r) dem__wrap_body(w, r), dem__place_pieces(w, r);
+        else dem__wrap(w, i);
+        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
     }
     run->kernel_dt = h;
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (links->first_link[i] < 0 && !links->is_loaded[i]) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (!dem__is_linked(w, i)) continue;
         const dem__sum *sum = &bodies->sum[i];
-        dem_particle *p = &w->particle[i];
-        const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(sum->load));
-        const dem_vec torque = dem__sub(dem__second(bodies->load[i]), dem__second(sum->load));
-        const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque); /* changes */
-        links->is_loaded[i] = links->first_link[i] >= 0;
-        p->v = dem__flushed_vec(dem__plus(p->v, 0.5 * h, a)), p->a = dem__add(p->a, a);
-        p->spin = dem__flushed_vec(dem__plus(p->spin, 0.5 * h, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-        if (ledger->on) {
-            dem__book_link_work(w, dem__motion_energy(w, i));
-            for (int q = 0; q < 3; q++) links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
-        }
+        if (r && ledger->on) dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        dem__change_motion(w, i, 0.5 * h, dem__sub(dem__first(bodies->load[i]), dem__first(sum->load)),
+                           dem__sub(dem__second(bodies->load[i]), dem__second(sum->load)));
+        if (ledger->on) dem__book_link_work(w, dem__motion_energy(w, r ? r->first : i));
         for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* when all of a body has been changed */
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem_particle *p = &w->particle[i];
+        if (!dem__is_linked(w, i)) continue;
+        links->is_loaded[i] = links->first_link[i] >= 0;
+        for (int q = 0; q < 3 && ledger->on; q++)
+            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
         if (run->needs_lists) continue;
-        const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-        if (strayed < bodies->bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
-        else {
-            const int32_t one = (int32_t)i;
-            dem__renew_bound(w, i, w->step);
-            dem__reset_pair_timers(w, &one, 1, w->step);
-        }
+        if (!r) dem__check_linked(w, i);
+        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
     }
     for (int32_t k = 0; k < (int32_t)links->count;) {
         if (links->ended[k]) dem__cut_link(w, k);

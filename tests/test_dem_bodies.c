@@ -554,6 +554,153 @@ static void test_clumps_leave_whole(void **state) {
     dem_free(&w);
 }
 
+/* Springs between surfaces, for links. */
+enum { SPRING_K, SPRING_LENGTH, SPRING_STATES };
+DEM_INLINE void spring_force(const dem_contact *c, double *state, dem_response *r) {
+    r->normal = -state[SPRING_K] * (c->gap - state[SPRING_LENGTH]);
+    r->ended = 0.0;
+}
+static double no_constants(const dem_birth *birth, double *constants) {
+    (void)birth, (void)constants;
+    return 0.0;
+}
+static const dem_law spring_law = {"springs", 1, SPRING_STATES, 0, 0, 0, no_constants, spring_force, NULL, NULL};
+DEM_LINK_KERNEL(spring_kernel, spring_law)
+
+/* Two clumps tied to each other and to a sphere by springs at three of their spheres swing and turn: momenta stay, and kinetic energy and
+   that of the springs, to the second order of the interval. */
+static double tied_error(double interval) {
+    dem_def def = hit_def(1e-5, 1.0, DEM_CLIPPED, 1e4);
+    dem_world w;
+    dem_clump c;
+    const double at[9] = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0}, d[3] = {0.008, 0.008, 0.008}, x[9] = {0, 0, 0, 0.03, 0, 0.01, 0.015, 0.03, 0};
+    const double spring[SPRING_STATES] = {2.0, 0.01};
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_make_clump(3, at, d, &c), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 2, &c, x, NULL, NULL, 0, 0), DEM_OK);
+    dem_add_spheres(&w, 1, x + 6, d, 0, 0);
+    assert_int_equal(dem_set_links(&w, &spring_kernel, interval, 1e-6), DEM_OK);
+    assert_int_equal(dem_add_link(&w, 0, 1, 0, spring), DEM_BAD_ARGUMENT); /* of one body */
+    assert_int_equal(dem_add_link(&w, 1, 3, 0, spring), DEM_OK);
+    assert_int_equal(dem_add_link(&w, 2, 5, 0, spring), DEM_OK);
+    assert_int_equal(dem_add_link(&w, 2, 6, 0, spring), DEM_OK);
+    dem_set_motion(&w, 0, dem_vec3(0, 0.02, 0.01), dem_vec3(2, 0, 1));
+    dem_set_motion(&w, 3, dem_vec3(0, -0.02, -0.01), dem_vec3(0, -1, 2));
+    const dem_vec p = dem_momentum(&w), l = angular_momentum(&w);
+    double first = 0.0, error = 0.0;
+    for (int k = 0; k < 50; k++) {
+        assert_int_equal(dem_run(&w, k ? 0.02 : 2.0 * interval, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        double stored = 0.0;
+        for (ptrdiff_t q = 0; q < dem_link_count(&w); q++) {
+            const dem_contact_info info = dem_get_link(&w, q);
+            stored += 0.5 * info.state[SPRING_K] * (info.gap - info.state[SPRING_LENGTH]) * (info.gap - info.state[SPRING_LENGTH]);
+        }
+        const dem_energy_ledger e = dem_energy(&w);
+        const double now = e.kinetic + e.rotational + stored;
+        if (k == 0) first = now;
+        error = fabs(now - first) > error ? fabs(now - first) : error;
+        assert_true(fabs(e.error) < 2e-3 * first);
+    }
+    assert_true(dem__length(dem__sub(dem_momentum(&w), p)) < 1e-13 * dem_mass(&w, 0));
+    assert_true(dem__length(dem__sub(angular_momentum(&w), l)) < 1e-2 * dem__length(l)); /* their arms are those of the evaluation */
+    dem_free(&w);
+    return error / first;
+}
+static void test_links_between_clumps(void **state) {
+    (void)state;
+    const double coarse = tied_error(4e-4), fine = tied_error(1e-4);
+    print_message("    energy error with links every 4e-4 s, 1e-4 s: %.1e %.1e\n", coarse, fine);
+    assert_true(coarse < 2e-2 && fine < 0.3 * coarse);
+}
+
+/* A feed of clumps: orientations at random, none overlaps, all within the region, sizes and mass as asked. */
+static void test_feed_of_clumps(void **state) {
+    (void)state;
+    dem_def def = hit_def(2e-6, 0.6, DEM_CLIPPED, 1e5);
+    dem_world w;
+    dem_clump c;
+    const double at[9] = {0, 0, 0, 0.7, 0, 0, 1.2, 0.4, 0}, d[3] = {1, 0.8, 0.6};
+    assert_int_equal(dem_make_clump(3, at, d, &c), DEM_OK);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    dem_feed feed = dem_default_feed();
+    feed.region = dem_box_region(dem_vec3(-0.02, -0.02, -0.01), dem_vec3(0.02, 0.02, 0.03));
+    feed.sizes = dem_uniform_sizes(2e-3, 4e-3, 0);
+    feed.clump = &c;
+    feed.velocity = dem_vec3(0, 0, -0.1), feed.scatter = dem_vec3(0.1, 0.1, 0.1);
+    assert_int_equal(dem_fill(&w, &feed, 300), DEM_OK);
+    assert_true(feed.placed + feed.missed == 300 && feed.placed > 250 && w.count == 3 * feed.placed);
+    double mass = 0.0, moment[3] = {0, 0, 0};
+    for (ptrdiff_t i = 0; i < w.count; i++) {
+        const dem_vec x = dem_position(&w, i);
+        const dem_body b = dem_get_body(&w, i);
+        const double r = dem_radius(&w, i);
+        assert_true(fabs(x.x) + r < 0.02 + 1e-9 && fabs(x.y) + r < 0.02 + 1e-9 && x.z - r > 0.0 && x.z + r < 0.03 + 1e-9);
+        for (ptrdiff_t k = 0; k < b.first; k++) assert_true(dem__length(dem__sub(dem_position(&w, k), x)) > r + dem_radius(&w, k));
+        if (b.first != i) continue;
+        const dem_vec e = dem__to_lab(b.orientation, dem_vec3(0, 0, 1));
+        mass += b.mass, moment[0] += e.x * e.x, moment[1] += e.y * e.y, moment[2] += e.z * e.z;
+        assert_true(b.diameter > 2e-3 * (1 - 1e-12) && b.diameter < 4e-3 * (1 + 1e-12) && fabs(b.velocity.z + 0.1) <= 0.1);
+    }
+    assert_true(fabs(mass / feed.placed_mass - 1.0) < 1e-12);
+    for (int a = 0; a < 3; a++) assert_true(fabs(moment[a] / (double)feed.placed - 1.0 / 3.0) < 0.08); /* 4.6 standard deviations */
+    assert_int_equal(dem_run(&w, 0.01, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    feed.region = dem_box_region(dem_vec3(-0.02, -0.02, 0.05), dem_vec3(0.02, 0.02, 0.05)); /* a face */
+    const ptrdiff_t before = feed.placed;
+    assert_int_equal(dem_feed_mass(&w, &feed, 0.01, 0.1), DEM_OK);
+    assert_true(feed.placed > before);
+    dem_clump broken = c;
+    broken.spheres = 0, feed.clump = &broken;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
+/* What is measured counts a clump once: mass, momentum, volume; and at rest the contacts carry the weight. */
+static void test_measures_count_a_clump_once(void **state) {
+    (void)state;
+    dem_world w;
+    fill_scene(&w, 1, DEM_SKIP_ALL, 0);
+    dem_measure m;
+    dem_region all = dem_box_region(dem_vec3(-0.1, -0.1, -0.1), dem_vec3(0.1, 0.1, 0.1));
+    double mass = 0.0, volume = 0.0;
+    ptrdiff_t bodies = 0;
+    for (ptrdiff_t i = 0; i < w.count; i++) {
+        const dem_body b = dem_get_body(&w, i);
+        if (b.first == i) mass += b.mass, volume += b.mass / 2500.0, bodies++;
+    }
+    const dem_vec p = dem_momentum(&w);
+    assert_int_equal(dem_measure_region(&w, &all, &m), DEM_OK);
+    assert_true(m.count == bodies && fabs(m.mass / mass - 1.0) < 1e-13);
+    assert_true(fabs(m.solid_fraction * 8e-3 / volume - 1.0) < 1e-12);
+    assert_true(dem__length(dem__sub(dem__scale(m.mass, m.velocity), p)) < 1e-12 * dem__length(p));
+    dem_cells cells;
+    dem_field field[8];
+    memset(&cells, 0, sizeof cells);
+    cells.low = all.low, cells.high = all.high;
+    for (int a = 0; a < 3; a++) cells.n[a] = 2;
+    assert_int_equal(dem_coarse_grain(&w, &cells, field), DEM_OK);
+    double density = 0.0;
+    for (int k = 0; k < 8; k++) density += field[k].density * 1e-3;
+    assert_true(fabs(density / mass - 1.0) < 1e-13);
+    dem_free(&w);
+    /* a rod on two feet at rest: sum of F L over the volume is the weight times the height of its centre */
+    const double rod[6] = {0, 0, 0, 0.02, 0, 0}, d[2] = {0.01, 0.01}, x[3] = {0, 0, 0.005};
+    dem_def def = hit_def(1e-5, 0.2, DEM_CLIPPED, 1e4);
+    dem_clump c;
+    def.gravity = dem_vec3(0, 0, -9.81);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    assert_int_equal(dem_make_clump(2, rod, d, &c), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &c, x, NULL, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_run(&w, 1.0, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    assert_int_equal(dem_measure_region(&w, &all, &m), DEM_OK);
+    const dem_body b = dem_get_body(&w, 0);
+    assert_true(m.coordination == 2.0 && fabs(m.contact_stress[2][2] * 8e-3 / (b.mass * 9.81 * b.position.z) - 1.0) < 1e-3);
+    assert_true(fabs(m.contact_stress[0][0]) < 1e-6 * m.contact_stress[2][2]);
+    assert_true(fabs(b.position.z - (0.005 - 0.5 * b.mass * 9.81 / 1e4)) < 1e-9);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_euler_top_flies_to_the_reference),
@@ -572,6 +719,9 @@ int main(void) {
         cmocka_unit_test(test_same_bits_for_threads_and_skipping),
         cmocka_unit_test(test_bed_of_clumps_closes_the_ledger),
         cmocka_unit_test(test_clumps_leave_whole),
+        cmocka_unit_test(test_links_between_clumps),
+        cmocka_unit_test(test_feed_of_clumps),
+        cmocka_unit_test(test_measures_count_a_clump_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
