@@ -10772,26 +10772,53 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
 
 DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
-/* What the change of a link's force and torque makes of the velocities of a particle, or its body, in half an interval. */
-static inline void dem__change_motion(dem_world *w, ptrdiff_t i, double half, dem_vec force, dem_vec torque) {
-    const dem__sum *sum = &w->engine->bodies.sum[i];
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (r) {
-        const dem_vec about = dem__add(torque, dem__cross(w->engine->bodies.arm[i], force));
-        r->v = dem__flushed_vec(dem__plus(r->v, half / r->mass, force)), r->a = dem__plus(r->a, 1.0 / r->mass, force);
-        r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, about)), r->torque = dem__add(r->torque, about);
-        dem__place_pieces(w, r);
-        return;
-    }
-    const dem_vec a = dem__scale(sum->per_mass, force), b = dem__scale(sum->per_inertia, torque);
-    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
-    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-}
-
 /* Has particle i a load of links, or had it one? */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* Half a kick of a body by the change of its links' forces, old ones in the sums. What flies has the torque of where it was when they were
+   found, what takes steps that of now. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                                 dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* The same of a particle; a body is kicked when its first linked particle is met. */
+static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    const double *load = w->engine->bodies.load[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        for (ptrdiff_t k = r->first; k < i; k++) {
+            if (dem__is_linked(w, k)) return;
+        }
+        dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        dem__kick_linked_body(w, r, half);
+        dem__book_link_work(w, dem__motion_energy(w, r->first));
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
+    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
 }
 
 /* A particle whose links have been evaluated keeps its bound while that holds until they are again. */
@@ -10826,19 +10853,13 @@ static inline void dem__step_links(dem_world *w) {
     dem__evaluate_links(w);
     if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (!dem__is_linked(w, i)) continue;
-        const dem__sum *sum = &bodies->sum[i];
-        if (r && ledger->on) dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        dem__change_motion(w, i, 0.5 * h, dem__sub(dem__first(bodies->load[i]), dem__first(sum->load)),
-                           dem__sub(dem__second(bodies->load[i]), dem__second(sum->load)));
-        if (ledger->on) dem__book_link_work(w, dem__motion_energy(w, r ? r->first : i));
-        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+        if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
     }
     for (ptrdiff_t i = 0; i < w->count; i++) { /* when all of a body has been changed */
         const dem__rigid *r = dem__rigid_of(w, i);
         const dem_particle *p = &w->particle[i];
         if (!dem__is_linked(w, i)) continue;
+        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
         links->is_loaded[i] = links->first_link[i] >= 0;
         for (int q = 0; q < 3 && ledger->on; q++)
             links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);

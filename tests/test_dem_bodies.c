@@ -558,6 +558,7 @@ static void test_clumps_leave_whole(void **state) {
 enum { SPRING_K, SPRING_LENGTH, SPRING_STATES };
 DEM_INLINE void spring_force(const dem_contact *c, double *state, dem_response *r) {
     r->normal = -state[SPRING_K] * (c->gap - state[SPRING_LENGTH]);
+    r->tangential[0] = r->tangential[1] = r->tangential[2] = 0.0;
     r->ended = 0.0;
 }
 static double no_constants(const dem_birth *birth, double *constants) {
@@ -588,8 +589,8 @@ static double tied_error(double interval) {
     dem_set_motion(&w, 3, dem_vec3(0, -0.02, -0.01), dem_vec3(0, -1, 2));
     const dem_vec p = dem_momentum(&w), l = angular_momentum(&w);
     double first = 0.0, error = 0.0;
-    for (int k = 0; k < 50; k++) {
-        assert_int_equal(dem_run(&w, k ? 0.02 : 2.0 * interval, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+    for (int k = 0; k < 20; k++) {
+        assert_int_equal(dem_run(&w, k ? 0.002 : 2.0 * interval, DEM_LINEAR | DEM_ENERGY), DEM_OK);
         double stored = 0.0;
         for (ptrdiff_t q = 0; q < dem_link_count(&w); q++) {
             const dem_contact_info info = dem_get_link(&w, q);
@@ -599,10 +600,10 @@ static double tied_error(double interval) {
         const double now = e.kinetic + e.rotational + stored;
         if (k == 0) first = now;
         error = fabs(now - first) > error ? fabs(now - first) : error;
-        assert_true(fabs(e.error) < 2e-3 * first);
+        assert_true(fabs(e.error) < 5e-3 * first);
     }
     assert_true(dem__length(dem__sub(dem_momentum(&w), p)) < 1e-13 * dem_mass(&w, 0));
-    assert_true(dem__length(dem__sub(angular_momentum(&w), l)) < 1e-2 * dem__length(l)); /* their arms are those of the evaluation */
+    assert_true(dem__length(dem__sub(angular_momentum(&w), l)) < 1e-11 * dem__length(l));
     dem_free(&w);
     return error / first;
 }
@@ -610,7 +611,7 @@ static void test_links_between_clumps(void **state) {
     (void)state;
     const double coarse = tied_error(4e-4), fine = tied_error(1e-4);
     print_message("    energy error with links every 4e-4 s, 1e-4 s: %.1e %.1e\n", coarse, fine);
-    assert_true(coarse < 2e-2 && fine < 0.3 * coarse);
+    assert_true(coarse < 1e-3 && fine < 0.1 * coarse);
 }
 
 /* A feed of clumps: orientations at random, none overlaps, all within the region, sizes and mass as asked. */
