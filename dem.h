@@ -3668,7 +3668,9 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 }
 
 /* --------------------------------------------------------------------------------------- >>clump-shape */
-/* Mass properties of bodies made of spheres: pure functions of numbers. Anything may be changed here that keeps what dem_make_clump says. */
+/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
+   May be changed here alone: how volumes and moments are found. */
+
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
     double volume;
@@ -3886,8 +3888,9 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
 }
 
 /* -------------------------------------------------------------------------------------------- >>clumps */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. Anything may be changed here without
-   looking elsewhere. */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
+   May be changed here alone: what is refused and how bodies are made of shapes. */
+
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
@@ -11946,10 +11949,10 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
 
 /* Draws n radii, and finds those of their particles. The largest there is of a body's. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
-                                     int at_once) {
+                                     ptrdiff_t most, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double widest = 0.0;
-    dem__draw_due(w, feed, number, mass, n, b->radius);
+    dem__draw_due(w, feed, number, mass, most, b->radius);
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
@@ -12042,7 +12045,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
         return DEM_OK;
     }
     if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
-    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, at_once);
+    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, most, at_once);
     dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;

@@ -1,5 +1,7 @@
 /* --------------------------------------------------------------------------------------- >>clump-shape */
-/* Mass properties of bodies made of spheres: pure functions of numbers. Anything may be changed here that keeps what dem_make_clump says. */
+/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
+   May be changed here alone: how volumes and moments are found. */
+
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
     double volume;

@@ -1,6 +1,7 @@
 /* -------------------------------------------------------------------------------------------- >>clumps */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. Anything may be changed here without
-   looking elsewhere. */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
+   May be changed here alone: what is refused and how bodies are made of shapes. */
+
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;

@@ -276,10 +276,10 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
 
 /* Draws n radii, and finds those of their particles. The largest there is of a body's. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
-                                     int at_once) {
+                                     ptrdiff_t most, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double widest = 0.0;
-    dem__draw_due(w, feed, number, mass, n, b->radius);
+    dem__draw_due(w, feed, number, mass, most, b->radius);
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
@@ -372,7 +372,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
         return DEM_OK;
     }
     if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
-    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, at_once);
+    const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, most, at_once);
     dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
