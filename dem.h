@@ -120,16 +120,16 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory. Prefetch the ones needed soon into the second cache; the first is full of the current block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, as the first is full of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* What is new of a block of contacts goes straight to the world, as gcc can be told that no iteration reads what another writes. Clang
-   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. A
-   short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
+/* With gcc the law's loop writes its results straight to the contacts: ivdep says that no iteration reads what another one writes. Clang's
+   pragma would promise that of the arrays within an iteration, too, which is not so: with clang the loop writes to rows of its own, which
+   are copied. gcc unrolls a short loop before it sees that it vectorises, unless it is told to leave it rolled. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -165,17 +165,17 @@ extern "C" {
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                  /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_WALLS_MAX 32                  /* every particle near a wall is tested with it; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16              /* constants of a law, folded per contact at its birth */
 #define DEM_STATE_MAX 16                  /* doubles that a law may keep per contact */
 #define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
-#define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a test can be put off: rounding grows with them */
+#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls none is put off for longer */
 #define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: more make neighbours look sooner */
-#define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
+#define DEM__AHEAD 16                     /* tests for which memory is prefetched */
 #define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
-#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines that are asked together */
 #define DEM__REORDER_STEPS 256            /* steps between two orderings of contacts */
 #define DEM__LIST_STEPS 100               /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
@@ -224,8 +224,8 @@ enum {
 
 /* Layers of skipping; all on by default. They change no bit of a result, only the time it takes. */
 enum {
-    DEM_SKIP_PAIRS = 1, /* pairs are not looked at before they can touch */
-    DEM_SKIP_SPACE = 2, /* walls are not looked at by particles that cannot reach them */
+    DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
+    DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
     DEM_SKIP_ALL = 3
 };
 
@@ -622,7 +622,7 @@ typedef struct dem_world {
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
     int64_t contact_steps;  /* sum over steps of live contacts */
-    int64_t looks;          /* pairs and walls looked at */
+    int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
     double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, when a run last began with
                                something new; above 1 its contacts make energy of nothing. dem_advise() says 0.08 or less. 0 before. With
@@ -2517,7 +2517,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Of contacts, in the order of how long they hold something: from step to step, ... */
+/* Lists the arrays of contacts, in the order of how long they hold something: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -2549,7 +2549,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Of those the first so many hold something when a contact is moved to another slot. */
+/* Lists them, and counts those that hold something when a contact is moved to another slot: the first so many. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
     return w->engine->run.keeps_wrenches                     ? with_out
@@ -2597,7 +2597,7 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Room for so many timers, and for what else is kept of each, so many bytes. */
+/* Makes room for so many timers, and for the bytes that are kept beside each. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
                                {&t->list, DEM__LINE * sizeof *t->list},
@@ -2611,7 +2611,7 @@ static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
     return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
-/* So many timers, of which those from `kept` on are stopped. */
+/* Sets the number of timers; those from `kept` on are stopped. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
     t->pages = count / DEM__PAGE + 1;
     for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
@@ -2622,7 +2622,7 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
     }
 }
 
-/* Steps counted from another one. */
+/* Counts the steps of timers from another one. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
     for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
@@ -2630,7 +2630,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* One plain array as a group of its own. */
+/* Makes room in one plain array; what it holds is lost. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
@@ -6423,7 +6423,7 @@ DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     return (int32_t)(before + c - in->first);
 }
 
-/* Where the next contact is born. */
+/* Finds the slot of the next contact that begins. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
     const dem__chunk *last = &w->engine->contacts.chunk[w->engine->contacts.chunk_count - 1];
     return last->first + last->count;
@@ -6455,7 +6455,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Looks at a pair: it is found, or its timer is to be set. */
+/* Tests a pair: a contact begins, or its timer is to be set. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -6698,7 +6698,7 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Looks at particle i and a wall at a step at which the wall already is. */
+/* Tests particle i with a wall, at a step to which the wall has been moved. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -6778,7 +6778,7 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
 /* At most so far does a pull turn it from its bound in a step [m/s]: the sum of parts costs no root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
 
-/* Of a particle that has strayed so far from its bound: what its tolerance leaves it beyond this step. */
+/* Notes what is left of a particle's tolerance after the next step, when its velocity has strayed so far from its bound's. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
@@ -6811,7 +6811,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* What some threads learn from new bounds: when the list is to be asked again, and who is too fast (-1: nobody). */
+/* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -6827,7 +6827,7 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list waits for somebody to move: where it has gone since, and how fast it is. */
+/* The frame in which the list measures how far particles have moved: its way since the list was built, and its velocity. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -6840,7 +6840,7 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle at x with v may still move before it could touch somebody who isn't listed, and how fast it does: in that frame. */
+/* Computes how far, in that frame, a particle at x with v may move before it could touch one that is not listed, and how fast it moves. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
@@ -6915,7 +6915,7 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__apply_outcome(w, &news);
 }
 
-/* All look at wall k at a step. */
+/* Tests all particles with wall k at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -6924,7 +6924,7 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
 }
 
 /* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
-   looked at by all in this very step. */
+   tested with all particles in this very step. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
@@ -7022,7 +7022,7 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
    Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
-/* Active particles in the order of memory. */
+/* Lists active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     bodies->active_count = bodies->to_check_count = 0;
@@ -7033,7 +7033,7 @@ static inline void dem__list_active(dem_world *w) {
     }
 }
 
-/* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
+/* Moves the wall timers of the `left` particles that stay to their new numbers, in scratch.index. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
@@ -7053,7 +7053,7 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* The number of particle i, or of the first after it that stays, when those are numbered by remap__. */
+/* Finds the new number of particle i, or of the first after it that stays. */
 static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
@@ -8058,7 +8058,7 @@ typedef struct dem__type_rows {
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* The geometry of contact k, as the law sees it. */
+/* Computes the geometry of contact k as the law sees it. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
                                       double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -8101,7 +8101,7 @@ typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__columns;
 
-/* What is new of a block of contacts. */
+/* The results of a block of contacts, where they are not written straight to the contacts. */
 typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block_rows;
@@ -8147,7 +8147,7 @@ DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int
     if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
-/* Of a block in which each contact has its own. */
+/* Copies the constants of a block whose contacts have constants of their own. */
 static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
@@ -8157,7 +8157,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Of those slots of a block whose kind is not that of before. */
+/* Reads the constants of those rows whose contact type is not that of the block before. */
 static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
@@ -8189,7 +8189,7 @@ DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int c
     if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
-/* Force on i, torques on i and j. */
+/* Computes the force on i and the torques on i and j. */
 DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
                                int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
@@ -8206,7 +8206,8 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
     out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
 }
 
-/* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
+/* Computes the losses of a step, from powers by the trapezoidal rule. In a clipped contact that only unloads the spring's energy is
+   lost. */
 DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
@@ -8218,7 +8219,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+/* Finds where a wall is touched by the contact in a slot or, without one (-1), by a link. */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8262,7 +8263,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* The same where the wall's surface slides: at the point that is touched. */
+/* Replaces a row's velocities by those of the point that is touched, where the wall's surface slides. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -8286,18 +8287,18 @@ DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrd
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
-/* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
+/* Finds the share of mass that a contact may count on: the smaller one of i and j, unless that is a wall. */
 DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
-/* Nearest images; positions of active particles lie within the periodic box. */
+/* Replaces distances by those of the nearest images. Positions of active particles lie within the periodic box. */
 DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
     for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
-/* Of a wall's row. */
+/* Completes the row of a contact with a wall. */
 DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;
@@ -8364,7 +8365,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
    Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
    May be changed here alone: how the two bodies' motion within the step is followed. */
-/* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
+/* Computes the part of the law's normal force that the overlap makes, at a gap and closing speed. The history stays. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
     dem_contact c = *contact;
@@ -8379,7 +8380,7 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
+/* Moves the two bodies by themselves along the normal over time t, by one Runge-Kutta step of fourth order. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
     double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
@@ -8403,7 +8404,7 @@ typedef struct dem__edge_motion {
     double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
 } dem__edge_motion;
 
-/* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
+/* Follows the two bodies through a first step. Returns 0 if they do not approach. The impulse is that of the whole step. */
 DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -8499,7 +8500,7 @@ typedef struct dem__edge_result {
     double start, driven;
 } dem__edge_result;
 
-/* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not begin. */
 DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                        int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -8530,7 +8531,7 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
     return 1;
 }
 
-/* The step in which it ends, likewise. 0: Verlet's step stands. */
+/* Corrects the step in which a contact ends, in the same way. Returns 0 if Verlet's step stands. */
 DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -8559,7 +8560,7 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+/* Corrects a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
 DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
@@ -8726,7 +8727,7 @@ struct dem__work {
     dem__timer_batch batch; /* of a test of pairs */
 };
 
-/* Work for so many threads. */
+/* Makes the memory that so many threads work in. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
@@ -8896,7 +8897,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Work of the walls on their contacts, powers by the trapezoidal rule. */
+/* Computes the work of walls on their contacts, from powers by the trapezoidal rule. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
@@ -8986,7 +8987,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Number of parts that the links are evaluated in. */
+/* Finds into how many parts the links are split. */
 DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
 
 /* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
@@ -9222,7 +9223,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* The slots of contacts that have ended, into slots__: of those that the last step marked, or of all. */
+/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. How many? */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -9247,7 +9248,7 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* What the slots hold that slots__ lists, one after the other into the slots of chunks: every parts-th array, from `first` on. */
+/* Moves what the listed slots hold, one after the other, into the slots of chunks: every parts-th array, from `first` on. */
 static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
                                      int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -9310,7 +9311,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: nobody looks */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -9352,7 +9353,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to look for a kind would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -9368,8 +9369,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* The contacts born since the last call, which slots__ lists by partners, from the end of the last chunk into chunks of their own:
-   lists their slots instead. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into the chunks that they belong
+   to, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -9396,7 +9397,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Makes the contacts born since the last call ready, and puts them into the order. */
+/* Makes the contacts that began since the last call ready, and puts them into the order. */
 static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
@@ -9432,7 +9433,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     contacts->begun = 0;
 }
 
-/* Tells the law of the contacts in the slots that slots__ lists. */
+/* Calls the law's born hook for the contacts in the listed slots. */
 static inline void dem__report_begun(dem_world *w, const dem_law *law, ptrdiff_t born) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!law->born || born == 0) return;
@@ -9446,13 +9447,13 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
     if (*link == slot) *link = replacement >= 0 ? replacement : w->engine->contacts.wall_next[slot];
 }
 
-/* Ahead of a look at a particle's bound. */
+/* Prefetches what a check of a particle's bound reads. */
 DEM_INLINE void dem__prefetch_flight(const dem_world *w, ptrdiff_t i) {
     dem__prefetch_particle(w, i);
     DEM__PREFETCH(&w->engine->bodies.bound[i]);
 }
 
-/* Ahead of a contact's end. */
+/* Prefetches what the end of a contact reads. */
 DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t p = contacts->near[c];
@@ -9463,7 +9464,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* One contact ends. */
+/* Ends the contact in slot c; its timer is set anew. */
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -9486,7 +9487,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
-/* The contact of slot `from` goes into a free one. */
+/* Moves the contact in slot `from` into a free one. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
     dem__contacts *contacts = &w->engine->contacts;
     if (contacts->j[from] < 0) {
@@ -9581,7 +9582,7 @@ static inline int dem__reorder_contacts(dem_world *w) {
    Promises: what touched nothing else is in flight afterwards.
    May be changed here alone: the order of the two. */
 
-/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
+/* Takes the old contact force out of the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
@@ -9694,7 +9695,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
+/* Computes the forces of all contacts and their sums; `keep`: the wrench of each is kept for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
@@ -9723,7 +9724,7 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 /* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
    Promises: a particle whose velocity left its bound has a new one before the next step.
    May be changed here alone: when memory is prefetched; what is checked stays. */
-/* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
+/* Finds where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
@@ -9760,13 +9761,13 @@ static inline void dem__advance(dem_world *w, double h) {
                   &h); /* to move or kick a particle is little work */
 }
 
-/* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
+/* Computes how far the velocity of a particle, known at time t of the bounds, is from that of its bound. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
 }
 
-/* The same at the end of the next step: between, it is on the line from one to the other. */
+/* Computes the same for the end of the next step. Between the two it changes linearly. */
 DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
     return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
@@ -9788,7 +9789,7 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 }
 
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may leave their tolerances are listed in remap__ from `first` on. */
+   afterwards, ready for the next. Those that may leave their tolerances are listed in scratch.index from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
@@ -9828,7 +9829,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 
-/* Of n particles those that leave their tolerances; how many. The others get room anew. */
+/* Finds which of n particles leave their tolerances, and puts them first. How many? The others' tolerances are measured anew. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
@@ -10091,14 +10092,14 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Looks at the pairs that are due, in pages first .. end-1. */
+/* Tests the pairs that are due, in pages first .. end-1. */
 DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* what is found overwrites what has been looked at */
+    waits->found = due; /* what is found overwrites what has been tested */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -10131,7 +10132,7 @@ static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     }
 }
 
-/* Looks at all pairs that do not touch. */
+/* Tests all pairs that do not touch. */
 static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     const dem__pairs *pairs = &w->engine->pairs;
     dem__timer_batch waits;
@@ -10143,7 +10144,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     dem__new_pair_contacts(w, &waits);
 }
 
-/* Looks at everything whose time has come, at the given step. */
+/* Tests everything that is due at a step. */
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) dem__follow_meshes(w, step);

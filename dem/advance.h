@@ -2,7 +2,7 @@
 /* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
    Promises: a particle whose velocity left its bound has a new one before the next step.
    May be changed here alone: when memory is prefetched; what is checked stays. */
-/* Of active particles first .. end-1, where memory is not asked ahead any more: the first, unless they are few and so lie far apart. */
+/* Finds where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
@@ -39,13 +39,13 @@ static inline void dem__advance(dem_world *w, double h) {
                   &h); /* to move or kick a particle is little work */
 }
 
-/* Of a particle settled at time t on the bounds: how far its velocity is from that of its bound. */
+/* Computes how far the velocity of a particle, known at time t of the bounds, is from that of its bound. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
 }
 
-/* The same at the end of the next step: between, it is on the line from one to the other. */
+/* Computes the same for the end of the next step. Between the two it changes linearly. */
 DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
     return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
@@ -67,7 +67,7 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 }
 
 /* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may leave their tolerances are listed in remap__ from `first` on. */
+   afterwards, ready for the next. Those that may leave their tolerances are listed in scratch.index from `first` on. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
@@ -107,7 +107,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 
-/* Of n particles those that leave their tolerances; how many. The others get room anew. */
+/* Finds which of n particles leave their tolerances, and puts them first. How many? The others' tolerances are measured anew. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;

@@ -20,7 +20,7 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
 /* At most so far does a pull turn it from its bound in a step [m/s]: the sum of parts costs no root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
 
-/* Of a particle that has strayed so far from its bound: what its tolerance leaves it beyond this step. */
+/* Notes what is left of a particle's tolerance after the next step, when its velocity has strayed so far from its bound's. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
@@ -53,7 +53,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* What some threads learn from new bounds: when the list is to be asked again, and who is too fast (-1: nobody). */
+/* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -69,7 +69,7 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list waits for somebody to move: where it has gone since, and how fast it is. */
+/* The frame in which the list measures how far particles have moved: its way since the list was built, and its velocity. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -82,7 +82,7 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle at x with v may still move before it could touch somebody who isn't listed, and how fast it does: in that frame. */
+/* Computes how far, in that frame, a particle at x with v may move before it could touch one that is not listed, and how fast it moves. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
@@ -157,7 +157,7 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__apply_outcome(w, &news);
 }
 
-/* All look at wall k at a step. */
+/* Tests all particles with wall k at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -166,7 +166,7 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
 }
 
 /* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
-   looked at by all in this very step. */
+   tested with all particles in this very step. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;

@@ -2,7 +2,7 @@
    Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
-/* Active particles in the order of memory. */
+/* Lists active particles in the order of memory. */
 static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     bodies->active_count = bodies->to_check_count = 0;
@@ -13,7 +13,7 @@ static inline void dem__list_active(dem_world *w) {
     }
 }
 
-/* Wall timers of the `left` particles that remap__ keeps, under their new numbers. */
+/* Moves the wall timers of the `left` particles that stay to their new numbers, in scratch.index. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
@@ -33,7 +33,7 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* The number of particle i, or of the first after it that stays, when those are numbered by remap__. */
+/* Finds the new number of particle i, or of the first after it that stays. */
 static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);

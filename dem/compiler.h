@@ -66,16 +66,16 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory. Prefetch the ones needed soon into the second cache; the first is full of the current block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, as the first is full of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* What is new of a block of contacts goes straight to the world, as gcc can be told that no iteration reads what another writes. Clang
-   takes that of the arrays within an iteration, too, and mixes up those of several: it gets rows that are seen to be nothing else's. A
-   short loop gcc unrolls before it sees that it vectorises, if it is not told to leave it rolled. */
+/* With gcc the law's loop writes its results straight to the contacts: ivdep says that no iteration reads what another one writes. Clang's
+   pragma would promise that of the arrays within an iteration, too, which is not so: with clang the loop writes to rows of its own, which
+   are copied. gcc unrolls a short loop before it sees that it vectorises, unless it is told to leave it rolled. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")

@@ -33,7 +33,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* The slots of contacts that have ended, into slots__: of those that the last step marked, or of all. */
+/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. How many? */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -58,7 +58,7 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* What the slots hold that slots__ lists, one after the other into the slots of chunks: every parts-th array, from `first` on. */
+/* Moves what the listed slots hold, one after the other, into the slots of chunks: every parts-th array, from `first` on. */
 static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
                                      int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -121,7 +121,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: nobody looks */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -163,7 +163,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to look for a kind would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -179,8 +179,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* The contacts born since the last call, which slots__ lists by partners, from the end of the last chunk into chunks of their own:
-   lists their slots instead. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into the chunks that they belong
+   to, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -207,7 +207,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Makes the contacts born since the last call ready, and puts them into the order. */
+/* Makes the contacts that began since the last call ready, and puts them into the order. */
 static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
@@ -243,7 +243,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
     contacts->begun = 0;
 }
 
-/* Tells the law of the contacts in the slots that slots__ lists. */
+/* Calls the law's born hook for the contacts in the listed slots. */
 static inline void dem__report_begun(dem_world *w, const dem_law *law, ptrdiff_t born) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!law->born || born == 0) return;
@@ -257,13 +257,13 @@ static inline void dem__unlink_wall_contact(dem_world *w, ptrdiff_t i, int32_t s
     if (*link == slot) *link = replacement >= 0 ? replacement : w->engine->contacts.wall_next[slot];
 }
 
-/* Ahead of a look at a particle's bound. */
+/* Prefetches what a check of a particle's bound reads. */
 DEM_INLINE void dem__prefetch_flight(const dem_world *w, ptrdiff_t i) {
     dem__prefetch_particle(w, i);
     DEM__PREFETCH(&w->engine->bodies.bound[i]);
 }
 
-/* Ahead of a contact's end. */
+/* Prefetches what the end of a contact reads. */
 DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t p = contacts->near[c];
@@ -274,7 +274,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* One contact ends. */
+/* Ends the contact in slot c; its timer is set anew. */
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -297,7 +297,7 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
-/* The contact of slot `from` goes into a free one. */
+/* Moves the contact in slot `from` into a free one. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
     dem__contacts *contacts = &w->engine->contacts;
     if (contacts->j[from] < 0) {

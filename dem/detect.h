@@ -15,7 +15,7 @@ DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     return (int32_t)(before + c - in->first);
 }
 
-/* Where the next contact is born. */
+/* Finds the slot of the next contact that begins. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
     const dem__chunk *last = &w->engine->contacts.chunk[w->engine->contacts.chunk_count - 1];
     return last->first + last->count;
@@ -47,7 +47,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Looks at a pair: it is found, or its timer is to be set. */
+/* Tests a pair: a contact begins, or its timer is to be set. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -290,7 +290,7 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Looks at particle i and a wall at a step at which the wall already is. */
+/* Tests particle i with a wall, at a step to which the wall has been moved. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;

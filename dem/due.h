@@ -16,14 +16,14 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Looks at the pairs that are due, in pages first .. end-1. */
+/* Tests the pairs that are due, in pages first .. end-1. */
 DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* what is found overwrites what has been looked at */
+    waits->found = due; /* what is found overwrites what has been tested */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -56,7 +56,7 @@ static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     }
 }
 
-/* Looks at all pairs that do not touch. */
+/* Tests all pairs that do not touch. */
 static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     const dem__pairs *pairs = &w->engine->pairs;
     dem__timer_batch waits;
@@ -68,7 +68,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     dem__new_pair_contacts(w, &waits);
 }
 
-/* Looks at everything whose time has come, at the given step. */
+/* Tests everything that is due at a step. */
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) dem__follow_meshes(w, step);

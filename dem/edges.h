@@ -2,7 +2,7 @@
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
    Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
    May be changed here alone: how the two bodies' motion within the step is followed. */
-/* What the overlap makes of the law's normal force, within contact, at given gap and closing speed, its history untouched. */
+/* Computes the part of the law's normal force that the overlap makes, at a gap and closing speed. The history stays. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
     dem_contact c = *contact;
@@ -17,7 +17,7 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Normal motion of the two bodies by themselves over time t, one Runge-Kutta step of fourth order. */
+/* Moves the two bodies by themselves along the normal over time t, by one Runge-Kutta step of fourth order. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
     double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
@@ -41,7 +41,7 @@ typedef struct dem__edge_motion {
     double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
 } dem__edge_motion;
 
-/* Returns 0 if there is nothing to mend. The impulse is the whole of the step's. */
+/* Follows the two bodies through a first step. Returns 0 if they do not approach. The impulse is that of the whole step. */
 DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -137,7 +137,7 @@ typedef struct dem__edge_result {
     double start, driven;
 } dem__edge_result;
 
-/* The step in which a contact begins, from history s: force, history and losses. 0: it does not begin. */
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not begin. */
 DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                        int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -168,7 +168,7 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
     return 1;
 }
 
-/* The step in which it ends, likewise. 0: Verlet's step stands. */
+/* Corrects the step in which a contact ends, in the same way. Returns 0 if Verlet's step stands. */
 DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -197,7 +197,7 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Mends a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+/* Corrects a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
 DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;

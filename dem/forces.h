@@ -72,7 +72,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Forces of all contacts and their sums; what each contact did is kept if somebody may ask for it. */
+/* Computes the forces of all contacts and their sums; `keep`: the wrench of each is kept for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;

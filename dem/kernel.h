@@ -13,7 +13,7 @@ struct dem__work {
     dem__timer_batch batch; /* of a test of pairs */
 };
 
-/* Work for so many threads. */
+/* Makes the memory that so many threads work in. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
@@ -183,7 +183,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Work of the walls on their contacts, powers by the trapezoidal rule. */
+/* Computes the work of walls on their contacts, from powers by the trapezoidal rule. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
@@ -273,7 +273,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Number of parts that the links are evaluated in. */
+/* Finds into how many parts the links are split. */
 DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
 
 /* Adds what links first .. end-1 do to the loads of their bodies, in their order. */

@@ -3,7 +3,7 @@
    Promises: what touched nothing else is in flight afterwards.
    May be changed here alone: the order of the two. */
 
-/* After others have been taken out: whoever touched nothing else is in flight, without the force of then. */
+/* Takes the old contact force out of the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {

@@ -17,7 +17,7 @@ typedef struct dem__type_rows {
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* The geometry of contact k, as the law sees it. */
+/* Computes the geometry of contact k as the law sees it. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
                                       double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -60,7 +60,7 @@ typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__columns;
 
-/* What is new of a block of contacts. */
+/* The results of a block of contacts, where they are not written straight to the contacts. */
 typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block_rows;
@@ -106,7 +106,7 @@ DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int
     if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
-/* Of a block in which each contact has its own. */
+/* Copies the constants of a block whose contacts have constants of their own. */
 static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
@@ -116,7 +116,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Of those slots of a block whose kind is not that of before. */
+/* Reads the constants of those rows whose contact type is not that of the block before. */
 static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
@@ -148,7 +148,7 @@ DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int c
     if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
-/* Force on i, torques on i and j. */
+/* Computes the force on i and the torques on i and j. */
 DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
                                int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
@@ -165,7 +165,8 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
     out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
 }
 
-/* Losses of a step: powers by the trapezoidal rule. In a clipped contact that only unloads, the spring gives its energy to nobody. */
+/* Computes the losses of a step, from powers by the trapezoidal rule. In a clipped contact that only unloads the spring's energy is
+   lost. */
 DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
@@ -177,7 +178,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+/* Finds where a wall is touched by the contact in a slot or, without one (-1), by a link. */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -221,7 +222,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* The same where the wall's surface slides: at the point that is touched. */
+/* Replaces a row's velocities by those of the point that is touched, where the wall's surface slides. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -245,18 +246,18 @@ DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrd
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
-/* Of the mass of i, and of j unless it is a wall, that a contact may count on. */
+/* Finds the share of mass that a contact may count on: the smaller one of i and j, unless that is a wall. */
 DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
-/* Nearest images; positions of active particles lie within the periodic box. */
+/* Replaces distances by those of the nearest images. Positions of active particles lie within the periodic box. */
 DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
     for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
-/* Of a wall's row. */
+/* Completes the row of a contact with a wall. */
 DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;

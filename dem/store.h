@@ -87,7 +87,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Of contacts, in the order of how long they hold something: from step to step, ... */
+/* Lists the arrays of contacts, in the order of how long they hold something: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -119,7 +119,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Of those the first so many hold something when a contact is moved to another slot. */
+/* Lists them, and counts those that hold something when a contact is moved to another slot: the first so many. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
     return w->engine->run.keeps_wrenches                     ? with_out
@@ -167,7 +167,7 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Room for so many timers, and for what else is kept of each, so many bytes. */
+/* Makes room for so many timers, and for the bytes that are kept beside each. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
                                {&t->list, DEM__LINE * sizeof *t->list},
@@ -181,7 +181,7 @@ static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
     return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
-/* So many timers, of which those from `kept` on are stopped. */
+/* Sets the number of timers; those from `kept` on are stopped. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
     t->pages = count / DEM__PAGE + 1;
     for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
@@ -192,7 +192,7 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
     }
 }
 
-/* Steps counted from another one. */
+/* Counts the steps of timers from another one. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
     for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
@@ -200,7 +200,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* One plain array as a group of its own. */
+/* Makes room in one plain array; what it holds is lost. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;

@@ -5,17 +5,17 @@
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
-#define DEM_WALLS_MAX 32                  /* walls are looked at by every particle near them; a mesh counts as one */
+#define DEM_WALLS_MAX 32                  /* every particle near a wall is tested with it; a mesh counts as one */
 #define DEM_CONSTANTS_MAX 16              /* constants of a law, folded per contact at its birth */
 #define DEM_STATE_MAX 16                  /* doubles that a law may keep per contact */
 #define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: all of a few sizes and materials */
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a look can be put off: rounding grows with them */
-#define DEM__RETEST_STEPS 1024            /* steps after which another look costs little: at turning walls nobody waits longer */
+#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a test can be put off: rounding grows with them */
+#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls none is put off for longer */
 #define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: more make neighbours look sooner */
-#define DEM__AHEAD 16                     /* looks for which memory is asked ahead */
+#define DEM__AHEAD 16                     /* tests for which memory is prefetched */
 #define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
-#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines asked together, likewise */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines that are asked together */
 #define DEM__REORDER_STEPS 256            /* steps between two orderings of contacts */
 #define DEM__LIST_STEPS 100               /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
 #define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
@@ -64,8 +64,8 @@ enum {
 
 /* Layers of skipping; all on by default. They change no bit of a result, only the time it takes. */
 enum {
-    DEM_SKIP_PAIRS = 1, /* pairs are not looked at before they can touch */
-    DEM_SKIP_SPACE = 2, /* walls are not looked at by particles that cannot reach them */
+    DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
+    DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
     DEM_SKIP_ALL = 3
 };
 
@@ -462,7 +462,7 @@ typedef struct dem_world {
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
     int64_t contact_steps;  /* sum over steps of live contacts */
-    int64_t looks;          /* pairs and walls looked at */
+    int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
     double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, when a run last began with
                                something new; above 1 its contacts make energy of nothing. dem_advise() says 0.08 or less. 0 before. With
