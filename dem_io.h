@@ -71,7 +71,9 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface);
 DEM_IO_API void dem_io_free_surface(dem_io_surface *surface); /* safe on a zeroed or freed one */
 
-/* One .vtp file: particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; walls with their index as array "wall". */
+/* One .vtp file: particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; where there are clumps or polyhedra also body,
+   the id of its first particle, and orientation_w, orientation_xyz, the quaternion of dem_orientation(). Walls with their index as array
+   "wall". */
 DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name);
 
@@ -402,11 +404,13 @@ static inline void dem_io__store(double *at, dem_vec v) { at[0] = v.x, at[1] = v
 DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char *folder, const char *name) {
     if (!world || !world->def.allocator.fn) return RIDDLE_IO_BAD_ARGUMENT;
     const dem_allocator *a = &world->def.allocator;
-    const size_t n = (size_t)world->count, bytes = n * (10 * sizeof(double) + 3 * sizeof(int)) + 8;
+    const size_t n = (size_t)world->count, bytes = n * (14 * sizeof(double) + 4 * sizeof(int)) + 8;
     double *place = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!place) return RIDDLE_IO_NO_MEMORY;
     double *velocity = place + 3 * n, *spin = velocity + 3 * n, *diameter = spin + 3 * n;
-    int *group = (int *)(void *)(diameter + n), *material = group + n, *id = material + n;
+    double *cosine = diameter + n, *turn = cosine + n;
+    int *group = (int *)(void *)(turn + 3 * n), *material = group + n, *id = material + n, *body = id + n;
+    int turned = 0;
     size_t m = 0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         if (!dem_io__is_there(world, i)) continue;
@@ -415,12 +419,22 @@ DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char 
         dem_io__store(&spin[3 * m], dem_spin(world, i));
         diameter[m] = 2.0 * dem_radius(world, i);
         group[m] = (int)world->group[i], material[m] = (int)world->material[i], id[m] = (int)(world->id[i] & INT_MAX);
-        m++;
+        const dem_body of = dem_get_body(world, i);
+        body[m] = (int)(world->id[of.first] & INT_MAX);
+        dem_io__store(&turn[3 * m], dem_vec3(of.orientation.x, of.orientation.y, of.orientation.z));
+        turned |= of.pieces > 1 || of.orientation.w != 1.0;
+        cosine[m++] = of.orientation.w;
     }
-    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", diameter), riddle_io_vector("velocity_m_s", velocity),
-                                      riddle_io_vector("spin_rad_s", spin),     riddle_io_ints("group", group),
-                                      riddle_io_ints("material", material),     riddle_io_ints("id", id)};
-    const riddle_io_status status = riddle_io_points(folder, name, (int)m, riddle_io_vector("position", place), arrays, 6);
+    const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", diameter),
+                                      riddle_io_vector("velocity_m_s", velocity),
+                                      riddle_io_vector("spin_rad_s", spin),
+                                      riddle_io_ints("group", group),
+                                      riddle_io_ints("material", material),
+                                      riddle_io_ints("id", id),
+                                      riddle_io_ints("body", body),
+                                      riddle_io_scalar("orientation_w", cosine),
+                                      riddle_io_vector("orientation_xyz", turn)};
+    const riddle_io_status status = riddle_io_points(folder, name, (int)m, riddle_io_vector("position", place), arrays, turned ? 9 : 6);
     a->fn(a->user, place, bytes, 0);
     return status;
 }

@@ -23,7 +23,8 @@
    Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
              coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
              resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
-   Bodies    spheres, and convex polyhedra with rounded edges (dem_add_convex, docs/dem_convex.md).
+   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
+             docs/dem_convex.md).
    Walls     plane, cylinder, wire screen, cone, sphere, box, triangle mesh (STL); each at rest, vibrating, rotating, moving, prescribed
              or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity, inverse mass 0); everything after
              that is the pair's kernel.
