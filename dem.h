@@ -5085,8 +5085,8 @@ DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
 }
 
-/* Edge e, if it ends at a near corner. */
-static inline int dem__place_edge(const dem__side *side, int e, dem__placed_edge *p) {
+/* Edge e, if it ends at a near corner. Its faces only tell directions where cores overlap. */
+static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
     if (!((side->near >> from | side->near >> to) & 1)) return 0;
@@ -5097,6 +5097,7 @@ static inline int dem__place_edge(const dem__side *side, int e, dem__placed_edge
     const double a = side->height[from], b = side->height[to];
     p->low = a < b ? a : b, p->high = a < b ? b : a;
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
+    if (apart) return 1;
     for (int f = 0; f < 2 && s->faces > 0; f++) {
         const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
         p->outward = dem__add(p->outward, n);
@@ -5121,7 +5122,7 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
     const dem_vec d = dem__sub(x, e->from);
     const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
     const double distance = dem__length(off);
-    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : e->outward;
+    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
     return distance;
 }
 
@@ -5201,9 +5202,9 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     const double radii = a->shape->radius + b->shape->radius;
     dem__placed_edge p, other[DEM_EDGES_MAX];
     int others = 0;
-    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, &other[others]);
+    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
-        if (!dem__place_edge(a, e, &p)) continue;
+        if (!dem__place_edge(a, e, apart, &p)) continue;
         for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
             if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
         }
