@@ -434,6 +434,9 @@ GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, d
 /* Mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else NaN; NaN when
    empty. */
 GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q);
+/* Diameter [m] up to which granules hold a share, in (0, 1], of the volume of all: that of the granule which reaches it. Median size: 0.5.
+   NaN when empty. */
+GRANULATION_API double granulation_sim_percentile(const granulation_sim *sim, double share);
 /* Totals by class of volume: class k holds edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
    may be NULL. Granules outside are left out; returns how many. */
 GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
@@ -454,8 +457,11 @@ typedef struct granulation_replicate {
     double type1, type2, rebound, both; /* share of the interactions [%]; 0 without interactions */
     double mean_size;                   /* d43 at the end [m] */
     double interactions, breakages, granules;
+    double d10, d30, d32;    /* mean diameters by number, of the mean volume, of Sauter, at the end [m] */
+    double x10, x50, x90;    /* percentiles by volume [m] */
+    double span;             /* (x90 - x10)/x50 [-] */
 } granulation_replicate;
-#define GRANULATION_REPLICATE_FIELDS 8 /* doubles in it, in this order */
+#define GRANULATION_REPLICATE_FIELDS 15 /* doubles in it, in this order */
 static inline granulation_replicate granulation_replicate_of(const granulation_sim *sim);
 /* Mean, standard deviation and half width of the 95 % confidence interval (Student) of n >= 1 numbers, `stride` apart; the latter
    two are 0 for n = 1. */
@@ -1173,6 +1179,10 @@ static inline granulation_replicate granulation_replicate_of(const granulation_s
     r.interactions = (double)sim->tally.interactions;
     r.breakages = (double)sim->tally.breakages;
     r.granules = sim->n;
+    r.d10 = granulation_sim_mean(sim, 1, 0), r.d30 = granulation_sim_mean(sim, 3, 0), r.d32 = granulation_sim_mean(sim, 3, 2);
+    r.x10 = granulation_sim_percentile(sim, 0.1), r.x50 = granulation_sim_percentile(sim, 0.5);
+    r.x90 = granulation_sim_percentile(sim, 0.9);
+    r.span = (r.x90 - r.x10) / r.x50;
     return r;
 }
 
@@ -2405,6 +2415,36 @@ static inline double granulation__power(double x, int k) {
 static inline double granulation__mean_of(double above, double below, int k) {
     if (!(below > 0.0)) return (double)NAN;
     return k == 1 ? above / below : k == 3 ? riddle_cbrt(above / below) : riddle_pow(above / below, 1.0 / k);
+}
+
+/* Volume of the granules up to one of volume v; *next: that of the smallest larger one, or HUGE_VAL. */
+static inline double granulation__volume_up_to(const granulation_sim *sim, double v, double *next) {
+    double sum = 0.0;
+    *next = HUGE_VAL;
+    for (int i = 0; i < sim->n; i++) {
+        const double own = granulation_volume(&sim->body[i].volumes);
+        if (own <= v) sum += own;
+        else if (own < *next) *next = own;
+    }
+    return sum;
+}
+
+GRANULATION_API double granulation_sim_percentile(const granulation_sim *sim, double share) {
+    double low = 0.0, high = 0.0, all, next; /* volumes: up to low there is too little, up to high enough */
+    if (!sim || sim->n < 1 || !(share > 0.0 && share <= 1.0)) return (double)NAN;
+    for (int i = 0; i < sim->n; i++) {
+        const double own = granulation_volume(&sim->body[i].volumes);
+        high = own > high ? own : high;
+    }
+    all = granulation__volume_up_to(sim, high, &next);
+    for (int k = 0; k < 100 && low < high; k++) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) break;
+        if (granulation__volume_up_to(sim, middle, &next) >= share * all) high = middle;
+        else low = middle;
+    }
+    granulation__volume_up_to(sim, low, &next); /* the granule that reaches it */
+    return granulation_diameter(next);
 }
 
 GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q) {

@@ -228,7 +228,9 @@ static const paper_row *paper_for(double rpm, double liquid) {
 
 static void write_row(json *report, const char *study, const ensemble *e) {
     static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",   "type2_pct",    "rebound_pct", "both_pct",
-                                                                   "mean_size_m", "interactions", "breakages",   "granules"};
+                                                                   "mean_size_m", "interactions", "breakages",   "granules",
+                                                                   "d10_m",       "d30_m",        "d32_m",       "x10_m",
+                                                                   "x50_m",       "x90_m",        "span"};
     char key[40];
     json_object_begin(report, NULL);
     json_string(report, "study", study);

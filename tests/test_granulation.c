@@ -1066,6 +1066,20 @@ static void test_statistics(void **state) {
     near_to("d30", granulation_sim_mean(&sim, 3, 0), cbrt(d3 / 192.0), 1e-12);
     assert_true(granulation_sim_mean(&sim, 3, 3) != granulation_sim_mean(&sim, 3, 3));
     granulation_replicate r = granulation_replicate_of(&sim);
+    near_to("d10 of a replicate", r.d10, granulation_sim_mean(&sim, 1, 0), 1e-15);
+    near_to("d32 of a replicate", r.d32, granulation_sim_mean(&sim, 3, 2), 1e-15);
+    near_to("span", r.span, (r.x90 - r.x10) / r.x50, 1e-15);
+    for (int k = 1; k <= 20; k++) { /* the granules up to a percentile hold its share, those below it do not */
+        const double x = granulation_sim_percentile(&sim, k / 20.0);
+        double up_to = 0.0, below = 0.0, all = 0.0;
+        for (int i = 0; i < sim.n; i++) {
+            const double v = granulation_volume(&sim.body[i].volumes), d = granulation_diameter(v);
+            all += v, up_to += d <= x ? v : 0.0, below += d < x ? v : 0.0;
+        }
+        assert_true(up_to >= k / 20.0 * all * (1.0 - 1e-12) && below <= k / 20.0 * all * (1.0 + 1e-12));
+    }
+    assert_true(isnan(granulation_sim_percentile(&sim, 0.0)) && isnan(granulation_sim_percentile(&sim, 1.01)));
+    assert_true(isnan(granulation_sim_percentile(&sim, (double)NAN)) && isnan(granulation_sim_percentile(NULL, 0.5)));
     assert_true(r.type1 == 0.0 && r.rebound == 0.0 && r.granules == 192.0);
     granulation_sim_free(&sim);
     /* Student's interval */
