@@ -10496,6 +10496,12 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
 
 DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
 
+/* Has particle i, which takes steps, been given the acceleration that it has without contacts and without the field? */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
 /* Timers and bounds of all flights, for a list of near pairs made anew. */
 static inline int dem__list_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -10512,12 +10518,6 @@ static inline int dem__list_flights(dem_world *w) {
         n += dem__is_flying(w, i);
     }
     return dem__follow_flights(w, field->timers.list, n);
-}
-
-/* Has the caller given particle i, which takes steps, an acceleration without the field's? */
-static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
-    const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
-    return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
 
 /* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
@@ -10601,6 +10601,8 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and a contact has ended */
+            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
     }
     field->steppers = 0;
     if (n == 0) return 1;
