@@ -781,7 +781,8 @@ int main(int argc, char **argv) {
     }
     if (compare && !options[TIME].given) s->time = 5.0;
     if (sensitivity) s->time = 10.0;
-    if (self.quick && !options[TIME].given && !sensitivity) s->time = st.kind == STUDY_ONE ? 1.5 : 0.1; /* long enough that most small ones pass */
+    if (self.quick && !options[TIME].given && !sensitivity)
+        s->time = st.kind == STUDY_ONE ? 1.5 : 0.1; /* long enough that most small ones pass */
     if (self.quick) s->mass = fmin(s->mass, st.kind == STUDY_ONE ? 0.3 : 0.03);
     s->screen_diameter = 1e-3 * diameter_mm;
     s->drop = 1e-3 * drop_mm;
