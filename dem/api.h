@@ -247,8 +247,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
 /* Sets the force field from now on, or with NULL takes it off. A particle in flight advances by steps of its own, chosen by the error (Cash
    & Karp 1990); between their ends it is on a parabola that is there in place and within `accuracy`, so that velocities read meanwhile are
    off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, to
-   the bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step must
-   be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or rigid bodies; DEM_OUT_OF_MEMORY. */
+   the bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
+   must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or rigid bodies; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6 and

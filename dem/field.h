@@ -395,7 +395,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->active_count;
-    memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
+    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
     field->steppers = n;
     for (ptrdiff_t k = 0; k < n && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = bodies->active[k];
