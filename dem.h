@@ -1088,11 +1088,11 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    is that of the sphere around it.
 
    A contact is a point: a corner at the other body, or two edges that cross. All are the pair's law between spheres of the rounding radii
-   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points where edges cross are
-   weighted, so that force passes to corners without a jump. Runs need DEM_FRICTION (else DEM_POLYHEDRON; a coefficient of 0 takes it
-   out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Walls are
-   touched by corners: right where a wall is flat or hollow there; what the edges of a polyhedron do at wires, rims and convex edges of a
-   wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points
+   have weights, so that force passes from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (else
+   DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
+   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow there; what the edges of a
+   polyhedron do at wires, rims and convex edges of a wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
@@ -4627,8 +4627,9 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions, each
-   with the energy that this corner takes up in a hit, which goes as the share; through the middles of 8 x 8 squares on each side of a cube. */
+/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions,
+   each with the energy that this corner takes up in a hit, which goes as the share. Directions: the middles of 8 x 8 squares on each side
+   of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {
@@ -5144,7 +5145,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 }
 
 /* The points where edge p of a crosses edge q of b, from out on; how many. The energy of the overlap D there is counted beyond what the
-   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, which is 0, and its slope, where
+   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, 0 with slope 0 where
    the crossing reaches an end and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends, with
    weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
@@ -7203,7 +7204,7 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
    never on what was looked at before, or on threads. A contact of pair q has near = -2 - q.
    May be changed here alone: which pairs are looked at, and when; every point that touches is found. */
 
-/* Of particle i and an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
+/* A corner at an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
    normal in the wall's frame, in 54 parts. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
@@ -12580,8 +12581,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x, v;
         int at[3], last;
-        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
-            !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
+        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) ||
+            !dem__cells_of(&sharp, 1, x.y, &at[1], &last) || !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
             continue;
         const ptrdiff_t k = ((ptrdiff_t)at[2] * sharp.n[1] + at[1]) * sharp.n[0] + at[0];
         of_all[k] += 1.0;
@@ -12720,6 +12721,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
 
 /* Finds the first record of a name among whole ones. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
         dem__read_head(file, end, at, r);
         if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;

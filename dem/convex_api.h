@@ -47,11 +47,11 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    is that of the sphere around it.
 
    A contact is a point: a corner at the other body, or two edges that cross. All are the pair's law between spheres of the rounding radii
-   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points where edges cross are
-   weighted, so that force passes to corners without a jump. Runs need DEM_FRICTION (else DEM_POLYHEDRON; a coefficient of 0 takes it
-   out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Walls are
-   touched by corners: right where a wall is flat or hollow there; what the edges of a polyhedron do at wires, rims and convex edges of a
-   wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points
+   have weights, so that force passes from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (else
+   DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
+   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow there; what the edges of a
+   polyhedron do at wires, rims and convex edges of a wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */

@@ -4,7 +4,7 @@
    never on what was looked at before, or on threads. A contact of pair q has near = -2 - q.
    May be changed here alone: which pairs are looked at, and when; every point that touches is found. */
 
-/* Of particle i and an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
+/* A corner at an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
    normal in the wall's frame, in 54 parts. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));

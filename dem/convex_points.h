@@ -159,7 +159,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 }
 
 /* The points where edge p of a crosses edge q of b, from out on; how many. The energy of the overlap D there is counted beyond what the
-   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, which is 0, and its slope, where
+   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, 0 with slope 0 where
    the crossing reaches an end and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends, with
    weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {

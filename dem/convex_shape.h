@@ -282,8 +282,9 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions, each
-   with the energy that this corner takes up in a hit, which goes as the share; through the middles of 8 x 8 squares on each side of a cube. */
+/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions,
+   each with the energy that this corner takes up in a hit, which goes as the share. Directions: the middles of 8 x 8 squares on each side
+   of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {

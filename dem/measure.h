@@ -441,8 +441,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec x, v;
         int at[3], last;
-        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) || !dem__cells_of(&sharp, 1, x.y, &at[1], &last) ||
-            !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
+        if (!w->alive[i] || !dem__counts(w, i, &x, &v) || !dem__cells_of(&sharp, 0, x.x, &at[0], &last) ||
+            !dem__cells_of(&sharp, 1, x.y, &at[1], &last) || !dem__cells_of(&sharp, 2, x.z, &at[2], &last))
             continue;
         const ptrdiff_t k = ((ptrdiff_t)at[2] * sharp.n[1] + at[1]) * sharp.n[0] + at[0];
         of_all[k] += 1.0;

@@ -90,6 +90,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
 
 /* Finds the first record of a name among whole ones. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
+    memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
         dem__read_head(file, end, at, r);
         if (memcmp(file + at, name, DEM__NAME_BYTES) == 0) return 1;
