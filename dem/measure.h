@@ -250,7 +250,7 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem_vec at = dem_position(w, i);
             const double r = w->particle[i].radius;
-            dem_vec centre, v;
+            dem_vec centre = at, v = dem_vec3(0.0, 0.0, 0.0);
             if (!w->alive[i]) continue;
             const double filled = pass == 0 ? dem__filled(w, i) * share : 0.0;
             const int counts = dem__counts(w, i, &centre, &v);
