@@ -1306,6 +1306,8 @@ BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *sc
 
 BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, double *k2) {
     const blocking_schedule *s = (const blocking_schedule *)schedule;
+    *k1 = *k2 = (double)NAN;
+    if (!s || !s->law || !s->time || !s->K || !s->x_h || s->n < 1) return;
     s->law(s->user, blocking__interpolate(s->time, s->K, s->n, t, s->stepwise),
            blocking__interpolate(s->time, s->x_h, s->n, t, s->stepwise), k1, k2);
 }

@@ -242,8 +242,9 @@ static inline classifier_distribution classifier_normal(double mean, double sd, 
    CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
 CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made);
 CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d);
-CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value); /* P(X >= value) */
-CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u); /* inverse of P(X < value), u in (0, 1) */
+/* P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN of what classifier_check_distribution refuses. */
+CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value);
+CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u);
 CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d);         /* after the cut */
 
 /* How often a particle meets others between the paddles. */
@@ -1291,18 +1292,22 @@ static inline double classifier__draw_between(const classifier__drawer *w, doubl
     return b > a ? classifier__draw(w, a + u * (b - a)) : 0.5 * (low + high);
 }
 
-CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value) {
+static inline double classifier__above(const classifier_distribution *d, double value) {
     classifier__drawer w = classifier__drawer_of(d);
     return 1.0 - classifier__below(d, value, w.low, w.mass);
 }
+CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value) {
+    return classifier_check_distribution(d) == CLASSIFIER_OK ? classifier__above(d, value) : classifier__nan();
+}
 
 CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u) {
-    if (!(u > 0.0 && u < 1.0)) return classifier__nan();
+    if (!(u > 0.0 && u < 1.0) || classifier_check_distribution(d) != CLASSIFIER_OK) return classifier__nan();
     classifier__drawer w = classifier__drawer_of(d);
     return classifier__draw(&w, u);
 }
 
 CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d) {
+    if (classifier_check_distribution(d) != CLASSIFIER_OK) return classifier__nan();
     if (d->shape == CLASSIFIER_HISTOGRAM) {
         double sum = 0.0;
         for (int i = 0; i < d->bins; i++) sum += (d->cumulative[i + 1] - d->cumulative[i]) * 0.5 * (d->edge[i] + d->edge[i + 1]);
@@ -1994,7 +1999,7 @@ CLASSIFIER_API void classifier_free(classifier_model *model) {
 }
 
 static inline double classifier__survival(const classifier_model *m, double e) {
-    if (!m->smooth) return classifier_distribution_above(&m->def.restitution, e);
+    if (!m->smooth) return classifier__above(&m->def.restitution, e);
     double at = (e - m->table_low) * m->table_scale;
     if (!(at > 0.0)) return 1.0;
     if (!(at < (double)CLASSIFIER__CELLS)) return 0.0;

@@ -404,7 +404,7 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside. */
+/* Signed distance from its surface [m], > 0 outside; NaN for places a thousand million pitches away. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
@@ -1698,7 +1698,10 @@ static inline double filtration__wires_distance(const filtration_cloth *cloth, i
 }
 
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]) {
-    const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire;
+    const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
+    const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
+    if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
+        return (double)NAN; /* more wires than integers count, or none that _make made */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, point[0], point[1], z, cloth->reach);
     return filtration__wires_distance(cloth, 0, point[1], point[0], z, nearest);

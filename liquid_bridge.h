@@ -1349,7 +1349,7 @@ static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
     double R = b->radius, reduced = b->volume / R / R / R, value[BRIDGE_SERIES + 2];
     double ln_volume = riddle_log(reduced);
     int piece = 0;
-    while (piece + 1 < pair->pieces && ln_volume > pair->ln_edge[piece + 1]) piece++;
+    while (piece + 1 < BRIDGE_PIECES && piece + 1 < pair->pieces && ln_volume > pair->ln_edge[piece + 1]) piece++;
     double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1], u = (2.0 * ln_volume - low - high) / (high - low);
     const double(*table)[BRIDGE_NODES] = pair->table[piece];
     for (int r = 0; r < BRIDGE_SERIES + 2; r++) { /* Clenshaw */

@@ -52,7 +52,7 @@ static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside. */
+/* Signed distance from its surface [m], > 0 outside; NaN for places a thousand million pitches away. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 

@@ -1,0 +1,158 @@
+/* What random programs, failing memory and hostile numbers have found (issue 42): each fault, held down. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "classifier.h"
+#include "dem_scenes.h"
+#include "failing_allocator.h"
+
+/* ---- memory ---- */
+
+/* Laws with different numbers of states, in turn, while nothing touches: the arrays of contacts change, their room does not. */
+static void test_laws_in_turn(void **state) {
+    (void)state;
+    failing_allocator memory;
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    const double at[3] = {0, 0, 0}, d = 1e-3;
+    size_t early = 0;
+    failing_init(&memory);
+    def.allocator.fn = failing_fn, def.allocator.user = &memory;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    for (int k = 0; k < 60; k++) {
+        static const int features[] = {DEM_LINEAR, DEM_LINEAR | DEM_ENERGY, DEM_HERTZ | DEM_FRICTION, DEM_HERTZ};
+        assert_int_equal(dem_run(&w, 1e-5, features[k % 4]), DEM_OK);
+        if (k == 8) early = memory.live_bytes;
+    }
+    assert_true(memory.live_bytes == early && memory.peak_bytes < 1000000);
+    dem_free(&w);
+    assert_int_equal(failing_live(&memory), 0);
+}
+
+/* A search over models, each of which may run out of memory: the first failure is the answer. */
+static void test_lost_status(void **state) {
+    (void)state;
+    classifier_def def = classifier_default_def();
+    int tried = 0;
+    def.points = 64;
+    for (int k = -1, allocations = 1; k < allocations; k++) {
+        failing_allocator memory;
+        classifier_memory hook = {failing_fn, &memory};
+        double rpm = 0.0;
+        failing_init_at(&memory, k), memory.fail_count = 1;
+        const classifier_status status = classifier_rpm_for(&def, 3e-5, &hook, &rpm);
+        if (k < 0) allocations = memory.calls;
+        else tried++;
+        assert_int_equal(status, k < 0 ? CLASSIFIER_OK : CLASSIFIER_OUT_OF_MEMORY);
+        assert_int_equal(failing_live(&memory), 0);
+    }
+    assert_true(tried > 3);
+}
+
+/* ---- links ---- */
+
+static const dem_law spring = {"spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, NULL};
+DEM_LINK_KERNEL(spring_kernel, spring)
+
+/* A linked sphere leaves by an exit between two evaluations of its link: the work is booked once. */
+static void test_link_work_after_exit(void **state) {
+    (void)state;
+    const double at[6] = {0, 0, 0, 0, 1e-3, 2e-3}, d[2] = {1e-3, 1e-3}, weak[SPRING_STATES] = {0.05, 1.0, 0.0};
+    const dem_vec down = dem_vec3(0, 0, -1.0), none = dem_vec3(0, 0, 0);
+    dem_def def = scene_def(1e-5);
+    dem_world w;
+    def.gravity = none;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 2, at, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 0, down, none), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 1, down, none), DEM_OK);
+    assert_true(dem_add_exit(&w, dem_vec3(0, 0, -0.00355), dem_vec3(0, 0, 1)) >= 0);
+    assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-4, 0.0), DEM_OK); /* every 20 steps */
+    assert_int_equal(dem_add_link(&w, 0, 1, 0, weak), DEM_OK);
+    for (int n = 0; n < 60; n++) {
+        assert_int_equal(dem_run(&w, 1e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        assert_true(fabs(dem_energy(&w).error) < 1e-15);
+    }
+    assert_true(w.passed_count >= 1 && fabs(dem_energy(&w).link_work) > 1e-9);
+    dem_free(&w);
+}
+
+/* ---- the end of a contact ---- */
+
+DEM_INLINE void attracting_force(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear(c, state, r);
+    r->normal -= 1e-3; /* also where the contact has ended */
+}
+static const dem_law attracting = {"attracting", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, attracting_force, NULL, NULL};
+DEM_KERNEL(attracting_kernel, attracting, DEM_LINEAR)
+
+/* Whatever a law answers for a contact that is over: from the next step on its bodies fly. */
+static void test_flight_after_an_attraction(void **state) {
+    (void)state;
+    const double at[6] = {0, 0, 0, 0, 0, 2.5e-3}, d[2] = {2e-3, 2e-3};
+    dem_def def = scene_def(1e-6);
+    dem_world w;
+    dem_pair(&def, 0, 0)->stiffness = 1e3;
+    def.gravity = dem_vec3(0, 0, 0);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 2, at, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 1, dem_vec3(0, 0, -0.5), dem_vec3(0, 0, 0)), DEM_OK);
+    for (int k = 0; k < 100 && !(dem_velocity(&w, 0).z < -0.2 && dem_contact_count(&w) == 0); k++)
+        assert_int_equal(dem_run_law(&w, 5e-5, &attracting_kernel), DEM_OK);
+    const dem_vec v = dem_velocity(&w, 0);
+    assert_true(v.z < -0.2 && dem_contact_count(&w) == 0);
+    assert_int_equal(dem_run_law(&w, 5e-3, &attracting_kernel), DEM_OK);
+    assert_true(dem_velocity(&w, 0).z == v.z);
+    dem_free(&w);
+}
+
+/* ---- numbers whose products overflow ---- */
+
+static void test_refused_where_they_enter(void **state) {
+    (void)state;
+    const double at[3] = {0, 0, 0}, d = 1e-3, far_away[3] = {0, 1e200, 0};
+    const dem_vec none = dem_vec3(0, 0, 0), up = dem_vec3(0, 0, 1), far_out = dem_vec3(0, 1e200, 0);
+    dem_cone cone = dem_default_cone();
+    dem_screen screen = dem_default_screen();
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, far_away, &d, 0, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_load(&w, 0, far_out, none), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_load(&w, 0, none, dem_vec3(0, 0, 1e80)), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_motion(&w, 0, far_out, none), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_motion(&w, 0, none, far_out), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_gravity(&w, far_out), DEM_BAD_ARGUMENT);
+    cone.high = screen.centre = far_out;
+    assert_true(dem_add_plane(&w, 0, far_out, up) < 0 && dem_add_exit(&w, far_out, up) < 0);
+    assert_true(dem_add_cylinder(&w, 0, far_out, up, 1.0, 1) < 0 && dem_add_sphere_wall(&w, 0, far_out, 1.0, 1) < 0);
+    assert_true(dem_add_cone(&w, 0, &cone) < 0 && dem_add_screen(&w, 0, &screen) < 0);
+    const int wall = dem_add_plane(&w, 0, dem_vec3(0, 0, -1), up);
+    assert_int_equal(dem_vibrate(&w, wall, none, none, 1e308), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_move(&w, wall, far_out), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_rotate(&w, wall, far_out, up, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_rotate(&w, wall, none, up, 1e200), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_force(&w, wall, up, 1e-300, 1.0, 0.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_force(&w, wall, up, 1e-100, 0.0, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_control_torque(&w, wall, none, up, 1e-300, 1.0, 0.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run(&w, 1e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+    assert_true(fabs(dem_energy(&w).error) < 1e-15);
+    dem_free(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_laws_in_turn),
+        cmocka_unit_test(test_lost_status),
+        cmocka_unit_test(test_link_work_after_exit),
+        cmocka_unit_test(test_flight_after_an_attraction),
+        cmocka_unit_test(test_refused_where_they_enter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
