@@ -2236,6 +2236,8 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
+    double strides;           /* of a flight with three moments: so many quarter radians of it are known, */
+    dem_quaternion ahead;     /* and lead here; neither is saved */
 } dem__rigid;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -3014,16 +3016,26 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
 }
 
-/* To sixth order: nine of those (Kahan & Li 1997, s9odr6a), in steps of at most a quarter radian. */
-static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+/* The same to sixth order: nine of those (Kahan & Li 1997, s9odr6a). */
+static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
                                    0.79854399093482996340};
-    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
-    const double steps = floor(4.0 * fabs(t) * dem__length(momentum) / smallest) + 1.0, h = t / steps;
-    for (double n = 0.0; n < steps; n += 1.0) {
-        for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, h * part[k < 5 ? k : 8 - k]);
-    }
+    for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, t * part[k < 5 ? k : 8 - k]);
     return dem__kept_unit(q);
+}
+
+/* The time [s] in which a body turns by a quarter radian at most, HUGE_VAL at rest. */
+DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
+    const double size = dem__length(momentum);
+    return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
+}
+
+/* Free rotation with three moments over any time, in steps of at most a quarter radian. */
+static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
+    return q;
 }
 
 /* Free rotation for time t: closed where two moments are equal (the first two then); else by splitting, which a single step of a body under
@@ -3070,13 +3082,42 @@ typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
+/* Is the rotation of a body a free one that takes strides? */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+/* Its orientation at tau, by whole strides from the origin and the rest; those that are known are not computed again. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Notes how far flights have come, so that whoever asks next need not begin at their origins. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
 static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     dem__posture p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
-    p.turn = tau == 0.0
-                 ? r->turn
-                 : dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    if (tau == 0.0) p.turn = r->turn;
+    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
+    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
     p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
     return p;
 }
@@ -3136,8 +3177,9 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
    particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
    orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
 /* Puts the particles of a body where it is at its origin, with velocity, spin and acceleration as parts of it. */
-static inline void dem__place_pieces(dem_world *w, const dem__rigid *r) {
+static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
+    r->strides = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -3209,6 +3251,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
+    r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
     r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
@@ -7981,6 +8024,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
+    dem__note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest, largest;
@@ -8027,6 +8071,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {

@@ -70,6 +70,8 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
+    double strides;           /* of a flight with three moments: so many quarter radians of it are known, */
+    dem_quaternion ahead;     /* and lead here; neither is saved */
 } dem__rigid;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */

@@ -35,13 +35,42 @@ typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
+/* Is the rotation of a body a free one that takes strides? */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+/* Its orientation at tau, by whole strides from the origin and the rest; those that are known are not computed again. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Notes how far flights have come, so that whoever asks next need not begin at their origins. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
 static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     dem__posture p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
-    p.turn = tau == 0.0
-                 ? r->turn
-                 : dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    if (tau == 0.0) p.turn = r->turn;
+    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
+    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
     p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
     return p;
 }

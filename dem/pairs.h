@@ -426,6 +426,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
+    dem__note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest, largest;
@@ -472,6 +473,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 /* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {

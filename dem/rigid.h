@@ -9,8 +9,9 @@
    particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
    orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
 /* Puts the particles of a body where it is at its origin, with velocity, spin and acceleration as parts of it. */
-static inline void dem__place_pieces(dem_world *w, const dem__rigid *r) {
+static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
+    r->strides = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -82,6 +83,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
+    r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
     r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));

@@ -77,16 +77,26 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
 }
 
-/* To sixth order: nine of those (Kahan & Li 1997, s9odr6a), in steps of at most a quarter radian. */
-static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+/* The same to sixth order: nine of those (Kahan & Li 1997, s9odr6a). */
+static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
                                    0.79854399093482996340};
-    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
-    const double steps = floor(4.0 * fabs(t) * dem__length(momentum) / smallest) + 1.0, h = t / steps;
-    for (double n = 0.0; n < steps; n += 1.0) {
-        for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, h * part[k < 5 ? k : 8 - k]);
-    }
+    for (int k = 0; k < 9; k++) q = dem__turn_split(q, momentum, moments, t * part[k < 5 ? k : 8 - k]);
     return dem__kept_unit(q);
+}
+
+/* The time [s] in which a body turns by a quarter radian at most, HUGE_VAL at rest. */
+DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+    const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
+    const double size = dem__length(momentum);
+    return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
+}
+
+/* Free rotation with three moments over any time, in steps of at most a quarter radian. */
+static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
+    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
+    return q;
 }
 
 /* Free rotation for time t: closed where two moments are equal (the first two then); else by splitting, which a single step of a body under
