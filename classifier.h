@@ -245,7 +245,7 @@ CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_
 /* P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN of what classifier_check_distribution refuses. */
 CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value);
 CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u);
-CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d);         /* after the cut */
+CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d); /* after the cut */
 
 /* How often a particle meets others between the paddles. */
 typedef enum { CLASSIFIER_FIXED, CLASSIFIER_POISSON, CLASSIFIER_GEOMETRIC, CLASSIFIER_COUNTED, CLASSIFIER_MARKOV } classifier_contact_law;
@@ -319,10 +319,10 @@ typedef struct classifier_def {
     bool buoyancy;                         /* false */
     double size_low, size_high;            /* [m] where cut sizes are looked for; 1e-7, 1e-2 */
     classifier_sampler sampler;            /* CLASSIFIER_LATTICE */
-    bool preintegrate; /* true (default): the last restitution is integrated in closed form; false: drawn, rejected particles counted */
-    int points;        /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
-    int shifts;        /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
-    uint64_t seed;     /* of the shifts; 1 */
+    bool preintegrate;    /* true (default): the last restitution is integrated in closed form; false: drawn, rejected particles counted */
+    int points;           /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
+    int shifts;           /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
+    uint64_t seed;        /* of the shifts; 1 */
     double approach_size; /* [m] >= 0: before the hit, gas bends the flight of all as it does that of this size; 0 (paper): straight; 0 */
 } classifier_def;
 
@@ -1833,7 +1833,7 @@ static inline classifier_impact classifier__draw_approach(const classifier__reci
                                                           double tangential, double radial, bool radius_only) {
     if (q->def->approach_size > 0.0)
         return classifier__approach_in_gas(q->def, drag, q->def->approach_size, q->arc_low + entry * q->arc,
-                                          classifier__draw(&q->tangential, tangential), classifier__draw(&q->radial, radial));
+                                           classifier__draw(&q->tangential, tangential), classifier__draw(&q->radial, radial));
     return classifier__approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
                                 classifier__draw(&q->radial, radial), radius_only);
 }
@@ -2555,7 +2555,7 @@ static inline bool classifier__fit_step(const classifier__fit_try *f, double nor
     if (!classifier__solve_spd(a, step, f->n_free)) return false;
     for (int i = 0; i < f->n_free; i++)
         if (fabs(step[i]) > *length) *length = fabs(step[i]);
-    for (int i = 0; i < f->n_free && *length > 1.0; i++) step[i] /= *length;
+    for (int i = 0; i<f->n_free && * length> 1.0; i++) step[i] /= *length;
     return *length < HUGE_VAL;
 }
 

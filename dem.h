@@ -750,13 +750,13 @@ DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 typedef struct dem_feed {
     dem_region region; /* spheres lie wholly within; in a face or disc their centres do */
     dem_sizes sizes;
-    int material, group; /* as in dem_add_spheres; default 0 */
-    dem_vec velocity;    /* of the new spheres [m/s]; default 0 */
-    dem_vec scatter;     /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
+    int material, group;    /* as in dem_add_spheres; default 0 */
+    dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
+    dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
     const dem_clump *clump; /* shape of what is fed, oriented at random, the sizes being those of spheres of the same volume; it must stay
                                as long as the feed is used. Default NULL: spheres */
-    int tries;           /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
-    uint64_t random;     /* the generator's state: the seed at first; default 1 */
+    int tries;              /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+    uint64_t random;        /* the generator's state: the seed at first; default 1 */
     /* written by the functions below */
     ptrdiff_t placed, missed;        /* spheres in all; those that dem_fill found no place for */
     double placed_mass, missed_mass; /* [kg] */
@@ -3492,8 +3492,7 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
-            return DEM_BAD_ARGUMENT;
+        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at))) return DEM_BAD_ARGUMENT;
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -5441,8 +5440,7 @@ static inline void dem__skip_line(dem__stl_text *t, size_t length) {
 /* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
 static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++)
-        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
     if (n == 3 || size != size) return 0; /* what is not a number is counted as such */
     for (int start = 0; start < n; start++) {
@@ -11554,8 +11552,8 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (!dem__is_region(r)) return 0;
     const dem_vec d = dem__sub(point, r->low);
-    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
-                       point.z >= r->low.z && point.z <= r->high.z;
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
+                       point.z <= r->high.z;
     if (r->kind == DEM_REGION_BOX) return in_box;
     if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
     if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;

@@ -275,27 +275,27 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
 
 /* ---- evaluation of a measured filter curve, in the manner of VDI 2762 ---- */
 typedef struct filtration_curve_def {
-    uint32_t cookie;        /* set by filtration_curve_default_def() */
-    double pressure;        /* difference, constant [Pa] > 0; default 1e5 */
-    double viscosity;       /* [Pa s] > 0; default 1e-3 */
-    double area;            /* [m2] > 0; default 2e-3 */
-    double cake_ratio;      /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
-    double pressure_error;  /* standard errors, relative [-] >= 0; default 0 */
+    uint32_t cookie;       /* set by filtration_curve_default_def() */
+    double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
+    double viscosity;      /* [Pa s] > 0; default 1e-3 */
+    double area;           /* [m2] > 0; default 2e-3 */
+    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
+    double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;      /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
-    double volume_error;    /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
-    double start_time;      /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
-    double start_volume;    /* [m3] >= 0; default 0 */
-    double first_volume;    /* readings from here ... [m3] >= 0; default 0 */
-    double last_volume;     /* ... to here [m3]; default HUGE_VAL */
-    int automatic;          /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
-    size_t least_readings;  /* of a stretch, >= 5; default 6 */
-    double bend_level;      /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
+    double time_error;     /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
+    double volume_error;   /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
+    double start_time;     /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
+    double start_volume;   /* [m3] >= 0; default 0 */
+    double first_volume;   /* readings from here ... [m3] >= 0; default 0 */
+    double last_volume;    /* ... to here [m3]; default HUGE_VAL */
+    int automatic;         /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
+    size_t least_readings; /* of a stretch, >= 5; default 6 */
+    double bend_level;     /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
                                default 0.1 */
-    double tolerance;       /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
-    double confidence;      /* of intervals [-], above 0 .. below 1; default 0.95 */
+    double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
+    double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
 
 typedef struct filtration_estimate {
@@ -305,31 +305,31 @@ typedef struct filtration_estimate {
 } filtration_estimate;
 
 /* What a reader of the result should know. */
-#define FILTRATION_REMARKS(X)                                                                         \
-    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                     \
-    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late") \
-    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen") \
+#define FILTRATION_REMARKS(X)                                                                                                              \
+    X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
+    X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
+    X(FILTRATION_REMARK_SLOPE, 4u, "the slope is not above 0 with the stated confidence: no cake is seen")                                 \
     X(FILTRATION_REMARK_CORRELATED, 8u, "neighbouring residuals are alike: the interval was widened")
 #define FILTRATION__REMARK(name, bit, text) name = bit,
 typedef enum filtration_remark { FILTRATION_REMARKS(FILTRATION__REMARK) FILTRATION_NO_REMARK = 0 } filtration_remark;
 FILTRATION_API const char *filtration_remark_text(unsigned remark); /* of one bit; never NULL; static storage */
 
 typedef struct filtration_curve {
-    filtration_estimate slope;     /* [s/m6] */
-    filtration_estimate intercept; /* [s/m3] */
-    filtration_estimate product;   /* r_K K_S [1/m2] */
-    filtration_estimate cake;      /* r_K [1/m2]; NaN without K_S */
-    filtration_estimate medium;    /* R_M [1/m] */
-    double covariance;             /* of slope and intercept [s2/m9] */
-    size_t first, last;            /* indices of the first and last reading used */
-    size_t used;                   /* readings used */
-    double freedom;                /* degrees of freedom [-] */
-    double student;                /* factor of the interval of slope and intercept [-] */
-    double scatter;                /* standard deviation of t / V about the line, over its mean [-] */
-    double r2;                     /* coefficient of determination [-] */
-    double bend;                   /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
-    double correlation;            /* of neighbouring residuals [-] */
-    unsigned remarks;              /* bits of filtration_remark */
+    filtration_estimate slope;                    /* [s/m6] */
+    filtration_estimate intercept;                /* [s/m3] */
+    filtration_estimate product;                  /* r_K K_S [1/m2] */
+    filtration_estimate cake;                     /* r_K [1/m2]; NaN without K_S */
+    filtration_estimate medium;                   /* R_M [1/m] */
+    double covariance;                            /* of slope and intercept [s2/m9] */
+    size_t first, last;                           /* indices of the first and last reading used */
+    size_t used;                                  /* readings used */
+    double freedom;                               /* degrees of freedom [-] */
+    double student;                               /* factor of the interval of slope and intercept [-] */
+    double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
+    double r2;                                    /* coefficient of determination [-] */
+    double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
+    double correlation;                           /* of neighbouring residuals [-] */
+    unsigned remarks;                             /* bits of filtration_remark */
     double pressure, viscosity, area, confidence; /* of the definition */
 } filtration_curve;
 
@@ -645,7 +645,7 @@ FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *
 /* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
    [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least);
+                                                   double least);
 
 /* ==== >>permeability: steady flow through any solid ==== */
 
@@ -1012,9 +1012,7 @@ static inline double filtration_schiller_naumann(double reynolds) {
 }
 
 /* Axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's constant, first order. */
-static inline double filtration_wall_ladenburg(double ratio) {
-    return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN;
-}
+static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
 /* The same, Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
 static inline double filtration_wall_faxen(double ratio) {
@@ -1654,7 +1652,7 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton's method. */
+/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -3764,7 +3762,7 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
 /* ==== >>motion ==== */
 
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least) {
+                                                   double least) {
     if (!(r1 > 0.0 && r2 > 0.0 && viscosity > 0.0 && cutoff > 0.0 && least > 0.0 && gap == gap && closing == closing)) return (double)NAN;
     double r = r2 < HUGE_VAL ? r1 * r2 / (r1 + r2) : r1, h = gap > least ? gap : least;
     return h < cutoff ? 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / cutoff) * closing : 0.0;

@@ -457,9 +457,9 @@ typedef struct granulation_replicate {
     double type1, type2, rebound, both; /* share of the interactions [%]; 0 without interactions */
     double mean_size;                   /* d43 at the end [m] */
     double interactions, breakages, granules;
-    double d10, d30, d32;    /* mean diameters by number, of the mean volume, of Sauter, at the end [m] */
-    double x10, x50, x90;    /* percentiles by volume [m] */
-    double span;             /* (x90 - x10)/x50 [-] */
+    double d10, d30, d32; /* mean diameters by number, of the mean volume, of Sauter, at the end [m] */
+    double x10, x50, x90; /* percentiles by volume [m] */
+    double span;          /* (x90 - x10)/x50 [-] */
 } granulation_replicate;
 #define GRANULATION_REPLICATE_FIELDS 15 /* doubles in it, in this order */
 static inline granulation_replicate granulation_replicate_of(const granulation_sim *sim);

@@ -52,7 +52,7 @@ static dem_status settle(dem_world *w, int kind, int spheres, double time, uint6
     def.dt = 1e-5;
     dem_status status = dem_init(w, &def, NULL);
     if (status != DEM_OK) return status;
-    const int wall = kind == 0 ? add_planes(w)
+    const int wall = kind == 0   ? add_planes(w)
                      : kind == 1 ? dem_add_box(w, m, dem_vec3(0, 0, 0), dem_vec3(side, side, height))
                                  : add_triangles(w);
     if (wall < 0) return (dem_status)-wall;

@@ -50,7 +50,8 @@ static int bed_run(run *r, const bed *b, int vibrated, int state, double moistur
     dem_status status = bed_world(&world, b, &def, vibrated);
     if (state != DRY && status == DEM_OK) {
         const int deck = add_no_deck(&world);
-        if (deck < 0 || wet_init(&scene, b->n, group, b->diameters, class_diameter, moisture, mass, deck, &world, false, WET_STEEL) != BRIDGE_OK)
+        if (deck < 0 ||
+            wet_init(&scene, b->n, group, b->diameters, class_diameter, moisture, mass, deck, &world, false, WET_STEEL) != BRIDGE_OK)
             status = DEM_BAD_ARGUMENT;
         if (state == CAPILLARY) scene.liquid.viscosity = 0.0;
         world.user = &scene;

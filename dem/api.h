@@ -109,13 +109,13 @@ DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 typedef struct dem_feed {
     dem_region region; /* spheres lie wholly within; in a face or disc their centres do */
     dem_sizes sizes;
-    int material, group; /* as in dem_add_spheres; default 0 */
-    dem_vec velocity;    /* of the new spheres [m/s]; default 0 */
-    dem_vec scatter;     /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
+    int material, group;    /* as in dem_add_spheres; default 0 */
+    dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
+    dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
     const dem_clump *clump; /* shape of what is fed, oriented at random, the sizes being those of spheres of the same volume; it must stay
                                as long as the feed is used. Default NULL: spheres */
-    int tries;           /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
-    uint64_t random;     /* the generator's state: the seed at first; default 1 */
+    int tries;              /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+    uint64_t random;        /* the generator's state: the seed at first; default 1 */
     /* written by the functions below */
     ptrdiff_t placed, missed;        /* spheres in all; those that dem_fill found no place for */
     double placed_mass, missed_mass; /* [kg] */

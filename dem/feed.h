@@ -58,8 +58,8 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (!dem__is_region(r)) return 0;
     const dem_vec d = dem__sub(point, r->low);
-    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y &&
-                       point.z >= r->low.z && point.z <= r->high.z;
+    const int in_box = point.x >= r->low.x && point.x <= r->high.x && point.y >= r->low.y && point.y <= r->high.y && point.z >= r->low.z &&
+                       point.z <= r->high.z;
     if (r->kind == DEM_REGION_BOX) return in_box;
     if (r->kind == DEM_REGION_MESH) return in_box && dem__is_inside_mesh(r->mesh, point);
     if (r->kind == DEM_REGION_SPHERE) return dem__dot(d, d) <= r->radius * r->radius;

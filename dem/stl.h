@@ -164,8 +164,7 @@ static inline void dem__skip_line(dem__stl_text *t, size_t length) {
 /* Returns a corner from which a fan of triangles covers a polygon, -1 if there is none. */
 static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 1; k + 1 < n; k++)
-        whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
+    for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
     if (n == 3 || size != size) return 0; /* what is not a number is counted as such */
     for (int start = 0; start < n; start++) {

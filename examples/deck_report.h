@@ -268,9 +268,9 @@ static void cell(table *t, const char *format, deck_estimate e) {
 }
 
 static void print_decks(const study *st) {
-    table t = table_begin(
-        "feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize through (all +- 95 %)|d50 "
-        "[mm]|imperfection|stay [s]|10 %|90 %");
+    table t = table_begin("feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
+                          "through (all +- 95 %)|d50 "
+                          "[mm]|imperfection|stay [s]|10 %|90 %");
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;

@@ -71,17 +71,17 @@ static void read_sizes(const program *self, const char *path, duty *d) {
 /* ---- state: what a checkpoint holds, besides the flow ---- */
 
 typedef struct cake {
-    int n;                                                     /* spheres generated */
-    int waiting;                                               /* spheres due that found no place yet */
-    int passed;                                                /* through the cloth */
-    uint64_t random;                                           /* state of the generator */
-    double filtrate, due;                                      /* volume so far; at which the next sphere comes [m3] */
-    double first_touch;                                        /* time at which a sphere first touched the cloth [s]; < 0: none yet */
-    double clean_velocity;                                     /* largest filtrate velocity before that [m/s] */
-    double next_sample;                                        /* [s] */
+    int n;                 /* spheres generated */
+    int waiting;           /* spheres due that found no place yet */
+    int passed;            /* through the cloth */
+    uint64_t random;       /* state of the generator */
+    double filtrate, due;  /* volume so far; at which the next sphere comes [m3] */
+    double first_touch;    /* time at which a sphere first touched the cloth [s]; < 0: none yet */
+    double clean_velocity; /* largest filtrate velocity before that [m/s] */
+    double next_sample;    /* [s] */
     int samples;
     double time[MOST_SAMPLES], volume[MOST_SAMPLES], velocity[MOST_SAMPLES]; /* [s] [m3] [m/s] */
-    double pressure_noise;                                     /* sum of squared changes of the force on resting spheres [N2] */
+    double pressure_noise; /* sum of squared changes of the force on resting spheres [N2] */
     int64_t noise_samples;
     double centre[3 * MOST_SPHERES], speed[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES], force[3 * MOST_SPHERES],
         torque[3 * MOST_SPHERES], contact[3 * MOST_SPHERES];
@@ -155,7 +155,7 @@ static int insert(run *r, double velocity) {
     cake *c = r->c;
     double place = uniform(&c->random);
     int class = 0;
-    while (class + 1 < r->d.classes && place >= r->d.share[class]) place -= r->d.share[class++];
+    while (class + 1 < r->d.classes && place >= r->d.share[class]) place -= r->d.share[class ++];
     const int i = c->n;
     c->radius[i] = 0.5 * r->d.diameter[class];
     for (int attempt = 0; attempt < INSERT_TRIES; attempt++) {
@@ -189,8 +189,8 @@ static int mark_cake(const run *r, char *in_cake) {
     const cake *c = r->c;
     int found = 0, before = -1;
     for (int i = 0; i < c->n; i++) {
-        in_cake[i] = c->radius[i] > 0.0 &&
-                     filtration_cloth_distance(&r->cloth, c->centre + 3 * i) - c->radius[i] < 2.0 * touching * c->radius[i];
+        in_cake[i] =
+            c->radius[i] > 0.0 && filtration_cloth_distance(&r->cloth, c->centre + 3 * i) - c->radius[i] < 2.0 * touching * c->radius[i];
         found += in_cake[i];
     }
     while (found != before) {
@@ -349,7 +349,8 @@ static void film_flow(const program *self, const run *r, films *f) {
         float *pressure = velocity + 3 * nodes, *speed = velocity + 4 * nodes;
         filtration_fluid_fields(&r->fluid, velocity, pressure, owner);
         for (size_t i = 0; i < nodes; i++)
-            speed[i] = sqrtf(velocity[3 * i] * velocity[3 * i] + velocity[3 * i + 1] * velocity[3 * i + 1] + velocity[3 * i + 2] * velocity[3 * i + 2]);
+            speed[i] = sqrtf(velocity[3 * i] * velocity[3 * i] + velocity[3 * i + 1] * velocity[3 * i + 1] +
+                             velocity[3 * i + 2] * velocity[3 * i + 2]);
         const vtk_array arrays[] = {vtk_scalar_float("speed_m_per_s", speed), vtk_scalar_float("pressure_pa", pressure),
                                     vtk_ints("owner", (const int *)owner)};
         vti_cells(self->out, pvd_name_as(f->flow, r->fluid.time, "vti"), n, origin, spacing, arrays, 3);
@@ -502,7 +503,8 @@ static void draw_spheres(const program *self, const run *r) {
         if (!(c->radius[i] > 0.0)) continue;
         const int k = in_cake[i] != 0;
         const double *v = c->speed + 3 * i;
-        height[k][n[k]] = 1e3 * (c->centre[3 * i + 2] - r->d.centre), speed[k][n[k]++] = 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        height[k][n[k]] = 1e3 * (c->centre[3 * i + 2] - r->d.centre),
+        speed[k][n[k]++] = 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
     plot *figure = plot_new("Velocity of the spheres", 1, 1);
     plot_panel(figure, 0, 0, "speed [mm/s]", "height over the cloth [mm]");

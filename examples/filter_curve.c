@@ -20,11 +20,11 @@ enum { DRAWN = 56, CURVE = 200 };
 typedef struct settings {
     const char *data;
     filtration_curve_def def;
-    double clean_volume;  /* [m3]; 0: no clean stretch */
-    double setup;         /* resistance of the empty set-up [1/m] */
-    double density;       /* of the filtrate [kg/m3] */
-    double cake_height;   /* at the end [m]; 0: unknown */
-    double sauter;        /* of the particles [m]; 0: unknown */
+    double clean_volume; /* [m3]; 0: no clean stretch */
+    double setup;        /* resistance of the empty set-up [1/m] */
+    double density;      /* of the filtrate [kg/m3] */
+    double cake_height;  /* at the end [m]; 0: unknown */
+    double sauter;       /* of the particles [m]; 0: unknown */
     double new_area, new_pressure, new_rate, new_volume, compressibility;
 } settings;
 
@@ -127,7 +127,8 @@ static void print_curve(const settings *s, const readings *r, const filtration_c
     row(&t, "medium R_M", "1/m", &c->medium);
     if (s->clean_volume > 0.0) row(&t, "clean medium R_M0", "1/m", clean);
     table_end(&t);
-    if (s->clean_volume > 0.0) common_print("\nInterference of the first layer R_MI = R_M - R_M0: %.3g 1/m\n", c->medium.value - clean->value);
+    if (s->clean_volume > 0.0)
+        common_print("\nInterference of the first layer R_MI = R_M - R_M0: %.3g 1/m\n", c->medium.value - clean->value);
     if (s->sauter > 0.0 && c->cake.value > 0.0)
         common_print("Porosity that Kozeny and Carman would give r_K at %.3g um: %.3f\n", 1e6 * s->sauter,
                      filtration_kozeny_porosity(c->cake.value, s->sauter, FILTRATION_KOZENY_CARMAN));
@@ -285,12 +286,14 @@ static settings in_si(const typed *t, const char *data, const option *options, i
     memset(&s, 0, sizeof s);
     s.data = data, s.def = filtration_curve_default_def();
     filtration_curve_def *d = &s.def;
-    d->pressure = t->pressure, d->viscosity = t->viscosity, d->area = 1e-4 * t->area, d->cake_ratio = t->ratio > 0.0 ? t->ratio : (double)NAN;
+    d->pressure = t->pressure, d->viscosity = t->viscosity, d->area = 1e-4 * t->area,
+    d->cake_ratio = t->ratio > 0.0 ? t->ratio : (double)NAN;
     d->pressure_error = 0.01 * t->pressure_error, d->area_error = 0.01 * t->area_error, d->cake_ratio_error = 0.01 * t->ratio_error;
     d->viscosity_error = 0.01 * t->viscosity_error, d->time_error = t->time_error, d->volume_error = 1e-6 * t->volume_error;
     d->start_time = t->start_time, d->start_volume = 1e-6 * t->start_volume;
     d->first_volume = 1e-6 * t->from, d->last_volume = 1e-6 * t->to, d->automatic = !t->whole, d->confidence = 0.01 * t->confidence;
-    s.clean_volume = 1e-6 * t->clean, s.setup = t->setup, s.density = t->density, s.cake_height = 1e-3 * t->height, s.sauter = 1e-6 * t->sauter;
+    s.clean_volume = 1e-6 * t->clean, s.setup = t->setup, s.density = t->density, s.cake_height = 1e-3 * t->height,
+    s.sauter = 1e-6 * t->sauter;
     s.new_area = d->area, s.new_pressure = d->pressure, s.new_rate = HUGE_VAL, s.compressibility = t->compressibility;
     for (int i = 0; i < n; i++) {
         if (!options[i].given) continue;
@@ -346,7 +349,8 @@ int main(int argc, char **argv) {
         option_positive("new-area-cm2", "A", &t.new_area, 1e12, "predict for this area [cm2]; default: as measured"),
         option_positive("new-pressure-pa", "DP", &t.new_pressure, 1e12, "predict for this pressure difference [Pa]; default: as measured"),
         option_positive("new-rate-ml-s", "Q", &t.new_rate, 1e12, "at this constant filtrate flow until that pressure is reached [mL/s]"),
-        option_positive("new-volume-ml", "V", &t.new_volume, 1e15, "predict up to this filtrate volume [mL]; default: twice the last reading"),
+        option_positive("new-volume-ml", "V", &t.new_volume, 1e15,
+                        "predict up to this filtrate volume [mL]; default: twice the last reading"),
         option_double("compressibility", "N", &t.compressibility, 0.0, 0.99, "exponent of r_K K_S over pressure, for the prediction [-]"),
     };
     const int n = (int)(sizeof options / sizeof *options);

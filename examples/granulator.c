@@ -227,10 +227,9 @@ static const paper_row *paper_for(double rpm, double liquid) {
 }
 
 static void write_row(json *report, const char *study, const ensemble *e) {
-    static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",   "type2_pct",    "rebound_pct", "both_pct",
-                                                                   "mean_size_m", "interactions", "breakages",   "granules",
-                                                                   "d10_m",       "d30_m",        "d32_m",       "x10_m",
-                                                                   "x50_m",       "x90_m",        "span"};
+    static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",    "type2_pct", "rebound_pct", "both_pct", "mean_size_m",
+                                                                   "interactions", "breakages", "granules",    "d10_m",    "d30_m",
+                                                                   "d32_m",        "x10_m",     "x50_m",       "x90_m",    "span"};
     char key[40];
     json_object_begin(report, NULL);
     json_string(report, "study", study);
@@ -249,7 +248,8 @@ static void write_row(json *report, const char *study, const ensemble *e) {
 }
 
 static table begin_rows(void) {
-    return table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 %|paper|interactions|breakages");
+    return table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 "
+                       "%|paper|interactions|breakages");
 }
 
 static void table_number(table *t, const char *format, double value) {

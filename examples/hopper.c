@@ -327,8 +327,8 @@ static void report(study *st, double k) {
         plot_error_bars(figure, "rate", x, y, error, n_orifices);
         plot_line(figure, text, fine, law, 60);
         plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices, st->runs - n_orifices);
-        common_print("+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n", a[EXPONENT], e[EXPONENT],
-                     k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
+        common_print("+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, C = %.3f +- %.3f\n",
+                     a[EXPONENT], e[EXPONENT], k, a[K], e[K], a[CONSTANT], e[CONSTANT]);
         if (n_orifices > 2)
             common_print("both free: exponent %.2f +- %.2f, k = %.2f +- %.2f\n", a[FREE_EXPONENT], e[FREE_EXPONENT], a[FREE_K], e[FREE_K]);
         common_print("rate under a fill of %.3g mm over that under %.3g mm: %.3f +- %.3f\n", 1e3 * high->height, 1e3 * low->height, ratio,

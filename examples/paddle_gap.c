@@ -15,8 +15,8 @@
 #include "dem.h"
 
 enum { BINS = 12, NODES_X = 43, NODES_Y = 45, NODES_MAX = 1 << 20, SIZES_MAX = DEM_SIZES_MAX };
-static const double margin = 3e-4;      /* beyond the rim a particle has left [m] */
-static const double interval = 2e-6;    /* of feeding and removing [s] */
+static const double margin = 3e-4;   /* beyond the rim a particle has left [m] */
+static const double interval = 2e-6; /* of feeding and removing [s] */
 static const double steps_a_contact = 50.0;
 
 typedef struct gap {
@@ -107,8 +107,8 @@ static void ends(dem_world *w, int32_t slot, void *user) {
     r->restitution_sum += e, r->restitution_square += e * e, r->rebounds++;
 }
 
-static const dem_law counted = {"linear, friction, one contact time, counted", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, prepare,
-                                dem_force_linear_friction, begins, ends};
+static const dem_law counted = {
+    "linear, friction, one contact time, counted", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, prepare, dem_force_linear_friction, begins, ends};
 DEM_KERNEL(counting, counted, DEM_LINEAR | DEM_FRICTION)
 
 DEM_GAS(air_drag, dem_drag_schiller_naumann)
@@ -227,7 +227,8 @@ static double largest(const gap *g) {
 
 /* A paddle at an angle [rad], through the whole slice and beyond it. Its index, or minus a status. */
 static int add_paddle(dem_world *w, const gap *g, double angle) {
-    static int32_t corner[36] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
+    static int32_t corner[36] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
     double vertex[24];
     const classifier_wheel *wheel = &g->machine.wheel;
     for (int k = 0; k < 8; k++) {
@@ -335,7 +336,8 @@ static dem_status run(dem_world *w, record *r) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
     const double area = (pitch(g) * wheel->outer_radius - wheel->thickness) * g->depth;
-    const double flow = g->loading * g->simulated * g->machine.fluid_density * area * classifier_distribution_mean(&g->machine.radial_velocity);
+    const double flow =
+        g->loading * g->simulated * g->machine.fluid_density * area * classifier_distribution_mean(&g->machine.radial_velocity);
     uint64_t random = g->self->seed * 0x9e3779b97f4a7c15u + 1, drawn = g->self->seed;
     double due = 0.0, waiting = dem_draw_size(&g->sizes, &drawn);
     int followed = 0, over = 0;
@@ -387,8 +389,8 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
     if (status == CLASSIFIER_OK) status = classifier_separate(&model, NULL, NULL, 0, &result);
     if (status != CLASSIFIER_OK) common_fail("classifier: %s", classifier_status_text(status));
     else {
-        common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25, 1e6 * result.x50,
-                     1e6 * result.x75, result.sharpness);
+        common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25,
+                     1e6 * result.x50, 1e6 * result.x75, result.sharpness);
         json_number(j, "x25_m", result.x25), json_number(j, "x50_m", result.x50), json_number(j, "x75_m", result.x75);
         json_number(j, "sharpness", result.sharpness);
     }
@@ -399,7 +401,8 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
     double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
     int n = 0, of_hits = 0, unfinished = 0;
-    csv *file = csv_open(g->self->out, "histories.csv", "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
+    csv *file = csv_open(g->self->out, "histories.csv",
+                         "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
     for (ptrdiff_t k = 0; k < r->n; k++) {
         const history *h = &r->of[k];
         if (!h->followed) continue;
@@ -414,8 +417,8 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         count[all < BINS ? all : BINS - 1] += 1.0;
         mates[h->mates < CLASSIFIER_BINS ? h->mates : CLASSIFIER_BINS - 1] += 1.0;
         if (hits && !isnan(h->hit_radius)) hits[of_hits++] = h->hit_radius;
-        csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle, h->mates,
-                 1e3 * h->hit_radius, h->hit_speed, h->outward);
+        csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle,
+                 h->mates, 1e3 * h->hit_radius, h->hit_speed, h->outward);
     }
     csv_close(file);
     if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
@@ -439,18 +442,22 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     json_object_end(j);
     json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
     json_number(j, "impact_radius_mean_m", radius.mean), json_number(j, "impact_radius_sd_m", deviation(&radius));
-    json_number(j, "impact_speed_mean_m_s", speed.mean), json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
+    json_number(j, "impact_speed_mean_m_s", speed.mean),
+        json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
     json_number(j, "cor_mean", cor), json_number(j, "cor_sd", cor_sd);
     json_number(j, "outward_share", n > 0 ? outward / n : (double)NAN);
     json_number(j, "present", (double)w->count);
-    json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps), json_integer(j, "contact_steps", w->contact_steps);
+    json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps),
+        json_integer(j, "contact_steps", w->contact_steps);
     json_bool(j, "one_rate", g->one_rate);
-    common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time, (int)w->count, unfinished);
+    common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time, (int)w->count,
+                 unfinished);
     common_print("contacts of a particle %.3f +- %.3f (sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
                  deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
-    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); restitution %.3f (sd %.3f); outward %.3f\n",
-                 1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean,
-                 1e3 * deviation(&stay), cor, cor_sd, n > 0 ? outward / n : (double)NAN);
+    common_print(
+        "first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); restitution %.3f (sd %.3f); outward %.3f\n",
+        1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean,
+        1e3 * deviation(&stay), cor, cor_sd, n > 0 ? outward / n : (double)NAN);
     if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);
     double edge[25], share[24] = {0};
     const classifier_wheel *wheel = &g->machine.wheel;
@@ -514,7 +521,8 @@ int main(int argc, char **argv) {
     choose_sizes(&g);
     if (!(g.depth > 2.25 * largest(&g))) {
         char text[40], allowed[80];
-        snprintf(text, sizeof text, "%g", depth), snprintf(allowed, sizeof allowed, "over %.3g, 2.25 of the largest particles", 2250.0 * largest(&g));
+        snprintf(text, sizeof text, "%g", depth),
+            snprintf(allowed, sizeof allowed, "over %.3g, 2.25 of the largest particles", 2250.0 * largest(&g));
         program_refuse(&self, "depth-mm", text, allowed);
     }
     dem_world w;

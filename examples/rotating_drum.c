@@ -298,8 +298,8 @@ int main(int argc, char **argv) {
             "scatters by %.1f in time), "
             "Lacey %.3f, unlike "
             "contacts %.3f, radial segregation %.3f (at first %.3f, %.3f, %.3f)\n",
-            d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, error, scatter, lacey / late, unlike / late, radial / late, c.lacey[0],
-            c.unlike[0], c.radial[0]);
+            d.count[SMALL], d.count[LARGE], d.turns, world.def.dt, angle, error, scatter, lacey / late, unlike / late, radial / late,
+            c.lacey[0], c.unlike[0], c.radial[0]);
         json *j = json_open(self.json);
         json_integer(j, "small_spheres", d.count[SMALL]);
         json_integer(j, "large_spheres", d.count[LARGE]);

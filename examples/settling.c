@@ -29,18 +29,18 @@ typedef struct scene {
     sides around;
     int spheres, cloth;
     double width, height, diameter, density, fluid_density, viscosity;
-    double start;   /* lowest centre over the bottom [m] */
-    double spacing; /* of the centres [m] */
-    double time;    /* [s], enough to reach the bottom */
-    double wall_factor;     /* drag at rest over Stokes' at the middle height; exact (spec section 4), 0: unknown */
-    double velocity;        /* measured or computed by others [m/s]; 0: none */
-    const char *reference;  /* whose wall_factor or velocity */
+    double start;          /* lowest centre over the bottom [m] */
+    double spacing;        /* of the centres [m] */
+    double time;           /* [s], enough to reach the bottom */
+    double wall_factor;    /* drag at rest over Stokes' at the middle height; exact (spec section 4), 0: unknown */
+    double velocity;       /* measured or computed by others [m/s]; 0: none */
+    const char *reference; /* whose wall_factor or velocity */
 } scene;
 
 #define PAPER(name, around, spheres, cloth, width, height, spacing, time, factor, reference)                                               \
-    {name, around, spheres, cloth, width, height, 80e-6, 2200.0, 1000.0, 1e-3, 722e-6, spacing, time, factor, 0.0, reference}
+    { name, around, spheres, cloth, width, height, 80e-6, 2200.0, 1000.0, 1e-3, 722e-6, spacing, time, factor, 0.0, reference }
 #define TEN_CATE(name, density, viscosity, time, velocity)                                                                                 \
-    {name, SIDES_WALL, 1, 0, 0.1, 0.16, 0.015, 1120.0, density, viscosity, 0.1275, 0.0, time, 0.0, velocity, "measured, ten Cate et al."}
+    { name, SIDES_WALL, 1, 0, 0.1, 0.16, 0.015, 1120.0, density, viscosity, 0.1275, 0.0, time, 0.0, velocity, "measured, ten Cate et al." }
 
 static const scene scenes[] = {
     PAPER("A1", SIDES_PERIODIC, 1, 0, 320e-6, 802e-6, 0.0, 0.29, 1.5549, "row of spheres, no net flux"),
@@ -61,9 +61,7 @@ static const scene scenes[] = {
 #define CASE_NAMES "A1|A2|A3|A4|A5|B1|C1|C2|C3|D1|E1|E2|E3|E4"
 
 static double volume(const scene *s) { return pi / 6.0 * s->diameter * s->diameter * s->diameter; }
-static double stokes(const scene *s) {
-    return filtration_stokes_velocity(s->density - s->fluid_density, 9.81, s->diameter, s->viscosity);
-}
+static double stokes(const scene *s) { return filtration_stokes_velocity(s->density - s->fluid_density, 9.81, s->diameter, s->viscosity); }
 static double reynolds(const scene *s, double v) { return fabs(v) * s->diameter * s->fluid_density / s->viscosity; }
 
 /* ---- drag laws ---- */
@@ -110,10 +108,10 @@ static void balance(const scene *s, int k, const double *time, int n, double *re
 
 typedef struct track {
     int n, spheres;
-    double time[LONGEST_TRACK];                    /* [s] */
-    double height[MOST_SPHERES][LONGEST_TRACK];    /* of the centre over the bottom [m] */
-    double velocity[MOST_SPHERES][LONGEST_TRACK];  /* downwards [m/s] */
-    double terminal;                               /* of the lowest sphere: terminal_velocity [m/s] */
+    double time[LONGEST_TRACK];                   /* [s] */
+    double height[MOST_SPHERES][LONGEST_TRACK];   /* of the centre over the bottom [m] */
+    double velocity[MOST_SPHERES][LONGEST_TRACK]; /* downwards [m/s] */
+    double terminal;                              /* of the lowest sphere: terminal_velocity [m/s] */
 } track;
 
 static void take_sample(track *t, double time, const double *centre, const double *velocity) {
@@ -140,8 +138,8 @@ static double terminal_velocity(const track *t, double diameter) {
 static void write_track(const program *self, const scene *s, const track *t) {
     char header[400] = "time_s";
     for (int i = 0; i < t->spheres; i++)
-        snprintf(header + strlen(header), sizeof header - strlen(header), ",height_%d_m,velocity_%d_m_per_s,re_%d,x_over_d_%d", i + 1, i + 1,
-                 i + 1, i + 1);
+        snprintf(header + strlen(header), sizeof header - strlen(header), ",height_%d_m,velocity_%d_m_per_s,re_%d,x_over_d_%d", i + 1,
+                 i + 1, i + 1, i + 1);
     csv *file = csv_open(self->out, "track.csv", header);
     for (int k = 0; k < t->n; k++) {
         double cells[1 + 4 * MOST_SPHERES] = {t->time[k]};
@@ -361,7 +359,9 @@ static void print_run(const run *r, const track *t) {
     table_cell(&rows, "%s", "simulated"), table_cell(&rows, "%.4g", 1e3 * t->terminal), table_cell(&rows, "%.3g", reynolds(s, t->terminal));
     table_cell(&rows, "%s", "");
     for (int k = 0; k < LAWS + 2; k++) {
-        const double v = k < LAWS ? terminal(s, k) : k == LAWS ? (s->wall_factor > 0.0 ? stokes(s) / s->wall_factor : (double)NAN) : s->velocity;
+        const double v = k < LAWS    ? terminal(s, k)
+                         : k == LAWS ? (s->wall_factor > 0.0 ? stokes(s) / s->wall_factor : (double)NAN)
+                                     : s->velocity;
         if (!(v > 0.0)) continue;
         table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference), table_cell(&rows, "%.4g", 1e3 * v);
         table_cell(&rows, "%.3g", reynolds(s, v)), table_cell(&rows, "%.4f", t->terminal / v);
@@ -468,7 +468,8 @@ int main(int argc, char **argv) {
         option_choice("symmetry", &symmetry, "quarter|full", "one sphere on the axis: a quarter of the box between mirrors, or all of it"),
         option_choice("until", &until, "bottom|terminal", "run until the spheres rest, or until the lowest no longer speeds up"),
         option_positive("time-ms", "T", &time, 1e7, "and at most so long [ms]; default: by the case"),
-        option_positive("tau", "TAU", &chosen.tau, 10.0, "relaxation time [-], above 0.5; default: for a lattice speed of 0.02, 0.6 to 3.5"),
+        option_positive("tau", "TAU", &chosen.tau, 10.0,
+                        "relaxation time [-], above 0.5; default: for a lattice speed of 0.02, 0.6 to 3.5"),
         option_choice("boundary", &boundary, "central-linear|half-way", "surface of the spheres: interpolated, or a staircase"),
         option_choice("force", &force, "momentum-exchange|shear-layer", "as it is, or the paper's shear over one voxel without pressure"),
         option_choice("precision", &precision, "double|float", "in which the flow is stored"),
@@ -501,7 +502,8 @@ int main(int argc, char **argv) {
     progress_end(&bar);
     if (status != FILTRATION_OK)
         common_fail("%s at %.3g ms: %s%s%s", s->name, 1e3 * r.fluid.time, filtration_status_text(status),
-                    status == FILTRATION_DIVERGED ? ": " : "", status == FILTRATION_DIVERGED ? filtration_cause_text(r.fluid.problem.cause) : "");
+                    status == FILTRATION_DIVERGED ? ": " : "",
+                    status == FILTRATION_DIVERGED ? filtration_cause_text(r.fluid.problem.cause) : "");
     if (status == FILTRATION_OK && !common_interrupted()) {
         json *report = json_open(self.json);
         t.terminal = terminal_velocity(&t, s->diameter);

@@ -195,7 +195,7 @@ FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *
 /* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
    [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
-                                                  double least);
+                                                   double least);
 
 /* ==== >>permeability: steady flow through any solid ==== */
 

@@ -15,9 +15,7 @@ static inline double filtration_schiller_naumann(double reynolds) {
 }
 
 /* Axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's constant, first order. */
-static inline double filtration_wall_ladenburg(double ratio) {
-    return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN;
-}
+static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
 /* The same, Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
 static inline double filtration_wall_faxen(double ratio) {

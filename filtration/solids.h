@@ -70,7 +70,7 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton's method. */
+/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);

@@ -388,7 +388,8 @@ static void test_particles_as_others_write_them(void **state) {
         {"x,y,z,diameter\n0.1,0.25,0.5,0.005\n0.1,0.25,here,0.005\n", "f.csv:3: column z: 'here' is not a number"},
         {"x_velocity,y,z,diameter\n1,2,3,4\n", "f.csv: no column x; the columns are x_velocity, y, z, diameter"},
         {"x,y,z,size\n1,2,3,4\n", "f.csv: no column diameter or radius; the columns are x, y, z, size"},
-        {"x [furlong],y,z,diameter\n1,2,3,4\n", "f.csv: the unit of column x cannot be converted; the columns are x [furlong], y, z, diameter"},
+        {"x [furlong],y,z,diameter\n1,2,3,4\n",
+         "f.csv: the unit of column x cannot be converted; the columns are x [furlong], y, z, diameter"},
         {"x_m,x_mm,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x_m, x_mm, y, z, diameter"},
         {"\xFF\xFEx,y,z", "f.csv: not a text file in UTF-8"},
     };

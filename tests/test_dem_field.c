@@ -59,7 +59,6 @@ static void relaxation(void **state) {
     }
 }
 
-
 /* A box with spheres of three sizes, stirred by a turning paddle; what flies in it. */
 static int stirred(dem_world *w, int skip, int threads, int balls) {
     dem_def def = grains(2e-8);
@@ -135,7 +134,6 @@ static void no_field_no_change(void **state) {
     assert_true(hash[1] == hash[0]);
 }
 
-
 /* ---- a particle that a turning paddle meets ---- */
 
 enum { NODES = 9 };
@@ -163,7 +161,8 @@ static void note_hit(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
         late -= (0.5 * thickness - across) / speed;
     }
 }
-static const dem_law linear_noting = {"linear, noting", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, note_hit, NULL};
+static const dem_law linear_noting = {"linear, noting", 1,        0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                      dem_force_linear, note_hit, NULL};
 DEM_KERNEL(noting, linear_noting, DEM_LINEAR)
 
 /* Gas seen from the wheel, at the nodes of a grid around the gap: inward as the passage narrows, and a swirl over the depth. */
@@ -262,7 +261,8 @@ static void turning_frame(void **state) {
     dem_gas air = dem_default_gas();
     fill_grid(&air, velocity);
     const hit free_own = own_answer(NULL), own = own_answer(velocity), bare = in_the_gap(0, NULL, 0.0);
-    if (getenv("SAY")) printf("no gas: %.9f mm %.9f m/s, own %.9f %.9f\n", 1e3 * bare.radius, bare.radial, 1e3 * free_own.radius, free_own.radial);
+    if (getenv("SAY"))
+        printf("no gas: %.9f mm %.9f m/s, own %.9f %.9f\n", 1e3 * bare.radius, bare.radial, 1e3 * free_own.radius, free_own.radial);
     assert_true(fabs(bare.radius - 24.468e-3) < 5e-7 && fabs(bare.radial + 1.855) < 5e-4);
     assert_true(fabs(bare.radius / free_own.radius - 1.0) < 1e-9 && fabs(bare.radial / free_own.radial - 1.0) < 1e-9);
     for (int run = 0; run < 3; run++) {
@@ -271,10 +271,10 @@ static void turning_frame(void **state) {
         if (getenv("SAY"))
             printf("gas %.0e: %.9f mm %.9f m/s, off %.2e %.2e\n", accuracy, 1e3 * h.radius, h.radial, h.radius / own.radius - 1.0,
                    h.radial / own.radial - 1.0);
-        assert_true(fabs(h.radius / own.radius - 1.0) < (run ? 1e-9 : 1e-7) && fabs(h.radial / own.radial - 1.0) < (run == 2 ? 1e-9 : 1e-7));
+        assert_true(fabs(h.radius / own.radius - 1.0) < (run ? 1e-9 : 1e-7) &&
+                    fabs(h.radial / own.radial - 1.0) < (run == 2 ? 1e-9 : 1e-7));
     }
 }
-
 
 /* Fall from rest by Schiller & Naumann's law to 99.9 % of the terminal velocity, against small steps of RK4. */
 static void schiller_naumann(void **state) {
@@ -533,7 +533,8 @@ static void multi_rate(void **state) {
         }
         for (int seed = 0; seed < 6; seed++) square[run] += pow(contacts[run][seed] - mean[run], 2.0) / 30.0;
     }
-    if (getenv("SAY")) printf("contact steps %.0f +- %.0f, with one step for all %.0f +- %.0f\n", mean[0], sqrt(square[0]), mean[1], sqrt(square[1]));
+    if (getenv("SAY"))
+        printf("contact steps %.0f +- %.0f, with one step for all %.0f +- %.0f\n", mean[0], sqrt(square[0]), mean[1], sqrt(square[1]));
     assert_true(fabs(mean[0] - mean[1]) < 3.0 * sqrt(square[0] + square[1]));
 }
 
@@ -634,10 +635,21 @@ static void short_of_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(relaxation),  cmocka_unit_test(schiller_naumann), cmocka_unit_test(laws),       cmocka_unit_test(crowd),
-        cmocka_unit_test(skipping_is_exact), cmocka_unit_test(no_field_no_change), cmocka_unit_test(turning_frame), cmocka_unit_test(ledger),
-        cmocka_unit_test(saved),       cmocka_unit_test(pieces),      cmocka_unit_test(local_field),      cmocka_unit_test(stepping),   cmocka_unit_test(multi_rate),
-        cmocka_unit_test(bad_input),   cmocka_unit_test(taken_off),        cmocka_unit_test(short_of_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(relaxation),
+                                       cmocka_unit_test(schiller_naumann),
+                                       cmocka_unit_test(laws),
+                                       cmocka_unit_test(crowd),
+                                       cmocka_unit_test(skipping_is_exact),
+                                       cmocka_unit_test(no_field_no_change),
+                                       cmocka_unit_test(turning_frame),
+                                       cmocka_unit_test(ledger),
+                                       cmocka_unit_test(saved),
+                                       cmocka_unit_test(pieces),
+                                       cmocka_unit_test(local_field),
+                                       cmocka_unit_test(stepping),
+                                       cmocka_unit_test(multi_rate),
+                                       cmocka_unit_test(bad_input),
+                                       cmocka_unit_test(taken_off),
+                                       cmocka_unit_test(short_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

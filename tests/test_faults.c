@@ -213,13 +213,18 @@ static void test_what_is_solid(void **state) {
     empty_world(&w);
     dem_cone cone = dem_default_cone();
     dem_screen screen = dem_default_screen();
-    const int no[] = {dem_add_plane(&w, 0, v3(0, 0, -1), v3(0, 0, 1)), dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 1.0, 1),
-                      dem_add_sphere_wall(&w, 0, v3(0, 0, 0), 1.0, 1), dem_add_cone(&w, 0, &cone), dem_add_screen(&w, 0, &screen),
-                      dem_add_exit(&w, v3(0, 0, -1), v3(0, 0, 1)), -1, w.walls};
+    const int no[] = {dem_add_plane(&w, 0, v3(0, 0, -1), v3(0, 0, 1)),
+                      dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 1.0, 1),
+                      dem_add_sphere_wall(&w, 0, v3(0, 0, 0), 1.0, 1),
+                      dem_add_cone(&w, 0, &cone),
+                      dem_add_screen(&w, 0, &screen),
+                      dem_add_exit(&w, v3(0, 0, -1), v3(0, 0, 1)),
+                      -1,
+                      w.walls};
     for (size_t k = 0; k < sizeof no / sizeof *no; k++) assert_int_equal(dem_set_solid(&w, no[k], 1), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_set_solid(NULL, 0, 1), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_set_solid(&w, no[0], 0), DEM_OK); /* it is none */
-    for (int k = 0; k < 8; k++) { /* whole or without a face; welded or not; turned or not */
+    for (int k = 0; k < 8; k++) {                          /* whole or without a face; welded or not; turned or not */
         octahedron(&o, 0.1, k & 1, k & 2, k & 4 ? 7 : 8);
         const int wall = dem_add_mesh(&w, 0, &o.mesh);
         assert_true(wall >= 0);
@@ -283,7 +288,7 @@ static void test_fill_a_mesh(void **state) {
         assert_int_equal(dem_measure_region(&w, &all, &box), DEM_OK);
         assert_int_equal(m.count, w.count);
         near_relative(m.solid_fraction * 4.0 / 3.0 * 1e-3, box.solid_fraction * 8.0, 1e-12, "solid volume"); /* none is cut */
-        body half; /* cuts many */
+        body half;                                                                                           /* cuts many */
         octahedron(&half, 0.05, 0, 0, 8);
         const dem_region inner = dem_mesh_region(&half.mesh);
         assert_int_equal(dem_measure_region(&w, &inner, &m), DEM_OK);
@@ -492,7 +497,7 @@ static void test_set_gravity(void **state) {
     dem_world w;
     lossless(&w, 0.5);
     floor_of(&w);
-    put(&w, 0, 0, 1.0); /* flies */
+    put(&w, 0, 0, 1.0);    /* flies */
     put(&w, 1, 0, radius); /* will rest */
     dem_set_motion(&w, 0, v3(1, 0, 0), v3(0, 0, 0));
     run(&w, 0.1, DEM_LINEAR);
@@ -707,8 +712,8 @@ static void note_end(dem_world *world, int32_t k, void *user) {
     const int gone = world->alive[c.i] != DEM_PRESENT || (c.j >= 0 && world->alive[c.j] != DEM_PRESENT);
     ended[gone ? 1 : c.j < 0 && !dem_wall_acts(world, -1 - (int)c.j, c.i) ? 2 : 0]++;
 }
-static const dem_law noting_law = {"linear, notes its ends", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL,
-                                   note_end};
+static const dem_law noting_law = {"linear, notes its ends", 1,    0,       0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                   dem_force_linear,         NULL, note_end};
 DEM_KERNEL(noting, noting_law, DEM_LINEAR)
 
 static void test_why_contacts_end(void **state) {

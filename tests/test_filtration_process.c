@@ -12,8 +12,7 @@
 
 #include "filtration.h"
 
-#define assert_close(value, expected, relative)                                                                                            \
-    assert_true(fabs((value) - (expected)) <= (relative) * fabs(expected) + 1e-300)
+#define assert_close(value, expected, relative) assert_true(fabs((value) - (expected)) <= (relative)*fabs(expected) + 1e-300)
 
 /* ---- laws ---- */
 
@@ -33,7 +32,8 @@ static void test_filtration_equation(void **state) {
     assert_close(filtration_time_of_volume(slope, intercept, 14e-6), 0.1252, 0.02);
     /* a velocity that is the derivative of the volume */
     const double V = 9e-6, t = filtration_time_of_volume(slope, intercept, V), h = 1e-6 * t;
-    const double v = (filtration_volume_of_time(slope, intercept, t + h) - filtration_volume_of_time(slope, intercept, t - h)) / (2 * h * A);
+    const double v =
+        (filtration_volume_of_time(slope, intercept, t + h) - filtration_volume_of_time(slope, intercept, t - h)) / (2 * h * A);
     assert_close(v, filtration_velocity(dp, mu, product * V / A, medium), 1e-8);
     assert_close(filtration_pressure(product, medium, mu, v, V / A), dp, 1e-8);
 }
@@ -119,18 +119,23 @@ static void test_laws_out_of_domain(void **state) {
         const double b = bad[i];
         assert_true(isnan(filtration_velocity(b, 1, 1, 1)) && isnan(filtration_velocity(1, b, 1, 1)));
         assert_true(isnan(filtration_velocity(1, 1, b, 1)) && isnan(filtration_velocity(1, 1, 1, b)));
-        assert_true(isnan(filtration_resistance(b, 1, 1)) && isnan(filtration_resistance(1, b, 1)) && isnan(filtration_resistance(1, 1, b)));
+        assert_true(isnan(filtration_resistance(b, 1, 1)) && isnan(filtration_resistance(1, b, 1)) &&
+                    isnan(filtration_resistance(1, 1, b)));
         assert_true(isnan(filtration_cake_resistance(b, 1)) && isnan(filtration_cake_resistance(1, b)));
         assert_true(isnan(filtration_medium_resistance(b, 1)) && isnan(filtration_medium_resistance(1, b)));
         assert_true(isnan(filtration_slope(b, 1, 1, 1)) && isnan(filtration_slope(1, b, 1, 1)) && isnan(filtration_slope(1, 1, b, 1)));
-        assert_true(isnan(filtration_slope(1, 1, 1, b)) && isnan(filtration_intercept(b, 1, 1, 1)) && isnan(filtration_intercept(1, 1, 1, b)));
+        assert_true(isnan(filtration_slope(1, 1, 1, b)) && isnan(filtration_intercept(b, 1, 1, 1)) &&
+                    isnan(filtration_intercept(1, 1, 1, b)));
         assert_true(isnan(filtration_product_of_slope(1, b, 1, 1)) && isnan(filtration_medium_of_intercept(1, 1, b, 1)));
         assert_true(isnan(filtration_time_of_volume(b, 1, 1)) && isnan(filtration_time_of_volume(1, 1, b)));
         assert_true(isnan(filtration_volume_of_time(1, b, 1)) && isnan(filtration_volume_of_time(1, 1, b)));
         assert_true(isnan(filtration_pressure(b, 1, 1, 1, 1)) && isnan(filtration_pressure(1, 1, 1, 1, b)));
-        assert_true(isnan(filtration_power_law(b, 1, 1, 1)) && isnan(filtration_power_law(1, 1, b, 1)) && isnan(filtration_power_law(1, 1, 1, b)));
-        assert_true(isnan(filtration_mean_of_local(1, b)) && isnan(filtration_mean_solid(b, 0, 0)) && isnan(filtration_mean_solid(0.5, 0, b)));
-        assert_true(isnan(filtration_kozeny_carman(b, 1, 1)) && isnan(filtration_kozeny_carman(0.4, b, 1)) && isnan(filtration_kozeny_carman(0.4, 1, b)));
+        assert_true(isnan(filtration_power_law(b, 1, 1, 1)) && isnan(filtration_power_law(1, 1, b, 1)) &&
+                    isnan(filtration_power_law(1, 1, 1, b)));
+        assert_true(isnan(filtration_mean_of_local(1, b)) && isnan(filtration_mean_solid(b, 0, 0)) &&
+                    isnan(filtration_mean_solid(0.5, 0, b)));
+        assert_true(isnan(filtration_kozeny_carman(b, 1, 1)) && isnan(filtration_kozeny_carman(0.4, b, 1)) &&
+                    isnan(filtration_kozeny_carman(0.4, 1, b)));
         assert_true(isnan(filtration_kozeny_porosity(b, 1, 1)) && isnan(filtration_kozeny_porosity(1, b, 1)));
         assert_true(isnan(filtration_cake_ratio(b, 0.1)) && isnan(filtration_cake_ratio(0.1, b)));
         assert_true(isnan(filtration_cake_ratio_of_solid(b, 0.4, 1)) && isnan(filtration_cake_ratio_of_height(1, b, 1)));
@@ -481,7 +486,8 @@ static double clogging_time(double V) {
 }
 
 /* How often the 95 % intervals hold the truth, over `trials` curves. */
-static void coverage(const filtration_curve_def *d, int trials, double noise, int bent, double rough, double *of_product, double *of_medium) {
+static void coverage(const filtration_curve_def *d, int trials, double noise, int bent, double rough, double *of_product,
+                     double *of_medium) {
     const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
     const double true_medium = bent == 1 || bent == 2 ? medium - product * 4e-6 / (2 * A) : medium; /* the line of both carried on to V 0 */
     int hits_product = 0, hits_medium = 0;
@@ -644,12 +650,18 @@ static void test_bad_curves(void **state) {
     struct {
         size_t offset;
         const char *name;
-    } fields[] = {{offsetof(filtration_curve_def, pressure), "pressure"},         {offsetof(filtration_curve_def, viscosity), "viscosity"},
-                  {offsetof(filtration_curve_def, area), "area"},                 {offsetof(filtration_curve_def, cake_ratio), "cake_ratio"},
-                  {offsetof(filtration_curve_def, area_error), "area_error"},     {offsetof(filtration_curve_def, time_error), "time_error"},
-                  {offsetof(filtration_curve_def, tolerance), "tolerance"},       {offsetof(filtration_curve_def, confidence), "confidence"},
-                  {offsetof(filtration_curve_def, bend_level), "bend_level"},     {offsetof(filtration_curve_def, start_volume), "start_volume"},
-                  {offsetof(filtration_curve_def, first_volume), "first_volume"}, {offsetof(filtration_curve_def, last_volume), "last_volume"}};
+    } fields[] = {{offsetof(filtration_curve_def, pressure), "pressure"},
+                  {offsetof(filtration_curve_def, viscosity), "viscosity"},
+                  {offsetof(filtration_curve_def, area), "area"},
+                  {offsetof(filtration_curve_def, cake_ratio), "cake_ratio"},
+                  {offsetof(filtration_curve_def, area_error), "area_error"},
+                  {offsetof(filtration_curve_def, time_error), "time_error"},
+                  {offsetof(filtration_curve_def, tolerance), "tolerance"},
+                  {offsetof(filtration_curve_def, confidence), "confidence"},
+                  {offsetof(filtration_curve_def, bend_level), "bend_level"},
+                  {offsetof(filtration_curve_def, start_volume), "start_volume"},
+                  {offsetof(filtration_curve_def, first_volume), "first_volume"},
+                  {offsetof(filtration_curve_def, last_volume), "last_volume"}};
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         filtration_curve_def wrong = a_def();
         const double minus = -1.0;

@@ -519,7 +519,7 @@ static void test_stated_deviation(void **state) {
         worst_rupture = fmax(worst_rupture, pair.rupture_deviation);
     }
     print_message("    50 pairs, %d with a jump: force within %.2g, rupture gap within %.2g\n", cut, worst, worst_rupture);
-    assert_true(unsolved <= 5); /* of 10000: next to a jump */
+    assert_true(unsolved <= 5);                                   /* of 10000: next to a jump */
     assert_true(cut > 0 && worst < 5e-3 && worst_rupture < 0.03); /* the largest: a jump whose table could not be cut */
 }
 

@@ -112,8 +112,7 @@ static int take_row(csv_data *data, char *line, char separator, int number, cons
     const int columns = data->columns;
     char **row = data->cells + (size_t)data->rows * (size_t)columns;
     const int n = cut(line, separator, row);
-    if (n != columns)
-        return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
+    if (n != columns) return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
     for (int k = 0; k < n; k++) {
         double *value = &data->values[(size_t)data->rows * (size_t)n + (size_t)k];
         const bool fine = to_number(row[k], separator == ',' ? '.' : ',', value);
@@ -123,7 +122,8 @@ static int take_row(csv_data *data, char *line, char separator, int number, cons
         }
         if (data->is_text[k]) *value = (double)NAN;
         else if (!fine)
-            return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number, data->names[k], row[k]);
+            return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number, data->names[k],
+                          row[k]);
     }
     data->lines[data->rows++] = number;
     return 0;
@@ -178,18 +178,63 @@ typedef struct unit {
     double si;
 } unit;
 static const unit units[] = {
-    {"m", 'L', 1.0},          {"mm", 'L', 1e-3},         {"cm", 'L', 1e-2},        {"um", 'L', 1e-6},       {"\xc2\xb5m", 'L', 1e-6},
-    {"\xce\xbcm", 'L', 1e-6}, {"micron", 'L', 1e-6},     {"nm", 'L', 1e-9},        {"s", 'T', 1.0},         {"sec", 'T', 1.0},
-    {"ms", 'T', 1e-3},        {"us", 'T', 1e-6},         {"min", 'T', 60.0},       {"h", 'T', 3600.0},      {"kg", 'M', 1.0},
-    {"g", 'M', 1e-3},         {"mg", 'M', 1e-6},         {"t", 'M', 1e3},          {"m3", 'V', 1.0},        {"l", 'V', 1e-3},
-    {"ml", 'V', 1e-6},        {"cm3", 'V', 1e-6},        {"mm3", 'V', 1e-9},       {"m2", 'A', 1.0},        {"cm2", 'A', 1e-4},
-    {"mm2", 'A', 1e-6},       {"pa", 'P', 1.0},          {"kpa", 'P', 1e3},        {"mpa", 'P', 1e6},       {"bar", 'P', 1e5},
-    {"mbar", 'P', 100.0},     {"rad", 'W', 1.0},         {"deg", 'W', RIDDLE_DEG}, {"\xc2\xb0", 'W', RIDDLE_DEG},
-    {"m/s", 'v', 1.0},        {"m_s", 'v', 1.0},         {"m_per_s", 'v', 1.0},    {"mm/s", 'v', 1e-3},     {"mm_s", 'v', 1e-3},
-    {"mm_per_s", 'v', 1e-3},  {"rad/s", 'w', 1.0},       {"rad_s", 'w', 1.0},      {"rad_per_s", 'w', 1.0}, {"hz", 'f', 1.0},
-    {"1/s", 'f', 1.0},        {"1/min", 'f', 1.0 / 60},  {"kg/s", 'q', 1.0},       {"kg_s", 'q', 1.0},      {"kg_per_s", 'q', 1.0},
-    {"t/h", 'q', 1e3 / 3600}, {"t_per_h", 'q', 1e3 / 3600}, {"kg/h", 'q', 1.0 / 3600}, {"j", 'E', 1.0},      {"n", 'F', 1.0},
-    {"%", 's', 0.01},         {"percent", 's', 0.01},    {"-", 's', 1.0},
+    {"m", 'L', 1.0},
+    {"mm", 'L', 1e-3},
+    {"cm", 'L', 1e-2},
+    {"um", 'L', 1e-6},
+    {"\xc2\xb5m", 'L', 1e-6},
+    {"\xce\xbcm", 'L', 1e-6},
+    {"micron", 'L', 1e-6},
+    {"nm", 'L', 1e-9},
+    {"s", 'T', 1.0},
+    {"sec", 'T', 1.0},
+    {"ms", 'T', 1e-3},
+    {"us", 'T', 1e-6},
+    {"min", 'T', 60.0},
+    {"h", 'T', 3600.0},
+    {"kg", 'M', 1.0},
+    {"g", 'M', 1e-3},
+    {"mg", 'M', 1e-6},
+    {"t", 'M', 1e3},
+    {"m3", 'V', 1.0},
+    {"l", 'V', 1e-3},
+    {"ml", 'V', 1e-6},
+    {"cm3", 'V', 1e-6},
+    {"mm3", 'V', 1e-9},
+    {"m2", 'A', 1.0},
+    {"cm2", 'A', 1e-4},
+    {"mm2", 'A', 1e-6},
+    {"pa", 'P', 1.0},
+    {"kpa", 'P', 1e3},
+    {"mpa", 'P', 1e6},
+    {"bar", 'P', 1e5},
+    {"mbar", 'P', 100.0},
+    {"rad", 'W', 1.0},
+    {"deg", 'W', RIDDLE_DEG},
+    {"\xc2\xb0", 'W', RIDDLE_DEG},
+    {"m/s", 'v', 1.0},
+    {"m_s", 'v', 1.0},
+    {"m_per_s", 'v', 1.0},
+    {"mm/s", 'v', 1e-3},
+    {"mm_s", 'v', 1e-3},
+    {"mm_per_s", 'v', 1e-3},
+    {"rad/s", 'w', 1.0},
+    {"rad_s", 'w', 1.0},
+    {"rad_per_s", 'w', 1.0},
+    {"hz", 'f', 1.0},
+    {"1/s", 'f', 1.0},
+    {"1/min", 'f', 1.0 / 60},
+    {"kg/s", 'q', 1.0},
+    {"kg_s", 'q', 1.0},
+    {"kg_per_s", 'q', 1.0},
+    {"t/h", 'q', 1e3 / 3600},
+    {"t_per_h", 'q', 1e3 / 3600},
+    {"kg/h", 'q', 1.0 / 3600},
+    {"j", 'E', 1.0},
+    {"n", 'F', 1.0},
+    {"%", 's', 0.01},
+    {"percent", 's', 0.01},
+    {"-", 's', 1.0},
 };
 
 static const unit *unit_of(const char *name) {

@@ -55,16 +55,17 @@ static int check(particles *p, const char *path, char *message, int message_size
 /* ---- CSV ---- */
 
 enum { COLUMNS = 12, DIAMETER = 9, RADIUS, GROUP };
-static const char *const column_names[COLUMNS] = {"x", "y", "z", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z", "diameter", "radius", "group"};
+static const char *const column_names[COLUMNS] = {"x",       "y",       "z",       "vx",       "vy",     "vz",
+                                                  "omega_x", "omega_y", "omega_z", "diameter", "radius", "group"};
 
 /* Finds the columns and the factors to SI units. */
-static int find_columns(const csv_data *data, const char *path, int *column, double *factor, particles *p, char *message, int message_size) {
+static int find_columns(const csv_data *data, const char *path, int *column, double *factor, particles *p, char *message,
+                        int message_size) {
     char said[900];
     for (int k = 0; k < COLUMNS; k++) {
         column[k] = csv_find(data, column_names[k], &factor[k], said, sizeof said);
         if (k == GROUP && column[k] < 0) column[k] = csv_find(data, "class", &factor[k], said, sizeof said);
-        if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0))
-            return refuse(p, message, message_size, "%s: %s", path, said);
+        if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0)) return refuse(p, message, message_size, "%s: %s", path, said);
     }
     if (column[DIAMETER] >= 0 || column[RADIUS] >= 0) return 0;
     csv_find(data, "diameter or radius", NULL, said, sizeof said);
@@ -85,9 +86,9 @@ static int parse_csv(const char *bytes, size_t size, const char *path, particles
             if (column[k] < 0 || (k == RADIUS && column[DIAMETER] >= 0)) continue;
             value[k] = factor[k] * data.values[(size_t)i * (size_t)data.columns + (size_t)column[k]];
             if (!(fabs(value[k]) <= 1e300) || (k == GROUP && (value[k] != floor(value[k]) || fabs(value[k]) > 2e9)))
-                status = refuse(p, message, message_size, "%s:%d: column %.60s: '%.60s' is not a %s", path, data.lines[i],
-                                data.names[column[k]], data.cells[(size_t)i * (size_t)data.columns + (size_t)column[k]],
-                                k == GROUP ? "whole number" : "number");
+                status =
+                    refuse(p, message, message_size, "%s:%d: column %.60s: '%.60s' is not a %s", path, data.lines[i], data.names[column[k]],
+                           data.cells[(size_t)i * (size_t)data.columns + (size_t)column[k]], k == GROUP ? "whole number" : "number");
         }
         for (int k = 0; k < 9 && status == 0; k++)
             p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = value[k];

@@ -23,7 +23,7 @@ namespace LAMMPS_NS {
 class PairRiddleWet;
 
 class FixRiddleLiquid : public Fix {
- public:
+  public:
     FixRiddleLiquid(class LAMMPS *, int, char **);
     ~FixRiddleLiquid() override;
     int setmask() override;
@@ -65,7 +65,7 @@ class FixRiddleLiquid : public Fix {
     void wall_rupture(int i, wet_state *state);
     double quantum; /* [m3] */
 
- private:
+  private:
     struct entry { /* a pair while its particles keep their places in the neighbour list */
         int i, j;
         wet_state state;

@@ -20,7 +20,7 @@ class FixRiddleLiquid;
 class PairRiddleWet;
 
 class FixRiddleWall : public Fix {
- public:
+  public:
     FixRiddleWall(class LAMMPS *, int, char **);
     ~FixRiddleWall() override;
     int setmask() override;
@@ -38,7 +38,7 @@ class FixRiddleWall : public Fix {
     int maxsize_restart() override;
     void count(double *bridges, double *volume) const; /* adds this rank's bridges and their liquid [m3] */
 
- private:
+  private:
     bool meet(int i, wet_encounter *) const;
     void act(int i, wet_encounter *);
 

@@ -18,7 +18,7 @@ namespace LAMMPS_NS {
 class FixRiddleLiquid;
 
 class PairRiddleWet : public Pair {
- public:
+  public:
     PairRiddleWet(class LAMMPS *);
     ~PairRiddleWet() override;
     void compute(int, int) override;
@@ -38,7 +38,7 @@ class PairRiddleWet : public Pair {
 
     bridge_liquid liquid;
 
- private:
+  private:
     struct coefficients {
         dem_pair_def contact;
         double angle;

@@ -31,17 +31,17 @@ enum { WET_STATE_SIZE = sizeof(wet_state) / sizeof(double) };
 
 /* Two bodies near each other; n points from j to i. A wall has arm_j = 0 and an infinite mass. */
 typedef struct wet_encounter {
-    double gap, normal[3];              /* surface distance [m]; n */
-    double velocity[3];                 /* of i's centre against j's centre, or against a wall's surface [m/s] */
-    double spin_i[3], spin_j[3];        /* [rad/s] */
-    double radius_i, radius_j;          /* [m]; radius_j INFINITY for a wall */
-    double arm_i, arm_j;                /* from the centres to the point of contact [m] */
-    double mass_i, mass_j;              /* [kg]; mass_j INFINITY for a wall */
-    double dt;                          /* by which the friction history advances [s]; 0: not at all */
+    double gap, normal[3];       /* surface distance [m]; n */
+    double velocity[3];          /* of i's centre against j's centre, or against a wall's surface [m/s] */
+    double spin_i[3], spin_j[3]; /* [rad/s] */
+    double radius_i, radius_j;   /* [m]; radius_j INFINITY for a wall */
+    double arm_i, arm_j;         /* from the centres to the point of contact [m] */
+    double mass_i, mass_j;       /* [kg]; mass_j INFINITY for a wall */
+    double dt;                   /* by which the friction history advances [s]; 0: not at all */
 } wet_encounter;
 
 typedef struct wet_answer {
-    double force[3];              /* on i [N]; the opposite acts on j */
+    double force[3];                 /* on i [N]; the opposite acts on j */
     double torque_i[3], torque_j[3]; /* [N m] */
     int touching, ruptured;
 } wet_answer;
