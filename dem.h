@@ -1809,8 +1809,10 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     if (face < 0 || !(touch->gap <= 0.0)) return f;
     const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
     const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
+    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
     double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
-    if (!(slack > 0.0 && height > 0.1 * radius)) return f;
+    slack = above < slack ? above : slack;
+    if (!(slack > 0.0)) return f;
     const dem_vec out = dem__scale(1.0 / height, up);
     for (int32_t b = 0; b < t->nodes;) {
         const dem__node *node = &t->node[b];
@@ -1825,8 +1827,8 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
             if (k == face) continue;
             dem__from_triangle(t, k, f.at, &distance, &inner);
             for (int c = 0; c < 3; c++) {
-                const double above = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
-                rise = above > rise ? above : rise;
+                const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
+                rise = corner > rise ? corner : rise;
             }
             const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
                 reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
