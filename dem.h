@@ -6857,6 +6857,16 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
+/* The error to which positions are known far from the origin [m]. */
+static inline double dem__position_rounding(const dem_world *w) {
+    double farthest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double far = dem__length(w->particle[i].x);
+        farthest = w->alive[i] == DEM_PRESENT && far > farthest ? far : farthest;
+    }
+    return 8.0 * DBL_EPSILON * farthest;
+}
+
 /* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
@@ -7997,8 +8007,9 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
-    pairs->position_tolerance =
-        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
+    /* As much as slow contacts shift; faster ones are rarer than looks at those who are that near. */
+    pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
     pairs->gravity_size = dem__length(dem__free_fall(w));
 }
 

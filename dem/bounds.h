@@ -53,6 +53,16 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
+/* The error to which positions are known far from the origin [m]. */
+static inline double dem__position_rounding(const dem_world *w) {
+    double farthest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double far = dem__length(w->particle[i].x);
+        farthest = w->alive[i] == DEM_PRESENT && far > farthest ? far : farthest;
+    }
+    return 8.0 * DBL_EPSILON * farthest;
+}
+
 /* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;

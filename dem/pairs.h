@@ -399,8 +399,9 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
-    pairs->position_tolerance =
-        2e-6 * smallest; /* as much as slow contacts shift; faster ones are rarer than looks at those who are that near */
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
+    /* As much as slow contacts shift; faster ones are rarer than looks at those who are that near. */
+    pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
     pairs->gravity_size = dem__length(dem__free_fall(w));
 }
 
