@@ -2401,7 +2401,7 @@ BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K
     if (status != BLOCKING_OK) return status;
     out->outside = place.outside;
     for (int i = -1; i < PLACES; i++) { /* first the law's own */
-        double angle = 2.0 * RIDDLE_PI * i / PLACES, k1, k2;
+        double angle = 2.0 * RIDDLE_PI * i / (double)PLACES, k1, k2;
         blocking__law_pair(&place, i < 0 ? 0.0 : riddle_cos(angle), i < 0 ? 0.0 : riddle_sin(angle), &k1, &k2);
         double k = k1 + k2, f_inf = blocking__finite(k) && k > 0.0 ? k2 / k : (double)NAN;
         double last = blocking_curve(f0, f_inf, k, T), mean = blocking_time_mean(f0, f_inf, k, T);

@@ -33,6 +33,21 @@ static inline void dem__sort_numbers(double *v, int n) {
     }
 }
 
+/* The first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL: none. */
+static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
+    double next = HUGE_VAL;
+    for (int i = 0; i < n; i++) {
+        const double begin = at[i] - radius[i], end = at[i] + radius[i];
+        next = begin > x && begin < next ? begin : next;
+        next = end > x && end < next ? end : next;
+        for (int j = 0; j < i; j++) {
+            const double meet = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+            if (at[i] != at[j] && meet > x && meet < next) next = meet;
+        }
+    }
+    return next;
+}
+
 /* Spheres with their centres on a line from `from` along the unit vector u: a body of revolution, whose squared radius is the greatest of
    parabolas in x; between the places where another is the greatest the integrals are of polynomials, which five points of Gauss's find
    exactly. */
@@ -40,19 +55,10 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
     static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
                                      0.23692688505618909};
-    double end[DEM_CLUMP_MAX * (DEM_CLUMP_MAX + 3) / 2];
-    int ends = 0;
-    for (int i = 0; i < n; i++) {
-        end[ends++] = at[i] - radius[i], end[ends++] = at[i] + radius[i];
-        for (int j = 0; j < i; j++) {
-            if (at[i] == at[j]) continue;
-            end[ends++] = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
-        }
-    }
-    dem__sort_numbers(end, ends);
-    for (int e = 1; e < ends; e++) {
-        const double half = 0.5 * (end[e] - end[e - 1]), middle = 0.5 * (end[e] + end[e - 1]);
-        for (int g = 0; g < 5 && half > 0.0; g++) {
+    double begin = dem__next_end(n, at, radius, -HUGE_VAL);
+    for (double end; (end = dem__next_end(n, at, radius, begin)) < HUGE_VAL; begin = end) {
+        const double half = 0.5 * (end - begin), middle = 0.5 * (end + begin);
+        for (int g = 0; g < 5; g++) {
             const double x = middle + half * node[g];
             double square = 0.0;
             for (int i = 0; i < n; i++) {
@@ -107,7 +113,7 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
             }
         }
     }
-    const double wx = (high[0] - low[0]) / DEM__CLUMP_LINES, wy = (high[1] - low[1]) / DEM__CLUMP_LINES;
+    const double wx = (high[0] - low[0]) / (double)DEM__CLUMP_LINES, wy = (high[1] - low[1]) / (double)DEM__CLUMP_LINES;
     for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
         for (int q = 0; q < DEM__CLUMP_LINES; q++)
             dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
