@@ -9021,7 +9021,10 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        if (w->engine->convex.shapes > 0) dem__finish_convex_rows(w, &x->rows, &x->types, base, n, &at, 0.5 * h, features);
+        if (w->engine->convex.shapes > 0) {
+            const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
+            dem__finish_convex_rows(w, &x->rows, &x->types, base, n, &same, 0.5 * h, features);
+        }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
         if (only_ledger) {
             dem__store_ledger(&old, &at, n);
