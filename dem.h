@@ -200,7 +200,8 @@ extern "C" {
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")                      \
-    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")
+    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
+    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -256,7 +257,8 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. */
+/* Parameters of contacts between two materials. Two that differ have no defaults that would suit: a run in which they touch without having
+   been set gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
@@ -266,6 +268,7 @@ typedef struct dem_pair_def {
                                   5 g sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
+    int given;                 /* 1: set by the caller, which dem_pair() and dem_set_pair() take for granted; default 0 */
 } dem_pair_def;
 
 /* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
@@ -616,6 +619,7 @@ typedef struct dem_world {
     ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
+    int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
     int walls;
     dem_wall *wall;
     ptrdiff_t passed_count; /* records kept: until dem_take_passed() takes them */
@@ -665,7 +669,8 @@ DEM_API int dem_build_is_deterministic(void);
 DEM_API dem_def dem_default_def(void);
 /* Adds a material; returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* The parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. */
+/* The parameters of a pair of materials, in either order, to be edited; the pair counts as set from then on, if only to its defaults. NULL if
+   an index is out of range. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
 /* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
@@ -2270,7 +2275,8 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
-    int only_ledger; /* the kernel only finds what contacts store and dissipate now; nothing else changes */
+    int has_unset_pairs; /* of two materials that differ, in this run */
+    int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
@@ -2703,7 +2709,9 @@ DEM_API int dem_add_material(dem_def *def, double density, double young_modulus,
 
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b) {
     if (!def || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
-    return a < b ? &def->pair[a][b] : &def->pair[b][a];
+    dem_pair_def *pair = a < b ? &def->pair[a][b] : &def->pair[b][a];
+    pair->given = 1;
+    return pair;
 }
 
 static inline int dem__finite(double v) { return fabs(v) <= DBL_MAX; }
@@ -3631,7 +3639,8 @@ DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_d
     if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
         return DEM_BAD_ARGUMENT;
-    *dem_pair(&w->def, a, b) = *pair;
+    dem_pair_def *own = dem_pair(&w->def, a, b);
+    *own = *pair, own->given = 1;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -10229,6 +10238,22 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set no later run gets further. */
+static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
+        const int low = a < b ? a : b, high = a < b ? b : a;
+        if (low == high || w->def.pair[low][high].given) continue;
+        w->status = DEM_PAIR_NOT_SET;
+        w->failed_id = w->id[i];
+        w->failed_pair[0] = low, w->failed_pair[1] = high;
+        w->engine->run.needs_lists = 1; /* what was found must be found again */
+    }
+}
+
 /* Takes back what was found in a step that cannot be finished. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -10755,11 +10780,13 @@ static inline int dem__prepare_lists(dem_world *w) {
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
-/* Finds the damping ratios of all pairs of materials. */
-static inline void dem__find_damping_ratios(dem_world *w) {
+/* Finds the damping ratios of all pairs of materials, and whether all were set. */
+static inline void dem__prepare_pairs(dem_world *w) {
+    w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
         for (int b = 0; b < w->def.materials; b++) {
-            const dem_pair_def *pair = dem_pair(&w->def, a, b);
+            const dem_pair_def *pair = a < b ? &w->def.pair[a][b] : &w->def.pair[b][a];
+            w->engine->run.has_unset_pairs |= a != b && !pair->given;
             w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
@@ -10769,6 +10796,7 @@ static inline void dem__find_damping_ratios(dem_world *w) {
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
     if (w->status != DEM_OK) {
         dem__undo_detection(w);
         return -1;
@@ -10828,7 +10856,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    dem__find_damping_ratios(w);
+    dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
     dem__set_law(w, kernel->law, features);
@@ -10951,6 +10979,7 @@ static inline void dem__step_links(dem_world *w) {
 static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__detect(w, w->step + 1);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
     return w->status == DEM_OK;
 }
 
@@ -12955,7 +12984,7 @@ static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
         DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
         DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
         DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
-        DEM__INTEGER("pair.mode", p->mode, s),
+        DEM__INTEGER("pair.mode", p->mode, s),           DEM__INTEGER("pair.given", p->given, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
 }
@@ -13428,6 +13457,8 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__read_group(file, g, 1)) return 0;
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
+    /* of older files, which don't say which pairs were set */
+    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
     const int64_t counts[] = {w->step, e->run.start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds, w->passed_total};

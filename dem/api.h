@@ -24,7 +24,8 @@ DEM_API int dem_build_is_deterministic(void);
 DEM_API dem_def dem_default_def(void);
 /* Adds a material; returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* The parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. */
+/* The parameters of a pair of materials, in either order, to be edited; the pair counts as set from then on, if only to its defaults. NULL if
+   an index is out of range. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
 /* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);

@@ -303,7 +303,8 @@ DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_d
     if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials || dem__bad_pair(pair))
         return DEM_BAD_ARGUMENT;
-    *dem_pair(&w->def, a, b) = *pair;
+    dem_pair_def *own = dem_pair(&w->def, a, b);
+    *own = *pair, own->given = 1;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }

@@ -54,7 +54,9 @@ DEM_API int dem_add_material(dem_def *def, double density, double young_modulus,
 
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b) {
     if (!def || a < 0 || b < 0 || a >= DEM_MATERIALS_MAX || b >= DEM_MATERIALS_MAX) return NULL;
-    return a < b ? &def->pair[a][b] : &def->pair[b][a];
+    dem_pair_def *pair = a < b ? &def->pair[a][b] : &def->pair[b][a];
+    pair->given = 1;
+    return pair;
 }
 
 static inline int dem__finite(double v) { return fabs(v) <= DBL_MAX; }

@@ -85,6 +85,22 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set no later run gets further. */
+static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t end = dem__next_slot(w);
+    for (ptrdiff_t c = end - contacts->begun; c < end && w->status == DEM_OK; c++) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        const int a = w->material[i], b = j < 0 ? w->wall[-1 - j].material : w->material[j];
+        const int low = a < b ? a : b, high = a < b ? b : a;
+        if (low == high || w->def.pair[low][high].given) continue;
+        w->status = DEM_PAIR_NOT_SET;
+        w->failed_id = w->id[i];
+        w->failed_pair[0] = low, w->failed_pair[1] = high;
+        w->engine->run.needs_lists = 1; /* what was found must be found again */
+    }
+}
+
 /* Takes back what was found in a step that cannot be finished. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;

@@ -102,7 +102,8 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run has begun: hooks of laws are refused what changes the world */
     int keeps_wrenches;
-    int only_ledger; /* the kernel only finds what contacts store and dissipate now; nothing else changes */
+    int has_unset_pairs; /* of two materials that differ, in this run */
+    int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 

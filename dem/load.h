@@ -73,6 +73,8 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     if (!dem__read_group(file, g, 1)) return 0;
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
+    /* of older files, which don't say which pairs were set */
+    for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
     const int64_t counts[] = {w->step, e->run.start_step, w->particle_steps, w->contact_steps, w->looks, w->rebuilds, w->passed_total};

@@ -104,7 +104,7 @@ static inline void dem__pair_fields(dem_pair_def *p, dem__group *g) {
         DEM__DOUBLES("pair.stiffness", p->stiffness, s), DEM__DOUBLES("pair.restitution", p->restitution, s),
         DEM__DOUBLES("pair.friction", p->friction, s),   DEM__DOUBLES("pair.tangential_ratio", p->tangential_ratio, s),
         DEM__DOUBLES("pair.rolling", p->rolling, s),     DEM__DOUBLES("pair.tangential_damping", p->tangential_damping, s),
-        DEM__INTEGER("pair.mode", p->mode, s),
+        DEM__INTEGER("pair.mode", p->mode, s),           DEM__INTEGER("pair.given", p->given, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
 }

@@ -27,11 +27,13 @@ static inline int dem__prepare_lists(dem_world *w) {
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
-/* Finds the damping ratios of all pairs of materials. */
-static inline void dem__find_damping_ratios(dem_world *w) {
+/* Finds the damping ratios of all pairs of materials, and whether all were set. */
+static inline void dem__prepare_pairs(dem_world *w) {
+    w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
         for (int b = 0; b < w->def.materials; b++) {
-            const dem_pair_def *pair = dem_pair(&w->def, a, b);
+            const dem_pair_def *pair = a < b ? &w->def.pair[a][b] : &w->def.pair[b][a];
+            w->engine->run.has_unset_pairs |= a != b && !pair->given;
             w->engine->run.damping_ratio[a][b] = dem_damping_ratio(pair->restitution, pair->mode);
         }
     }
@@ -41,6 +43,7 @@ static inline void dem__find_damping_ratios(dem_world *w) {
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
     if (w->status != DEM_OK) {
         dem__undo_detection(w);
         return -1;
@@ -100,7 +103,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     dem__ledger *ledger = &w->engine->ledger;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    dem__find_damping_ratios(w);
+    dem__prepare_pairs(w);
     const ptrdiff_t begun = run->needs_forces ? dem__begin_contacts_present(w) : 0;
     if (begun < 0) return 0;
     dem__set_law(w, kernel->law, features);
@@ -223,6 +226,7 @@ static inline void dem__step_links(dem_world *w) {
 static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__detect(w, w->step + 1);
+    if (w->engine->run.has_unset_pairs && w->status == DEM_OK) dem__check_pairs_set(w);
     return w->status == DEM_OK;
 }
 

@@ -39,7 +39,8 @@
     X(DEM_NO_MOTION, "a wall's motion is a function, which dem_prescribe must name again after loading")                                   \
     X(DEM_NO_FIELD, "a force field's law is a function, which dem_set_force_field must name again after loading")                          \
     X(DEM_BUSY, "the world is running: a law's hook may read it, set states of contacts and add links, nothing else")                      \
-    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")
+    X(DEM_POLYHEDRON, "polyhedra take no links, and run with DEM_FRICTION only (a coefficient of 0 takes it out)")                         \
+    X(DEM_PAIR_NOT_SET, "two different materials touch whose pair was never set: call dem_pair() or dem_set_pair()")
 #define DEM__NAME(name, text) name,
 typedef enum dem_status { DEM_STATUSES(DEM__NAME) DEM_STATUS_COUNT } dem_status;
 #undef DEM__NAME
@@ -95,7 +96,8 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. */
+/* Parameters of contacts between two materials. Two that differ have no defaults that would suit: a run in which they touch without having
+   been set gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
@@ -105,6 +107,7 @@ typedef struct dem_pair_def {
                                   5 g sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
+    int given;                 /* 1: set by the caller, which dem_pair() and dem_set_pair() take for granted; default 0 */
 } dem_pair_def;
 
 /* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
@@ -455,6 +458,7 @@ typedef struct dem_world {
     ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
     dem_status status; /* first failure of a run; then particle and step of it */
     uint64_t failed_id;
+    int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
     int walls;
     dem_wall *wall;
     ptrdiff_t passed_count; /* records kept: until dem_take_passed() takes them */

@@ -12,6 +12,7 @@ RIDDLE_EXPORT int64_t riddle_step(const dem_world *world);
 RIDDLE_EXPORT int riddle_walls(const dem_world *world);
 RIDDLE_EXPORT double riddle_dt(const dem_world *world);
 RIDDLE_EXPORT uint64_t riddle_failed_id(const dem_world *world);
+RIDDLE_EXPORT int riddle_failed_material(const dem_world *world, int which);
 RIDDLE_EXPORT int64_t riddle_particle_steps(const dem_world *world);
 RIDDLE_EXPORT ptrdiff_t riddle_passed_count(const dem_world *world);
 RIDDLE_EXPORT void riddle_states(const dem_world *world, int what, double *out);
@@ -24,6 +25,7 @@ int64_t riddle_step(const dem_world *world) { return world->step; }
 int riddle_walls(const dem_world *world) { return world->walls; }
 double riddle_dt(const dem_world *world) { return world->def.dt; }
 uint64_t riddle_failed_id(const dem_world *world) { return world->failed_id; }
+int riddle_failed_material(const dem_world *world, int which) { return world->failed_pair[which]; }
 int64_t riddle_particle_steps(const dem_world *world) { return world->particle_steps; }
 ptrdiff_t riddle_passed_count(const dem_world *world) { return world->passed_count; }
 int riddle_is_present(const dem_world *world, ptrdiff_t i) { return i >= 0 && i < world->count && world->alive[i]; }

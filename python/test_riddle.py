@@ -156,6 +156,18 @@ class Worlds(unittest.TestCase):
         with self.assertRaises(riddle.Error):
             bed().add_cylinder(0, (0, 0, 0), (0, 0, 0), 1.0, 1)
 
+    def test_a_pair_that_was_not_set(self):
+        definition = dem.default_def()
+        for density in (2500.0, 7800.0):
+            dem.add_material(definition, density, 1e7, 0.3)
+        world = dem.World(definition)
+        world.add_plane(1, (0, 0, 0), (0, 0, 1))
+        world.add_spheres([[0, 0, 0.01]], [0.01], 0, 0)
+        with self.assertRaises(riddle.Error) as caught:
+            world.run(0.1, dem.LINEAR)
+        self.assertEqual(caught.exception.materials, (0, 1))
+        self.assertIn("materials 0 and 1", str(caught.exception))
+
     def test_lengths_are_checked(self):
         with self.assertRaises(ValueError):
             blocking.fit(blocking.fit_def(), [0.0, 1.0, 2.0], [1.0, 0.9])

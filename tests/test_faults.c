@@ -765,8 +765,132 @@ static void test_step_ratio(void **state) {
     dem_free(&w);
 }
 
+/* ---- materials that touch and whose pair nobody set ---- */
+
+/* Two materials, of spheres and of walls, with no pair of the two. */
+static void two_materials(dem_world *w, dem_def *def) {
+    *def = dem_default_def();
+    def->dt = 1e-5;
+    dem_add_material(def, 2500.0, 1e7, 0.25), dem_add_material(def, 7800.0, 1e9, 0.3), dem_add_material(def, 1000.0, 1e6, 0.4);
+    assert_int_equal(dem_init(w, def, NULL), DEM_OK);
+}
+static void sphere_at(dem_world *w, double x, double z, int material) {
+    const double c[3] = {x, 0, z}, d = 0.01;
+    assert_int_equal(dem_add_spheres(w, 1, c, &d, material, 0), DEM_OK);
+}
+static void refused(dem_world *w, int features, int low, int high) {
+    const int64_t step = w->step, contacts = dem_contact_count(w);
+    for (int k = 0; k < 2; k++) { /* and again, as long as nobody sets it */
+        assert_int_equal(dem_run(w, 0.2, features), DEM_PAIR_NOT_SET);
+        assert_int_equal(w->failed_pair[0], low), assert_int_equal(w->failed_pair[1], high);
+        assert_true(k == 0 ? w->step >= step : dem_contact_count(w) == contacts);
+    }
+}
+
+static void test_unset_pairs_are_refused(void **state) {
+    (void)state;
+    static const int features[] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_HERTZ | DEM_FRICTION | DEM_ENERGY};
+    const double heap[6] = {0, 0, 0.02, 0.004, 0, 0.02}, diameters[2] = {0.01, 0.01};
+    for (int k = 0; k < 3; k++) {
+        for (int skip = 0; skip <= DEM_SKIP_ALL; skip += DEM_SKIP_ALL) {
+            dem_world w;
+            dem_def def;
+            two_materials(&w, &def); /* a plane */
+            w.def.skip = skip;
+            dem_add_plane(&w, 2, v3(0, 0, 0), v3(0, 0, 1));
+            sphere_at(&w, 0, 0.02, 1);
+            refused(&w, features[k], 1, 2);
+            near_absolute(dem_position(&w, 0).z, 0.005, 2e-5, "where it touches");
+            dem_free(&w);
+            two_materials(&w, &def); /* two spheres, there from the start, or one that falls */
+            dem_add_spheres(&w, 1, heap, diameters, 2, 0), dem_add_spheres(&w, 1, heap + 3, diameters, 0, 0);
+            refused(&w, features[k], 0, 2);
+            assert_int_equal(w.step, 0);
+            dem_free(&w);
+            two_materials(&w, &def);
+            sphere_at(&w, 0, 0.02, 2), sphere_at(&w, 0, 0.04, 0);
+            dem_set_motion(&w, 1, v3(0, 0, -1.0), v3(0, 0, 0));
+            refused(&w, features[k], 0, 2);
+            dem_free(&w);
+        }
+    }
+}
+
+/* A cylinder, a cone, a screen, a mesh; a clump, a brick; and exits, which nothing touches. */
+static void test_unset_pairs_of_every_shape(void **state) {
+    (void)state;
+    for (int shape = 0; shape < 7; shape++) {
+        dem_world w;
+        dem_def def;
+        two_materials(&w, &def);
+        const double low[3] = {-0.1, -0.1, 0.0}, high[3] = {0.1, 0.1, 0.1}, at[3] = {0.05, 0.05, 0.05}, d = 0.01;
+        dem_screen screen = dem_default_screen();
+        dem_cone cone = dem_default_cone();
+        screen.aperture = 0.004;
+        cone.low_radius = 0.001;
+        switch (shape) {
+        case 0: dem_add_cylinder(&w, 1, v3(0.05, 0.05, 0), v3(1, 0, 0), 0.04, 1); break;
+        case 1: dem_add_cone(&w, 1, &cone); break;
+        case 2: dem_add_screen(&w, 1, &screen); break;
+        case 3: dem_add_box(&w, 1, v3(low[0], low[1], low[2]), v3(high[0], high[1], high[2])); break;
+        default: dem_add_plane(&w, 1, v3(0, 0, 0), v3(0, 0, 1)); break;
+        }
+        if (shape == 5) {
+            const double two[6] = {0, 0, 0, 0.004, 0, 0}, diameters[2] = {0.01, 0.01};
+            dem_clump clump;
+            assert_int_equal(dem_make_clump(2, two, diameters, &clump), DEM_OK);
+            assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, NULL, 0, 0), DEM_OK);
+        } else {
+            const double centre[3] = {shape == 1 ? 0.0 : at[0], shape == 1 ? 0.0 : at[1], at[2]};
+            assert_int_equal(dem_add_spheres(&w, 1, centre, &d, shape == 6 ? 1 : 0, 0), DEM_OK);
+        }
+        if (shape == 6) run(&w, 0.3, DEM_LINEAR | DEM_FRICTION); /* alike: the defaults */
+        else refused(&w, DEM_LINEAR | DEM_FRICTION, 0, 1);
+        dem_free(&w);
+    }
+}
+
+/* Whoever sets the pair goes on, with the bits of a run that had it from the start; saves and loads know what was set. */
+static void test_pair_set_later(void **state) {
+    (void)state;
+    static char saved[200000];
+    uint64_t hash[3];
+    for (int way = 0; way < 3; way++) {
+        dem_world w;
+        dem_def def;
+        two_materials(&w, &def);
+        dem_free(&w);
+        if (way == 0) dem_pair(&def, 0, 2)->restitution = 0.5;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        dem_add_plane(&w, 2, v3(0, 0, 0), v3(0, 0, 1));
+        sphere_at(&w, 0, 0.02, 0);
+        if (way > 0) assert_int_equal(dem_run(&w, 0.2, DEM_LINEAR | DEM_FRICTION), DEM_PAIR_NOT_SET);
+        if (way == 2) {
+            const size_t bytes = dem_save(&w, saved, sizeof saved);
+            assert_true(bytes <= sizeof saved);
+            dem_free(&w);
+            assert_int_equal(dem_load(&w, saved, bytes, NULL), DEM_OK);
+            assert_int_equal(dem_run(&w, 0.2 - w.time, DEM_LINEAR | DEM_FRICTION), DEM_PAIR_NOT_SET);
+        }
+        dem_pair_def pair = def.pair[0][2];
+        pair.restitution = 0.5, pair.given = 0;
+        if (way > 0) assert_int_equal(dem_set_pair(&w, 2, 0, &pair), DEM_OK);
+        run(&w, 0.2 - w.time, DEM_LINEAR | DEM_FRICTION);
+        hash[way] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1] && hash[0] == hash[2]);
+    dem_def def = dem_default_def();
+    assert_int_equal(def.pair[0][1].given, 0);
+    dem_pair(&def, 1, 0);
+    assert_int_equal(def.pair[0][1].given, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_unset_pairs_are_refused),
+        cmocka_unit_test(test_unset_pairs_of_every_shape),
+        cmocka_unit_test(test_pair_set_later),
         cmocka_unit_test(test_callers_acts_are_booked),
         cmocka_unit_test(test_size_of_the_bookings),
         cmocka_unit_test(test_set_gravity),

@@ -112,6 +112,16 @@ static int write_state(job *j) {
 
 /* ---- running ---- */
 
+/* Says why the scene cannot go on, materials by their names. */
+static void fail_run(const job *j, dem_status status) {
+    const dem_world *w = &j->s.world;
+    const material_def *m = j->s.def->materials.item;
+    if (status == DEM_PAIR_NOT_SET)
+        common_fail("t = %.6g s: %s and %s touch: how, is not said under contacts", w->time, m[w->failed_pair[0]].part.name,
+                    m[w->failed_pair[1]].part.name);
+    else common_fail("t = %.6g s: %s (particle %llu)", w->time, dem_status_text(status), (unsigned long long)w->failed_id);
+}
+
 static const stop_def *run(job *j) {
     const double save = j->def.output.save;
     const stop_def *stop = NULL;
@@ -126,8 +136,7 @@ static const stop_def *run(job *j) {
         if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
         const dem_status status = scene_advance(&j->s);
         if (status != DEM_OK) {
-            common_fail("t = %.6g s: %s (particle %llu)", j->s.world.time, dem_status_text(status),
-                        (unsigned long long)j->s.world.failed_id);
+            fail_run(j, status);
             break;
         }
     }

@@ -49,7 +49,7 @@ static const scene_field contact_fields[] = {
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
 };
-SECTION(contact, contact_def, "contact", "How two materials touch. A pair that is not listed has the defaults.");
+SECTION(contact, contact_def, "contact", "How two materials touch. A material has the defaults with itself; two that differ and touch must be listed.");
 
 /* ---- walls ---- */
 

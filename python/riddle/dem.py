@@ -81,8 +81,12 @@ class World(_core.Handle):
     def _check(self, status):
         self._version += 1
         if status != 0:
-            error = _core.status_error("dem", status)
-            if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST):
+            pair = None
+            if status == lib.DEM_PAIR_NOT_SET:
+                pair = tuple(lib.riddle_failed_material(self._alive, which) for which in (0, 1))
+            error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None)
+            error.materials = pair
+            if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST, lib.DEM_PAIR_NOT_SET):
                 error.particle = lib.riddle_failed_id(self._alive)
             raise error
 
