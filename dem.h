@@ -1433,12 +1433,11 @@ DEM__FORCE(dem_force_hertz_friction, dem__hertz, DEM_FRICTION)
 DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 
 /* ---------------------------------------------------------------------------------------------- >>geometry */
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions.
-   Relies on types.h and the portable mathematics.
-   May be changed here alone: how a place is found, as long as it is the same place. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics.
+   May be changed here alone: how a place is computed, as long as it is the same place. */
 
-/* Rounds to multiples of 2e-100, which changes nothing but what is below 1e-68: speeds that decay end at 0, and neither they nor their
-   squares become subnormal numbers, with which a processor takes many times as long. Two additions cost less than a comparison. */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
+   become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
 DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) { return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z)); }
 
@@ -1452,13 +1451,14 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Rotation of v by an angle [rad] about a unit axis (Rodrigues). */
+/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
 static inline dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
     double s = riddle_sin(phase), c = riddle_cos(phase);
     return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. turns: frequency times time. */
 DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, double rate, double *velocity, double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
@@ -1470,7 +1470,7 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, d
     return amplitude * (phase == 0.0 ? s : s - riddle_sin(phase));
 }
 
-/* What vibration does to a wall. */
+/* Displacement, velocity and acceleration of a wall by vibration. */
 typedef struct dem__sway {
     dem_vec shift, velocity, acceleration;
 } dem__sway;
@@ -1483,12 +1483,12 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     return s;
 }
 
-/* The frame and place that a pose gives a wall. */
+/* Returns the position that a pose gives a wall; axis: its axes. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
     for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
-    if (angle != 0.0) { /* NaN goes on */
+    if (angle != 0.0) { /* true for NaN, which is passed on */
         const dem_vec about = dem__scale(1.0 / angle, pose->turn);
         for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
         arm = dem__rotated(arm, about, angle);
@@ -1496,6 +1496,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
+/* Puts a prescribed wall where it is at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -1506,7 +1507,7 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
         w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
         at[k] = dem__posed(w, &pose, axis[k]);
     }
-    for (int k = 0; k < 3; k++) { /* w = sum of a x da/dt over the axes, halved */
+    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
         w->axis[k] = axis[1][k];
         omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
     }
@@ -1517,7 +1518,7 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Velocity and acceleration that a controlled wall's rate gives it where it is. */
+/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -1529,7 +1530,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Predicted, as a particle is. */
+/* Puts a controlled wall where it is at a time: predicted from the last step, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -1567,40 +1568,40 @@ static inline void dem__move_wall(dem_wall *w, double time) {
     else dem__kinematic_wall(w, time - w->asked.motion_start);
 }
 
-/* One place where a sphere is near a wall. */
+/* A place where a sphere is near a wall. */
 typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
-    int32_t face; /* mesh: the triangle above whose inside the centre is, -1 beyond its edges */
+    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
 } dem__touch;
 
-/* The face on which a contact with a mesh rests: it stays the one place that is touched while the centre is within `slack` of `at` and what
-   a contact opens by in a step is less than that. */
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack` of `at`, and a
+   contact opens by less than that in a step. */
 typedef struct dem__footing {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__footing;
 
-enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a particle with a mesh, those that end this step included */
-#define DEM__SMOOTH 0.9 /* cosine of the angle, 26 degrees, up to which facets are one surface: a drum of 16 sides is round */
+enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
+#define DEM__SMOOTH 0.9                       /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* From the nearest point of the axis of bar `index` of a family, at (index - 1/2) pitch, to a centre: along is its coordinate parallel to
-   the bars, across the one over them; (along, across, up) is left in *from. How far from there the surface is, or less than 0 if there is
-   no such bar. */
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at (index - 1/2)
+   pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck, perpendicular to them. Returns how far the
+   surface is from that point [m]; < 0 if there is no such bar. */
 DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up, dem_vec *from) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* its half length, squared */
+    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
     const int beyond = !(along * along <= end2);
     const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
     *from = dem_vec3(da, dc, up);
     if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side: as wide as the wire and, seen from below, as round at its ends */
+    /* the flat side is as wide as the wire; its ends are round, seen from below */
     if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
@@ -1610,7 +1611,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Bar `index` of a family as a place that is touched; the normal is left in (along, across, up). Returns 0 if there is no such bar. */
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
                               dem__touch *out) {
     dem_vec from;
@@ -1618,19 +1619,19 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     if (!(inner >= 0.0)) return 0;
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
-    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on when they are asked for */
+    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
 
-/* (along, across, up) of a family to the world's axes. */
+/* Converts a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]), u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Only the two nearest bars of a family count, this one and the next. Beside the deck they are its last. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they are the last two. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
     const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y, nearest = floor(across / pitch + 0.5);
     if (fabs(across) < half - pitch) return nearest;
@@ -1638,22 +1639,24 @@ DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across)
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Any other is at least this far away, if none overlaps by more: the gap of the nearest, where that is less than 0. */
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
     return sqrt(near * near + 0.75 * pitch * pitch) - sum;
 }
 
-/* The nearest point of a frustum lies in the plane of axis and centre, on a segment. d: the centre, seen from the low end. */
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the centre, from the low end;
+   up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
 static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out, double *least) {
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
     const double rho = dem__length(radial), rise = w->high_radius - w->radius, slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a ring touches: any of it */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is nearest: any point of
+                                                                                       it */
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
     const int on_rim = !(along > 0.0 && along < 1.0);
-    if (!on_rim) { /* from the side's own normal, which does not lose its figures near the surface */
+    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
         const double side = (rho - w->radius) * nx + up * ny;
         distance = fabs(side);
         if (side < 0.0) nx = -nx, ny = -ny;
@@ -1661,15 +1664,15 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* half way up: one kind of contact wherever it begins; balls wider than the ring lie on a rim */
+    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
     out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
 
 /* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
    May be changed here alone: how a place is searched. */
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
-   takes the first child first; `skip` is where the walk goes on without a node's children. */
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in depth-first order; `skip` is
+   the next node that is not below this one. */
 typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
@@ -1683,14 +1686,15 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* From the plane of a triangle to p, the same for all faces of a plane. */
+/* Returns the vector from the plane of a triangle to p; distance: its length. All faces of a plane give the same. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
     *distance = fabs(up);
     return dem__scale(up, t->normal[k]);
 }
 
-/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), its length, and whether it is inside. */
+/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5). distance: its length;
+   inside: whether the point is not on an edge or a corner. */
 static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
     const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
@@ -1713,14 +1717,15 @@ static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec 
     return v;
 }
 
+/* Returns whether p is `reach` or more away from a node's box. */
 DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
                  z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* One surface is touched once: a place is in the shadow of a nearer one if their normals agree to 26 degrees, or if it does not rise over
-   the nearer one's tangent plane, as edges and corners of a face that is touched do not. */
+/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree to 26 degrees, or
+   the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face do not. */
 DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
@@ -1743,8 +1748,8 @@ DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
     return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
-/* The nearest place of a mesh, if its gap is below limit; and with a gap below deep, the others that are none's shadow: the nearest
-   DEM__TOUCHES, nearest first. */
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one shadows: at most
+   DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
     const dem_vec p = dem__to_frame(w, d);
@@ -1777,7 +1782,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
-            for (int q = at; q < n; q++) { /* it shadows others itself */
+            for (int q = at; q < n; q++) { /* remove those in its shadow */
                 if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
@@ -1792,7 +1797,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
     return n;
 }
 
-/* How far a projection q into the plane of triangle k is inside its edges. */
+/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
 static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
     double least = HUGE_VAL;
     for (int e = 0; e < 3; e++) {
@@ -1803,8 +1808,9 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* The footing of a sphere whose one touch is on a face. A triangle that rises above that plane may be touched, or become the nearest: from
-   half its gap on; one that does not is in the face's shadow, and is nearer only where the centre leaves the face for it. */
+/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can be touched, or
+   become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the nearest only where the centre
+   leaves the face for it. */
 static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
@@ -1844,7 +1850,8 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* The touch of a sphere that has not left its footing; 0: search. `opens`: the most that a contact opens in a step. */
+/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a contact opens in a
+   step [m]. */
 DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;
@@ -2176,8 +2183,9 @@ typedef struct dem__convex_state {
    Relies on types.h.
    May be changed here alone: a field that only its owner's files name; saved fields are rows of saved.h, arrays rows of store.h. */
 
-/* Bound on a particle's motion, in the frame in free fall since the list was built, t [s] ago: its surface lies within reach + t tolerance
-   of the point x + t u, while its velocity differs from u by less than the tolerance. Then it gets a new bound. One cache line. */
+/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface lies within reach + t
+   tolerance of the point x + t u. The bound holds while its velocity differs from u by less than the tolerance; then it gets a new one. One
+   cache line. */
 typedef struct dem__bound {
     double x, y, z, reach;        /* [m] */
     double ux, uy, uz, tolerance; /* [m/s] */
@@ -2194,18 +2202,19 @@ typedef struct dem__sum {
 /* Constants that contacts of the same sizes and materials share. */
 typedef struct dem__contact_type {
     double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
-    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], of a wall 1 */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], at a wall 1 */
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
 /* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the slots first ..
-   first + count - 1. When it is full, new contacts go to the last chunk, which can grow. As i < j, a particle has contacts in its own
+   first + count - 1. When it is full, new contacts go to the last chunk, which can grow. Because i < j, a particle has contacts in its own
    chunk and in later ones only. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
-    ptrdiff_t marked, postponed;           /* contacts that begin or end in a step, listed in slots; forces that another thread adds */
+    ptrdiff_t marked, postponed;           /* contacts that begin or end in this step, listed in contacts.slots; number of postponed
+                                              forces */
     int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__next_chunk */
-    int32_t low, high;                     /* least and greatest particle with a postponed force; without one INT32_MAX, 0 */
+    int32_t low, high;                     /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
 } dem__chunk;
 
 /* A force that this thread may not add yet, because another thread must add to that particle first. */
@@ -2214,10 +2223,10 @@ typedef struct dem__postponed {
     int32_t i, j;
 } dem__postponed;
 
-/* Impulses of a contact that begins or ends in a step, applied at the end of the step. */
+/* Correction of a contact that begins or ends in a step, applied at the end of the step. */
 typedef struct dem__correction {
     double n[3], shift; /* normal; mass times the distance by which it moves its bodies apart along it [kg m] */
-    double impulse[9];  /* force on i, torques on i and j, over time [N s], [N m s] */
+    double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
 /* Force [N] and torque [N m] of a chunk's contacts on a wall. */
@@ -2225,55 +2234,56 @@ typedef struct dem__wall_force {
     dem_vec force, torque;
 } dem__wall_force;
 
-enum { DEM__PLACES = 12 }; /* numbers that a contact with a mesh keeps of its place */
+enum { DEM__PLACES = 12 }; /* numbers kept of the place where a contact touches a mesh */
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
     int32_t i, j;    /* i < j */
-    double distance; /* of centres, below which they are in contact [m] */
+    double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
-/* A rigid body that has an orientation: its state at the origin step of its first particle, as that of a sphere is; moments about its
-   principal axes, of which the first two are equal if any two are. Its particles, which touch for it, lie one after the other. */
+/* A rigid body that has an orientation. Its state is that at the origin step of its first particle, as that of a sphere is. Its moments are
+   about its principal axes; the first two are equal if any two are. Its particles, which touch for it, are consecutive. */
 typedef struct dem__rigid {
     dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
     dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
-    dem_quaternion turn;      /* of its principal axes */
+    dem_quaternion turn;      /* orientation of its principal axes */
     dem_quaternion frame;     /* from its principal axes to the frame in which its shape is given */
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
-    double strides;           /* of a flight with three moments: so many quarter radians of it are known, */
-    dem_quaternion ahead;     /* and lead here; neither is saved */
+    double strides;           /* number of quarter radians of a flight, with three different moments, that are integrated, */
+    dem_quaternion ahead;     /* and the orientation there; neither is saved */
 } dem__rigid;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
-    int64_t from;              /* the step that others are counted from */
-    int32_t *due;              /* step, or DEM__NEVER, or DEM__STOPPED */
-    int32_t *earliest;         /* of each line: none of its timers is due before */
-    int32_t *list;             /* those found due */
+    int64_t from;              /* step from which `due` counts */
+    int32_t *due;              /* step after `from`, or DEM__NEVER, or DEM__STOPPED */
+    int32_t *earliest;         /* of each line: no timer of it is due before */
+    int32_t *list;             /* timers found due */
     ptrdiff_t pages, capacity; /* in use; room, in lines */
     void *block;
     size_t bytes;
 } dem__timers;
-enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX }; /* with the present bounds; as long as it touches, or has left */
+/* NEVER: not on the present bounds; STOPPED: as long as it touches, or after it has left. */
+enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 
-/* Activity of a particle: in free flight; taking steps; taking steps, its bound to be checked at the end of this one. */
+/* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law and what has changed since the last step. Written by step.h; needs_* by whatever changes a world. */
+/* The run: time, the law, and work that is pending. Written by step.h; needs_* by whatever changes a world. */
 typedef struct dem__run {
-    double dt, kernel_dt; /* [s]; the kernel's: 0 where forces are found but no time passes */
+    double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
     double start_time;    /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
     int has_periodic;
     int needs_forces; /* forces must be found before the first step */
-    int needs_lists;  /* near pairs and timers must be made anew */
+    int needs_lists;  /* near pairs and timers must be built anew */
     int leaving;      /* a particle passed an exit in this step */
-    int running;      /* a run has begun: hooks of laws are refused what changes the world */
+    int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
     int has_unset_pairs; /* of two materials that differ, in this run */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
@@ -2282,37 +2292,38 @@ typedef struct dem__run {
 
 /* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
 typedef struct dem__bodies {
-    ptrdiff_t capacity, dropped; /* dropped: gone, but still in the arrays */
+    ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
     int loads_on;
     void *block;
     size_t bytes;
     dem__sum *sum;
-    dem__wrench *load;     /* constant within a step: external and of links */
-    dem__wrench *external; /* its external part */
+    dem__wrench *load;     /* constant within a step: external loads and links */
+    dem__wrench *external; /* the external part */
     dem__bound *bound;
-    dem_vec *impact;            /* what a contact that has just begun adds to its velocity by the middle of the impact [m/s] */
-    double *shifted;            /* how far first and last steps of contacts have shifted it from its bound [m] */
-    double *wall_speed;         /* speed that its wall timers count on [m/s] */
+    dem_vec *impact;            /* change of velocity from the beginning to the middle of an impact [m/s] */
+    double *shifted;            /* distance by which edge steps have shifted it from its bound [m] */
+    double *wall_speed;         /* speed that its wall timers rely on [m/s] */
     double *mass_share;         /* 1 / contacts [-] */
     int32_t *activity;          /* DEM__FLYING .. */
-    int32_t *number;            /* how many of those present come before it: its number without gaps */
+    int32_t *number;            /* number of particles present before it: its number without gaps */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
     dem__rigid *rigid; /* bodies with an orientation; NULL without any */
     ptrdiff_t rigid_count, rigid_capacity;
-    int32_t *rigid_of;     /* of a particle: its body's number + 1, or 0 for a sphere that is its own; NULL without any such body */
-    dem_vec *offset, *arm; /* from the body's centre to the particle's, along the principal axes; in the lab, at the origin [m] */
+    int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
+    dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
 /* Walls, beside the public array. Written by walls.h, motion.h, detect.h. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
-    int meshes, touch_keepers, controls; /* number of meshes; of meshes and cones, whose contacts keep a touch; any driven by forces? */
-    dem__timers timers;                  /* of particle i and wall k: i * walls + k */
+    int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
+                                            wall */
+    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
     uint32_t *sure;                      /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
-    int32_t *first_contact;              /* of a particle with a wall, then contacts.wall_next */
+    int32_t *first_contact;              /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
 /* Near pairs and the list's life. Written by pairs.h, bounds.h. */
@@ -2320,51 +2331,51 @@ typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
     dem__timers timers;
-    int32_t *adjacent_start, *adjacent; /* (pair, other particle) of each particle */
+    int32_t *adjacent_start, *adjacent; /* (pair, other particle) for each near pair of a particle */
     int32_t *cells, *cell_of;
     ptrdiff_t adjacent_capacity, cells_capacity;
     dem_vec *listed_at;              /* position when the list was built */
-    int64_t listed_step, next_check; /* when the list was built; when it must be checked */
+    int64_t listed_step, next_check; /* when the list was built; when it must be checked next */
     double steps_per_second;
-    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its stretch, 1 .. 3 */
+    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
-    double wall_reach;                          /* how far walls are looked for [m] */
+    double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
-    dem_vec frame_velocity, frame_acceleration; /* frame in which the list checks how far particles have moved */
-    double frame_fall;                          /* acceleration of particles in that frame at most, without contacts [m/s2] */
+    dem_vec frame_velocity, frame_acceleration; /* frame in which the list measures how far particles have moved */
+    double frame_fall;                          /* greatest acceleration of particles without contacts in that frame [m/s2] */
 } dem__pairs;
 
-/* Contacts, in slots of chunks: in each chunk those of a step by partners, after those of earlier steps; gaps are filled from its end; now
-   and then all are ordered by i, the last first. The order of slots depends only on the history of the scene, never on threads; it fixes
-   the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
+/* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by partners; gaps are
+   filled from its end; now and then all are ordered by i, the last first. The order of slots depends only on the history of the scene,
+   never on threads. It fixes the order of every sum, and so the bits. Written by contacts.h, kernel.h, edges.h. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
     dem__chunk chunk[DEM__CHUNKS];
     dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
     dem__postponed *postponed;   /* with threads */
-    int states, constants;       /* arrays that there are of each */
-    int has_history;             /* can the states be other than zero? */
+    int states, constants;       /* number of arrays of each */
+    int has_history;             /* whether states can be other than zero */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the pair, or -1 */
-    int32_t *type;                               /* index in types, or -1: has constants of its own */
+    int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge, *ended;                       /* begins or ends in this step; is over */
+    uint8_t *edge, *ended;                       /* begins or ends in this step; has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
-    double *touch[DEM__PLACES]; /* with a mesh: normal and gap of the place that it follows, then its footing: place, slack, face, and
-                                   the normal before; with a cone: its curvature */
-    double *wrench[9];          /* force on i, torques on i and j: of a run's last step */
+    double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
+                                   before. Cone: its curvature */
+    double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
     dem__correction *correction;
-    double *elastic, *power[3], *loss[4]; /* with a ledger: normal, rolling, wall; normal, sliding, rolling, wall */
+    double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
     int type_count;
-    double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of those with constants of their own */
+    double *mass, *predict, *sum, *part, *constant[DEM_CONSTANTS_MAX]; /* of contacts with constants of their own */
 } dem__contacts;
 
-/* Links, in the order of their making; each stands in the lists of its bodies. Written by contacts.h, kernel.h, step.h. */
+/* Links, in the order in which they were made; each is in the lists of its two bodies. Written by contacts.h, kernel.h, step.h. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -2376,47 +2387,47 @@ typedef struct dem__links {
     int32_t *i, *j, *element, *next_i, *next_j;
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
-    int32_t *first_link, *is_loaded; /* of a particle: the head of its list; does its load have a part of links? */
-    dem__wrench *evaluated_at;       /* of a particle: position and spin when links were evaluated last */
+    int32_t *first_link, *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
+    dem__wrench *evaluated_at;       /* of a particle: position and spin at the last evaluation of links */
 } dem__links;
 
 /* A force field, and the flights in it. Written by field.h. */
 typedef struct dem__field {
-    int on; /* a field was set; after loading without its law */
+    int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
-    dem__timers timers;    /* of flights: the step in which the next one begins */
-    int64_t rebuilds;      /* of the list that the timers were made for */
-    int32_t *stepping;     /* those that took the last step, */
-    ptrdiff_t steppers;    /* so many */
-    int64_t *until;        /* step at which a particle's flight ends, or DEM__NO_FLIGHT */
-    dem_vec *end_velocity; /* there [m/s] */
-    dem_vec *force;        /* on one that takes steps, in the last one [N] */
+    dem__timers timers;    /* of flights: the step in which the next flight begins */
+    int64_t rebuilds;      /* count of lists at which the timers were made */
+    int32_t *stepping;     /* particles that took the last step */
+    ptrdiff_t steppers;    /* their number */
+    int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
+    dem_vec *end_velocity; /* velocity there [m/s] */
+    dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
     double *work;          /* of the field along the flight [J] */
-    double *booked;        /* part of it that the ledger has [J] */
+    double *booked;        /* part of the work that the ledger contains [J] */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* Where energy went. Written by ledger.h. */
+/* The energy ledger. Written by ledger.h. */
 typedef struct dem__ledger {
-    int on, started;     /* are the arrays there; has a run with DEM_ENERGY begun? */
-    int counts;          /* had the last run DEM_ENERGY? */
-    double paused_error; /* [J] when a run without it began */
+    int on, started;     /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
+    int counts;          /* whether the last run had DEM_ENERGY */
+    double paused_error; /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
 
-/* Memory for the moment. */
+/* Scratch memory. */
 typedef struct dem__work dem__work;
 typedef struct dem__scratch {
     dem__work *work; /* of each thread, in a run */
     int works;
     size_t work_bytes;
-    int32_t *index; /* of each particle */
+    int32_t *index; /* one for each particle */
 } dem__scratch;
 
-/* Whether OpenMP's threads pay. Written by parallel.h; no result depends on it. */
+/* Whether OpenMP's threads save time. Written by parallel.h; no result depends on it. */
 typedef struct dem__pace {
-    double loss;              /* time lost by waiting, since it was made up for [s] */
-    double alone_until, rest; /* time until which loops run alone; for how long they last did [s] */
+    double loss;              /* time lost by waiting that has not been saved since [s] */
+    double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
 } dem__pace;
 
 typedef struct dem__engine {
@@ -2433,7 +2444,7 @@ typedef struct dem__engine {
     dem__field field;
 } dem__engine;
 
-/* Every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves a chunk only. */
+/* Loops over every contact: DEM__EACH_CONTACT(w, c) { .. slot c .. }; break leaves only a chunk. */
 #define DEM__EACH_CONTACT(w, c)                                                                                                            \
     for (const dem__chunk *in_##c = (w)->engine->contacts.chunk; in_##c < (w)->engine->contacts.chunk + (w)->engine->contacts.chunk_count; \
          in_##c++)                                                                                                                         \
@@ -4201,7 +4212,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
    Relies on walls.h and mesh_shapes.h.
    May be changed here alone: how the tree is built (bits of mesh scenes may change). */
 
-/* Every third bit of a Morton code, from 21 bits. */
+/* Spreads 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;
     v = (v | v << 16) & 0x1f0000ff0000ffu;
@@ -4210,11 +4221,11 @@ static inline uint64_t dem__interleave(uint64_t v) {
     return (v | v << 2) & 0x1249249249249249u;
 }
 
-/* Sorts by key, then index; temporary has room for n. */
 typedef struct dem__keyed {
     uint64_t key;
     int32_t index;
 } dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
 static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
     for (ptrdiff_t width = 1; width < n; width *= 2) {
         for (ptrdiff_t low = 0; low < n; low += 2 * width) {
@@ -4229,7 +4240,7 @@ static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptr
     }
 }
 
-/* Nodes for the triangles first .. end-1, which are sorted along a space-filling curve: halves of halves. */
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
 static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     const int32_t at = t->nodes++;
     dem__node *node = &t->node[at];
@@ -4258,7 +4269,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     node->skip = t->nodes;
 }
 
-/* An empty tree with room; NULL when out of memory. */
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
 static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -4274,7 +4285,7 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Twice the area, as a vector along the normal; by the two shorter edges, which keeps the figures of a sliver. */
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
     const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
@@ -4282,7 +4293,7 @@ static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
 }
 
-/* Has a triangle an area that its corners' round-off has not made? Its normal becomes *unit. */
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
 static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
     const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
     double longest = dem__dot(ab, ab);
@@ -4291,7 +4302,7 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
     return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
 }
 
-/* The tree of the triangles that have an area. NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
 static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
                                         const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
@@ -4396,10 +4407,10 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 
 /* ---- STL ---- */
 
-/* Open addressing: slots of 64-bit keys, each with a number; capacity is a power of two, key 0 is empty. */
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
 typedef struct dem__slot {
     uint64_t key;
-    int32_t value, forward, backward; /* edges: triangles that run along it each way */
+    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
 } dem__slot;
 
 /* ------------------------------------------------------------------------------------ >>convex_shape */
@@ -5307,7 +5318,7 @@ static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint6
     return &slots[at];
 }
 
-/* What a facet is before welding: normal, then three corners. */
+/* A facet before welding. */
 typedef struct dem__facet {
     dem_vec normal, corner[3];
 } dem__facet;
@@ -5319,9 +5330,9 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* The count in a binary file's head, and how many facets have room behind it. */
+/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
 typedef struct dem__binary_size {
-    size_t announced, present, rest; /* rest: bytes behind the last facet that has room */
+    size_t announced, present, rest; /* rest: bytes after the last whole facet */
 } dem__binary_size;
 static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
     dem__binary_size s;
@@ -5330,12 +5341,13 @@ static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, s
     return s;
 }
 
-/* The facets that are read: where count and length disagree, those that end with the file, else those that the count announces. */
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
+   those that it announces. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
 
-/* Counts what a binary file holds and misses. */
+/* Counts what a binary file contains and what is missing. */
 static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
@@ -5353,8 +5365,8 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
     }
 }
 
-/* Tells whether numbers are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. Of other bytes (compressed,
-   with the other byte order, two bytes a letter) nearly none have. */
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
+   other byte order, two bytes a letter) hardly any have. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -5372,7 +5384,7 @@ static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) 
     return good > 0 && good >= n - n / 4;
 }
 
-/* The next word of a text: blanks of any kind part them. Returns its length, 0 at the end. */
+/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
 static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
     size_t length = 0;
     while (*at < size && bytes[*at] <= ' ') ++*at;
@@ -5380,6 +5392,7 @@ static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *
     return length;
 }
 
+/* Returns whether a word is `name`, in small or capital letters. */
 static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
     size_t k = 0;
     for (; name[k]; k++) {
@@ -5389,7 +5402,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
     return k == length;
 }
 
-/* A decimal number, free of the locale; within an ulp or two. NaN if it is none. */
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
@@ -5423,26 +5436,27 @@ static inline double dem__number(const unsigned char *text, size_t length) {
 
 /* ---- text ---- */
 
-enum { DEM__CORNERS_MAX = 64 }; /* of one facet; with more it counts as missing */
+enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
 
-/* A text that is being read, and the facet that the reading is in. */
+/* A text that is being read, and the facet in progress. */
 typedef struct dem__stl_text {
     const unsigned char *bytes;
     size_t size, at;
-    dem__facet *out; /* where triangles go; NULL: they are counted only */
+    dem__facet *out; /* where triangles are written; NULL: they are only counted */
     ptrdiff_t triangles, polygons, missing;
-    int begun, ended;                        /* the lines "solid" and "endsolid" */
-    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, is it garbled */
+    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
     dem_vec normal, corner[DEM__CORNERS_MAX], number;
 } dem__stl_text;
 
-/* Does a word begin with a name, as solid_name does? */
+/* Returns whether a word begins with a name, as solid_name does. */
 static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
     const size_t n = strlen(name);
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Goes to the end of a line, whose words are a name or a comment; not if a facet ends there: then all stands in one line. */
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
+   word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
     while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
@@ -5459,7 +5473,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
-    if (n == 3 || size != size) return 0; /* what is not a number is counted as such */
+    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
     for (int start = 0; start < n; start++) {
         int covers = 1;
         for (int k = 1; k + 1 < n && covers; k++) {
@@ -5471,7 +5485,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     return -1;
 }
 
-/* Ends the facet that the reading is in; its triangles are kept if it is whole. */
+/* Ends the facet in progress. Keeps its triangles if it is whole. */
 static inline void dem__end_facet(dem__stl_text *t) {
     const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
     if (!t->inside) return;
@@ -5496,7 +5510,7 @@ static inline void dem__begin_facet(dem__stl_text *t) {
     t->normal = dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Reads one word of a facet, which may be the last of three numbers. */
+/* Reads one word of a facet, which may be one of three numbers. */
 static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     const unsigned char *b = t->bytes;
     if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
@@ -5511,7 +5525,7 @@ static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     } else t->bad = 1;
 }
 
-/* Reads a text: facets stand between "facet" and "endfacet", or the next "facet"; names and comments do not matter. */
+/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
 static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
     dem__stl_text t;
     memset(&t, 0, sizeof t);
@@ -5528,7 +5542,7 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
         else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
         else t.at += length;
     }
-    if (t.inside || (t.begun && !t.ended)) t.missing++; /* it breaks off */
+    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
     report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
 }
 
@@ -5536,8 +5550,8 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Tells by what the bytes are, as heads lie: a text has nearly no control characters, a binary file the length that its count says. Where
-   the two disagree, what is read must look like coordinates. */
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
+   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
     size_t controls = 0;
@@ -5807,11 +5821,11 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>solid */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch while it works. Promises: a mesh that is not closed has no inside; of one
-   that is, only points within round-off of its surface depend on how it is cut into triangles.
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
+   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
    May be changed here alone: how rays are chosen. */
-/* Does the line from p along +z cross a triangle? An edge is asked the same question by both triangles that have it, in the same order of
-   its ends, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
+   line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -5827,7 +5841,7 @@ static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
 }
 
-/* Is p, in the wall's own frame, inside a closed surface? It is if a line from it crosses the surface an odd number of times. */
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
 static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     int inside = 0;
     for (int32_t b = 0; b < t->nodes;) {
@@ -5845,7 +5859,7 @@ static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     return inside;
 }
 
-/* Is a centre inside a wall that is a solid body? */
+/* Returns whether a point is inside a wall that is a solid body. */
 static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
     return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
 }
@@ -5862,8 +5876,9 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* DEM_OK if every edge of a surface has two triangles, or four; equal corners are one, whatever their indices, and triangles without area
-   may close T-junctions. Else DEM_BAD_ARGUMENT, also for a triangle that is there twice; DEM_OUT_OF_MEMORY. */
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, whatever their indices; triangles
+   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
+   DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
@@ -5905,7 +5920,7 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     return DEM_OK;
 }
 
-/* Are a mesh's numbers what they should be? Its box becomes low and high. */
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
 static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
         m->triangles > INT32_MAX / 4)
@@ -5934,7 +5949,7 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     return region;
 }
 
-/* Of a closed mesh, whichever way its triangles are turned, as long as they agree. */
+/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
 static inline double dem__mesh_volume(const dem_mesh *m) {
     const dem_vec from = dem__mesh_vertex(m, 0, 0);
     double sum = 0.0;
@@ -6240,7 +6255,8 @@ static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__rang
    Relies on bodies, bounds and walls.
    May be changed here alone: how times are stored; a timer is never late. */
 
-/* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
+/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
+   one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
@@ -6257,11 +6273,11 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     return earliest;
 }
 
-/* Those of line b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
+/* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
 DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
-    if (t->earliest[b] > now) return n; /* those it was have been set anew */
+    if (t->earliest[b] > now) return n; /* the earliest timer has been set to a later step since */
     for (int k = 0; k < DEM__LINE; k++) {
         list[n] = (int32_t)(b * DEM__LINE) + k;
         n += due[k] <= now;
@@ -6272,8 +6288,8 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
     return n;
 }
 
-/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`; how
-   many. */
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`. Returns their
+   number. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -6286,7 +6302,7 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         DEM__NO_UNROLL
         for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which nobody could predict */
+        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which would be mispredicted */
             open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
@@ -6300,35 +6316,38 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
 DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
                 (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
-/* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
+/* Returns the number of steps from `step` until the timer is due. */
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
+/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
+/* Converts a time [s] in which no contact can begin to steps until the next test, 1 to DEM__STEPS_MAX - 1. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
     if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
-    return n > 0.0 ? 1 + (int)n : 1; /* for NaN at once */
+    return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Time in which something at speed s, falling besides with g, covers a distance. */
+/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
 
-/* Time in which something covers a distance that approaches at u (< 0: recedes) and accelerates by at most a. */
+/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration of at most a [m/s2];
+   infinity if it never closes. */
 DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     const double root = u + sqrt(u * u + 2.0 * a * distance);
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* From the centre of j to that of i, at a step. */
+/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
+/* Returns the same vector for any two particles. */
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
@@ -6336,19 +6355,20 @@ DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff
 
 typedef double dem__row[DEM__BLOCK];
 
-/* Pairs whose timers are to be set; and what looks have found. */
+/* Near pairs whose timers are to be computed together; and the results of tests. */
 typedef struct dem__timer_batch {
-    dem__bound apart[DEM__BLOCK]; /* of one relative to the other: they touch within `off` */
+    dem__bound apart[DEM__BLOCK]; /* bound of one relative to the other: they can touch within `reach` */
     int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
-    int32_t *found; /* of a look: pairs that touch */
+    int32_t *found; /* of tests: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
 } dem__timer_batch;
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Steps until spheres can touch that stray so far from their bounds: 0 for never, else at least one, at most DEM__STEPS_MAX - 1. */
+/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to DEM__STEPS_MAX - 1. pace:
+   steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -6359,13 +6379,14 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
                                                                          : n > 0.0                         ? n
                                                                                                            : 0.0;
-        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
+        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, after an overflow: 1 step */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
 DEM__AVX2_CLONE(dem__compute_due, (dem__timer_batch * q, double pace), (q, pace), dem__compute_due_steps(q, pace))
 
+/* Computes and sets the timers of the pairs in the batch, and empties it. */
 static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t now = (int32_t)(step - pairs->timers.from);
@@ -6374,19 +6395,19 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
-/* Time on the bounds [s]. */
+/* Returns the time since the list was built [s], on which bounds depend. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
 }
 
-/* Where a bound has led by t [s]. */
+/* Returns the bound as it is t [s] after the list was built. */
 DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
     dem__bound now = *c;
     now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.reach += t * c->tolerance;
     return now;
 }
 
-/* A place for pair p and two bounds, one relative to the other. */
+/* Appends pair p with the bound of a relative to b to the batch. Returns that relative bound. */
 DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                        const dem__bound *b) {
     if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
@@ -6397,7 +6418,7 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
     return r;
 }
 
-/* Pair p, linked or not, by where its bounds have led at a step. */
+/* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
 DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
     if (!w->engine->run.has_periodic) return;
@@ -6405,7 +6426,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
-/* Pair p, whose centres are known to be d apart at a step. */
+/* Appends pair p, whose centres are known to be d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
     dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
@@ -6467,16 +6488,17 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     run->leaving = 1;
 }
 
-/* Tests: does a contact begin, or when is one possible next? New contacts are put at the end of the last chunk.
-   Relies on timers.h and wall_shapes.h.
+/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
+   timers.h and wall_shapes.h.
    May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
 
-/* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
+/* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
     const dem__chunk *in = w->engine->contacts.chunk;
     while (k >= in->count) k -= in++->count;
     return in->first + k;
 }
+/* Returns the number of the contact in slot c. */
 DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     const dem__chunk *in = w->engine->contacts.chunk;
     ptrdiff_t before = 0;
@@ -6484,7 +6506,7 @@ DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     return (int32_t)(before + c - in->first);
 }
 
-/* Finds the slot of the next contact that begins. */
+/* Returns the slot of the next contact that begins. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
     const dem__chunk *last = &w->engine->contacts.chunk[w->engine->contacts.chunk_count - 1];
     return last->first + last->count;
@@ -6498,7 +6520,7 @@ static inline int dem__grow_contacts(dem_world *w, ptrdiff_t slots) {
             dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, slots));
 }
 
-/* A new contact, in the next slot; made ready in dem__commit_begun. */
+/* Appends a contact, which dem__commit_begun completes. Returns 0 when out of memory. */
 static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t c = dem__next_slot(w);
@@ -6516,7 +6538,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Tests a pair: a contact begins, or its timer is to be set. */
+/* Tests pair p: adds it to the pairs found if it touches, else to those whose timers are to be set. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -6525,7 +6547,7 @@ DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p,
     else if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, p, step, d);
 }
 
-/* Makes contacts of what looks have found. Room for many is made at once. */
+/* Begins the contacts that tests of pairs have found. Allocates memory for all of them at once. */
 static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *waits) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
@@ -6544,13 +6566,13 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* After link k in particle i's list; -1 at its end. */
+/* Returns the link after k in particle i's list; -1 at its end. */
 DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
     const dem__links *links = &w->engine->links;
     return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
-/* The link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     const dem__links *links = &w->engine->links;
     int32_t k = links->first_link[i];
@@ -6562,16 +6584,16 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
     return -1;
 }
 
-/* No point of a wall at x is faster than speed_bound + spin_bound times this. */
+/* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
     return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre)) : arm;
 }
 
-/* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
-   second place, and what else a mesh has is found by dem__follow_meshes. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that it touches needs no
+   test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
-    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* the others: by its corners and edges, in convex_pairs.h */
+    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -6579,8 +6601,8 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* A contact with a place of a wall. That of a cone, which is touched from both sides and at its rims, keeps the curvature of its
-   beginning. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
+   Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -6605,7 +6627,7 @@ DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *
     place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
-/* The contacts of particle i with wall k, by element; how many. */
+/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
     const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -6618,8 +6640,8 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* The contacts of particle i with mesh k to a step at which the wall already is: each goes on at the deepest place whose normal is near
-   its own, or ends. Are there places left for new ones? */
+/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each goes on at the deepest place whose normal
+   is near its own, or ends. bear: contacts begin at the places that are left. Returns whether places are left. */
 static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
@@ -6630,10 +6652,10 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* as far as a contact can open in a step */
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
-    for (int m = 0; m < slots && !bear; m++) { /* the second time in a step it is there already */
+    for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
         for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
     }
     if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
@@ -6650,7 +6672,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
                ((taken >> q & 1) ||
                 !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
             q++;
-        if (q == n) { /* merged with another, at whatever depth: no force goes on */
+        if (q == n) { /* merged with another: it ends without a force, whatever its depth */
             place[3][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
@@ -6674,12 +6696,13 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     return left;
 }
 
-/* Follows the contacts with a mesh of which slot c holds the first; of other contacts does nothing. */
+/* Moves a particle's contacts with a mesh if slot c holds the first of them; otherwise does nothing. Returns whether places for new
+   contacts are left. */
 static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
     const ptrdiff_t i = w->engine->contacts.i[c];
     const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* a polyhedron's follows its points */
+    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, i, k, slot);
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
@@ -6694,7 +6717,7 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Moves contacts with meshes to a step at which the walls already are. */
+/* Moves contacts with meshes to a step to which the walls have been moved. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -6704,16 +6727,17 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     }
 }
 
-/* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
+/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of its particles. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
 
-/* A straight bound at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
+/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis grows by no more
+   than the outward velocity and this acceleration give: u_side^2 / from_axis. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
-/* How near bars may be that are not among those found. */
+/* Returns a lower limit of the gap of bars that are not among those found [m]. */
 static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch, int found) {
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
@@ -6721,8 +6745,9 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
     return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
-/* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
-   only on this bound. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+/* Returns a time [s] before which particle i cannot touch a wall, from its velocity and the tolerance of its bound; 0 if none is known.
+   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
+   are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
                                        int found, double others) {
     const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
@@ -6744,7 +6769,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
     return least;
 }
 
-/* How far it is from x to the face of the periodic box behind which the wall is another one: walls are not repeated. */
+/* Returns how far x is from a face of the periodic box behind which the wall does not go on [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -6759,7 +6784,7 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Tests particle i with a wall, at a step to which the wall has been moved. */
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -6803,7 +6828,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (speed < 0.5 * bodies->wall_speed[i]) bodies->wall_speed[i] = 1.25 * speed;
     speed = (speed > bodies->wall_speed[i] ? speed : bodies->wall_speed[i]) + wall->speed_bound;
     int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
+    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next test */
         const double turn = DEM__RETEST_STEPS * run->dt, out = turn * (speed + turn * pairs->gravity_size);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
         most = DEM__RETEST_STEPS;
@@ -6817,11 +6842,11 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
-/* Bounds on particles' motion, and the timers that follow from them.
-   Relies on detect.h and timers.h.
-   May be changed here alone: tolerances; a particle never leaves its bound unseen. */
+/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
+   May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
+   forces. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -6830,32 +6855,33 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
     return (double)w->engine->links.stride * w->engine->run.dt *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
+/* Estimates the same for any particle. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return dem__body_link_drift(w, r, i);
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* At most so far does a pull turn it from its bound in a step [m/s]: the sum of parts costs no root. */
+/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
 
-/* Notes what is left of a particle's tolerance after the next step, when its velocity has strayed so far from its bound's. */
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now [m/s]. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. An impact that has just begun takes the velocity about as
-   far beyond the middle of the impact as it is ahead of it now: one bound through the middle, with a tolerance that holds both ends, lasts
-   to the end of the impact. Else the tolerance holds 16 steps of the present force and a little more. In flight it is very small, as only a
-   contact changes the velocity, and small tolerances let neighbours wait for long. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the velocity changes about
+   as much after its middle as before: the bound has the velocity of the middle, and its tolerance includes both ends, so that one bound
+   lasts for the whole impact. Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small:
+   only a contact changes the velocity, and small tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight: turns about its centre */
+    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
     const double swing = body ? dem__swing(w, body, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -6864,7 +6890,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
     if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
@@ -6872,7 +6898,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* The error to which positions are known far from the origin [m]. */
+/* Returns the rounding error of the position farthest from the origin [m]. */
 static inline double dem__position_rounding(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6882,7 +6908,7 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
+/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -6898,7 +6924,8 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list measures how far particles have moved: its way since the list was built, and its velocity. */
+/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and its velocity
+   [m/s]. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -6911,7 +6938,7 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* Computes how far, in that frame, a particle at x with v may move before it could touch one that is not listed, and how fast it moves. */
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move there. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
@@ -6923,18 +6950,19 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem
     return q;
 }
 
-/* Steps for which that lasts. */
+/* Returns the number of steps for which the leeway lasts. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall));
 }
 
-/* Is it enough for a time [s]? False for NaN. */
+/* Returns whether the leeway lasts for a time [s]; false for NaN. */
 DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* What else a new bound of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
-   dem__advance_wall_timers sees to it. */
+/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers. shifted: how far
+   corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its timer says; the caller then calls
+   dem__advance_wall_timers. */
 static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
                                    dem__outcome *news) {
     const dem__run *run = &w->engine->run;
@@ -6946,26 +6974,27 @@ static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, cons
     if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* it was put elsewhere: at once */
+        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
-    double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
+    double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
     if (speed > bodies->wall_speed[i]) {
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
     }
-    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* as many steps as it would take */
+    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         if (walls->timers.due[e] == DEM__STOPPED) continue;
         const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
         const int now = left > 0.0 ? 1 + (int)left : 1;
-        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step anew */
         sooner |= now < dem__steps_due(&walls->timers, e, step);
     }
     return sooner;
 }
+/* Sets the wall timers of particle i that are later than walls.sure to that step. */
 static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     for (int k = 0; k < w->walls; k++) {
@@ -6975,7 +7004,8 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     }
 }
 
-/* A new bound for particle i, and what else it has an effect on; its pairs are left to dem__reset_pair_timers. By one thread. */
+/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not for several threads
+   at once. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     const double shifted = w->engine->bodies.shifted[i], tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
@@ -6986,7 +7016,7 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__apply_outcome(w, &news);
 }
 
-/* Tests all particles with wall k at a step. */
+/* Makes a test of every particle with wall k due at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -6994,8 +7024,8 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
-   tested with all particles in this very step. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a larger one, and is tested
+   with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
@@ -7022,7 +7052,7 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     return 1;
 }
 
-/* Ahead of new timers. */
+/* Prefetches the timers of particle i's near pairs and the bounds of the other particles. */
 DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
     const dem__pairs *pairs = &w->engine->pairs;
     for (int32_t k = pairs->adjacent_start[i]; k < pairs->adjacent_start[i + 1]; k++) {
@@ -7031,14 +7061,14 @@ DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Has particle i pairs from low to high - 1? They are listed in order. */
+/* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
 DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
     const dem__pairs *pairs = &w->engine->pairs;
     const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
     return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
 }
 
-/* New timers for those pairs of particles with new bounds that are in pages first .. end-1. */
+/* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
 DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
@@ -7046,7 +7076,7 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = -16; m < n; m++) {
-        /* ahead: where the list of neighbours begins, the list, then what it lists */
+        /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
             const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
@@ -7081,7 +7111,7 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
 }
 
-/* Sets new timers for the pairs of the listed particles, which have new bounds. */
+/* Sets new timers for the near pairs of n particles with new bounds. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;
@@ -8117,22 +8147,22 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
    contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
    May be changed here alone: how rows are gathered, bit for bit the same. */
-/* What is known of a block of contacts before the law is asked. */
+/* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
+    dem__row dx, dy, dz;             /* from the centre of j, or the nearest point of a wall, to the centre of i */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
-    dem__row tx, ty, tz; /* by how much the normal has turned since the middle of the step */
+    dem__row tx, ty, tz; /* change of the normal since the middle of the step */
 } dem__rows;
 
-/* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
+/* Constants of a block of contacts. Kept from block to block, because most contacts are of the same types. */
 typedef struct dem__type_rows {
-    int32_t kind[DEM__BLOCK]; /* of which the rows are; -2: of none yet */
+    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: not filled yet */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k as the law sees it. */
+/* Computes the geometry of contact k for the law. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
                                       double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -8141,13 +8171,13 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!has_friction) return;
-    /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
+    /* arms D r_i/(r_i + r_j) add up to the distance, which conserves angular momentum */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, and so is the normal n - t that the slip is seen by: else a rolling contact
-       whose normal turns gains energy. What is of second order in t is left out. */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n - t; otherwise a
+       rolling contact whose normal turns would gain energy. Terms of second order in t are left out. */
     const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -8158,8 +8188,8 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
-   connects, to second order without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the tangential motion, to
+   second order and without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double bx = nx - b->tx[k], by = ny - b->ty[k], bz = nz - b->tz[k]; /* half way between the old normal and the new */
@@ -8170,12 +8200,12 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     s[2] = z - out * bz + twist * (nx * y - ny * x);
 }
 
-/* Where the slots of contacts begin: in the world, or in a block. */
+/* Where the entries of a block's first contact are: in the arrays of contacts, or in the block's rows. */
 typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__columns;
 
-/* The results of a block of contacts, where they are not written straight to the contacts. */
+/* Results of a block of contacts that are not written directly to the contacts. */
 typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block_rows;
@@ -8190,8 +8220,8 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Finds where the results of a block go: forces into the block's rows, as they are kept only if somebody asks; the rest straight to the
-   contacts, or into rows too. */
+/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to the contacts or,
+   with `copies`, into rows. */
 DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies, dem__block_rows *b,
                                  dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
@@ -8203,7 +8233,7 @@ DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law 
     at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
 }
 
-/* Copies what a block's contacts store and dissipate from its rows. */
+/* Copies the energies of a block from its rows to the contacts. */
 DEM_INLINE void dem__store_ledger(const dem__columns *to, const dem__columns *from, int n) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
@@ -8231,7 +8261,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Reads the constants of those rows whose contact type is not that of the block before. */
+/* Loads the constants of those rows whose contact type is not that of the block before. */
 static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
@@ -8263,7 +8293,7 @@ DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int c
     if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
-/* Computes the force on i and the torques on i and j. */
+/* Computes the force on i and the torques on i and j, and stores them at index c of `out`. */
 DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
                                int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
@@ -8280,8 +8310,8 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
     out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
 }
 
-/* Computes the losses of a step, from powers by the trapezoidal rule. In a clipped contact that only unloads the spring's energy is
-   lost. */
+/* Computes the losses of a step from powers by the trapezoidal rule. A contact without a force before and after loses the energy of its
+   spring. */
 DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
@@ -8293,7 +8323,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Finds where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+/* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8303,26 +8333,26 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
     } else dem__touch_element(wall, x, radius, element, touch);
 }
 
-/* Where row k of a block is at a wall. */
+/* A row of a block that is at a wall. */
 typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
-    ptrdiff_t slot;         /* of the contact; -1: a link's */
+    dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
+    ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
-    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    double outside, inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
-/* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
-   quotient are left to dem__complete_rows. */
+/* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated like another sphere:
+   dem__complete_rows computes root and quotient. */
 static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
                                            int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows sees to it */
+    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -8337,7 +8367,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those of the point that is touched, where the wall's surface slides. */
+/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -8361,18 +8391,18 @@ DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrd
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
-/* Finds the share of mass that a contact may count on: the smaller one of i and j, unless that is a wall. */
+/* Returns the mass share of a contact: the smaller one of i and j, or that of i at a wall. */
 DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
-/* Replaces distances by those of the nearest images. Positions of active particles lie within the periodic box. */
+/* Replaces differences of positions by those of nearest images. Active particles lie within the periodic box. */
 DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
     for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
-/* Completes the row of a contact with a wall. */
+/* Completes normal and gap of a row at a wall. */
 DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;
@@ -8386,14 +8416,14 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
     if (at->wall->slides) dem__slide(b, half, at);
 }
 
-/* Turn of the normal at a wall: it follows the sphere over the wall's shape, and the wall where that turns. */
+/* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
 static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn, const dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
     dem_vec t;
-    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces only the contact knows */
+    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         double *const *touch = w->engine->contacts.touch;
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
@@ -8406,7 +8436,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Turns of the normals in the time `turn` before the end of the step; of links in half the time since the last evaluation. */
+/* Computes the changes of the normals in the time `turn` before the end of the step; for links, in half the time since their last
+   evaluation. */
 DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
     for (int k = 0; k < n; k++) {
         const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
@@ -8416,7 +8447,7 @@ DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double 
     for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
 }
 
-/* Nearest images, normals and gaps of a block with some rows at walls. */
+/* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */
 DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
                                    int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
@@ -8437,9 +8468,10 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* ------------------------------------------------------------------------------------------- >>edges */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
-   May be changed here alone: how the two bodies' motion within the step is followed. */
-/* Computes the part of the law's normal force that the overlap makes, at a gap and closing speed. The history stays. */
+   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between.
+   May be changed here alone: how the two bodies' motion within the step is integrated. */
+/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves the history
+   unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
     dem_contact c = *contact;
@@ -8454,7 +8486,8 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies by themselves along the normal over time t, by one Runge-Kutta step of fourth order. */
+/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of fourth order. Returns
+   the force at the end [N]. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
     double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
@@ -8466,19 +8499,18 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
-   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
-   velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
-   second derivative. */
+/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal motion of the two
+   bodies through it is integrated by itself; the difference from Verlet's motion is applied as an impulse and a shift along the normal.
+   Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
 typedef struct dem__edge_motion {
-    double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
+    double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
-    double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
-    double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
+    double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
+    double before;         /* last step only: closing speed at the start of the step [m/s] */
 } dem__edge_motion;
 
-/* Follows the two bodies through a first step. Returns 0 if they do not approach. The impulse is that of the whole step. */
+/* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
 DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -8489,7 +8521,7 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
     double next = e->gap, then = e->closing;
     dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads there within the next step */
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads to `next` by Verlet */
     e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
@@ -8497,12 +8529,13 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     return 1;
 }
 
-/* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
+/* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if Verlet's step stands.
+   `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
                                      const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
-    const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
-    double own = speed;                                /* the motion's own: it comes along the chord of the step before */
+    const double speed = c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
+    double own = speed;                                /* true closing speed: integrated one step back, it gives the last mean one */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -8515,8 +8548,9 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
-        else {                                   /* a clipped one when the force is: follow its slope, found a moment later */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
+        else {                                   /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
+                                                    short time */
             const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
             if (k < 2) rest *= 0.9;
@@ -8536,14 +8570,14 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     return 1;
 }
 
-/* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
+/* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the wall's velocity. */
 typedef struct dem__edge {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
 } dem__edge;
 
-/* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
-   of the contact. That may be next to nothing, so what would remain without it has no part there. */
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse divided by the
+   normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out of the scaled part. */
 DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
     for (int a = 0; a < 3; a++) {
         impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
@@ -8551,15 +8585,15 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
     }
 }
 
-/* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
-   normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
+/* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at its end, r. The
+   normal impulse exceeds that of t because Verlet's velocities are central differences; friction exceeds in proportion. */
 DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
                                     dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
-    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
+    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic through the motion's ends */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -8567,10 +8601,10 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
+/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by friction [J]. */
 typedef struct dem__edge_result {
     dem__edge_motion e;
-    dem_response impulse; /* in the end beside the half steps that Verlet hands over */
+    dem_response impulse; /* at the end without Verlet's own half kicks */
     double start, driven;
 } dem__edge_result;
 
@@ -8598,14 +8632,14 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
         dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
     }
     if (features & DEM_ENERGY) {
-        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
+        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts for half a step, as Verlet's forces do */
         dem__put_losses(at, at, 0, &r, 0.0, 1.0);
         at->loss[2][0] = half * film * q->closing;
     }
     return 1;
 }
 
-/* Corrects the step in which a contact ends, in the same way. Returns 0 if Verlet's step stands. */
+/* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
 DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -8616,13 +8650,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
         q->gap = m->e.gap;
         q->closing = m->e.closing;
         law->force(q, s, &r);
-        if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
+        if (r.contact < 0.0) { /* the dashpot still pulls: the contact lasts beyond this step */
             dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
             at->force[0] = m->start = r.contact;
             if (features & DEM_ENERGY) dem__put_losses(at, at, 0, &r, 0.0, 1.0);
         }
     }
-    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction fades with the normal force */
+    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction decays in proportion to the normal force */
         for (int a = 0; a < law->states; a++) s[a] = was->state[a];
         q->gap = was->gap;
         q->closing = m->e.before;
@@ -8634,7 +8668,7 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
 DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
@@ -9798,15 +9832,16 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 }
 
 /* ----------------------------------------------------------------------------------------- >>advance */
-/* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
    Promises: a particle whose velocity left its bound has a new one before the next step.
    May be changed here alone: when memory is prefetched; what is checked stays. */
-/* Finds where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out those of rigid
+   bodies. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -9833,23 +9868,23 @@ static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdi
 }
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
-                  &h); /* to move or kick a particle is little work */
+                  &h); /* n / 4: little work for each particle */
 }
 
-/* Computes how far the velocity of a particle, known at time t of the bounds, is from that of its bound. */
+/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
 }
 
-/* Computes the same for the end of the next step. Between the two it changes linearly. */
+/* Returns the deviation at the end of the next step. Between the two it changes linearly. */
 DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
     return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Is the velocity of a particle, d from that of its bound, within its tolerance to the end of the next step? */
+/* Returns whether a particle with deviation d is within its tolerances to the end of the next step. */
 DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem_vec e = dem__next_deviation(w, i, d);
@@ -9858,15 +9893,16 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Is the velocity sure to stay within its tolerance, to the end of the next step? */
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may leave their tolerances are listed in scratch.index from `first` on. */
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step to its end. Sets
+   the sums of forces to zero for the next step. Lists particles that may leave their tolerances in scratch.index from `first` on. check: 0,
+   or NaN if a force is not finite; strays: length of the list. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
@@ -9897,7 +9933,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which no processor could predict */
+        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
@@ -9906,7 +9942,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 
-/* Finds which of n particles leave their tolerances, and puts them first. How many? The others' tolerances are measured anew. */
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews tolerance_left__ of the
+   others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
@@ -9929,9 +9966,11 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
+   finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
+    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
@@ -9946,16 +9985,16 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
-   for their bounds. */
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
+   centre of mass. New bounds count on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
-    if (!(closing > 0.0)) return; /* it has ended */
+    if (!(closing > 0.0)) return; /* the contact has ended */
     const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
     w->engine->bodies.impact[i] = dem__scale(part * closing, n);
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
-/* Gives particle i, or its rigid body, an impulse and an angular one, and a shift along n. */
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
@@ -9975,13 +10014,13 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* Does a rigid body take part in the contact in slot c? */
+/* Returns whether a rigid body takes part in the contact in slot c. */
 DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
-/* The impulses of a correction where a rigid body takes part. */
+/* Applies the impulses of a correction where a rigid body takes part. */
 static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -9993,8 +10032,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Its shift, when all impulses have been given: they act where forces were found. What a shift changes of the angular momentum about the
-   common centre, which the velocities of the centres of mass make, two opposite impulses at the particles take back. */
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
+   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -10015,7 +10054,7 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Impulse and shift of the contact in slot c, which began or ended within the step. */
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -10044,7 +10083,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
+    /* keeps angular momentum: a pair that is moved apart turns more slowly */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
@@ -10069,15 +10108,15 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     }
 }
 
-/* What became of a thread's share of the to_check: how many have new bounds, how many of those are to look at a wall sooner, and does
-   any begin a flight. */
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall timers, and whether a
+   flight begins. */
 typedef struct dem__checked {
     ptrdiff_t reset, hurried;
     int flown;
     dem__outcome news;
 } dem__checked;
 
-/* Ahead of a watch. */
+/* Prefetches what the check of a bound reads. */
 DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem__prefetch_flight(w, i);
@@ -10090,8 +10129,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets
-   a new bound and is listed in the scratch index; the others get their tolerance anew. */
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins, gets a new bound and
+   is listed in scratch.index; the tolerance_left__ of the others is renewed. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -10105,7 +10144,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
-            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* whatever the law of a contact that has ended answers */
+            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
@@ -10123,7 +10162,8 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. A particle that begins a flight leaves the active list. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out of the active
+   list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;

@@ -1,13 +1,14 @@
 /* ----------------------------------------------------------------------------------------- >>advance */
-/* Motion of particles within a step, and what follows from it for their bounds. Reads forces, walls, the list; writes bodies and timers.
+/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies and timers.
    Promises: a particle whose velocity left its bound has a new one before the next step.
    May be changed here alone: when memory is prefetched; what is checked stays. */
-/* Finds where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Active particles first .. end-1 to the time of the step that is being computed; their velocities to the middle of it. */
+/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out those of rigid
+   bodies. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -34,23 +35,23 @@ static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdi
 }
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* those who leave the box are one sum */
+    const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
-                  &h); /* to move or kick a particle is little work */
+                  &h); /* n / 4: little work for each particle */
 }
 
-/* Computes how far the velocity of a particle, known at time t of the bounds, is from that of its bound. */
+/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
 }
 
-/* Computes the same for the end of the next step. Between the two it changes linearly. */
+/* Returns the deviation at the end of the next step. Between the two it changes linearly. */
 DEM_INLINE dem_vec dem__next_deviation(const dem_world *w, ptrdiff_t i, dem_vec d) {
     return dem__plus(d, w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Is the velocity of a particle, d from that of its bound, within its tolerance to the end of the next step? */
+/* Returns whether a particle with deviation d is within its tolerances to the end of the next step. */
 DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem_vec e = dem__next_deviation(w, i, d);
@@ -59,15 +60,16 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Is the velocity sure to stay within its tolerance, to the end of the next step? */
+/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* New accelerations of active particles first .. end-1, and their velocities from the middle of the step to its end. Sums are zero
-   afterwards, ready for the next. Those that may leave their tolerances are listed in scratch.index from `first` on. */
+/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step to its end. Sets
+   the sums of forces to zero for the next step. Lists particles that may leave their tolerances in scratch.index from `first` on. check: 0,
+   or NaN if a force is not finite; strays: length of the list. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
@@ -98,7 +100,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which no processor could predict */
+        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
@@ -107,7 +109,8 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
                 (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
 
-/* Finds which of n particles leave their tolerances, and puts them first. How many? The others' tolerances are measured anew. */
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews tolerance_left__ of the
+   others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
     ptrdiff_t strays = 0;
@@ -130,9 +133,11 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
+/* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
+   finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int parts = dem__parts(w, n / 4); /* to move or kick a particle is little work */
+    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
@@ -147,16 +152,16 @@ static inline int dem__kick(dem_world *w, double h) {
     return all == 0.0;
 }
 
-/* A contact that has just begun turns the normal velocities of its bodies to and fro about that of their centre of mass: what leads there,
-   for their bounds. */
+/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
+   centre of mass. New bounds count on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
-    if (!(closing > 0.0)) return; /* it has ended */
+    if (!(closing > 0.0)) return; /* the contact has ended */
     const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
     w->engine->bodies.impact[i] = dem__scale(part * closing, n);
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
-/* Gives particle i, or its rigid body, an impulse and an angular one, and a shift along n. */
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
@@ -176,13 +181,13 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* Does a rigid body take part in the contact in slot c? */
+/* Returns whether a rigid body takes part in the contact in slot c. */
 DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
-/* The impulses of a correction where a rigid body takes part. */
+/* Applies the impulses of a correction where a rigid body takes part. */
 static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -194,8 +199,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Its shift, when all impulses have been given: they act where forces were found. What a shift changes of the angular momentum about the
-   common centre, which the velocities of the centres of mass make, two opposite impulses at the particles take back. */
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
+   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -216,7 +221,7 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Impulse and shift of the contact in slot c, which began or ended within the step. */
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
 static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -245,7 +250,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
-    /* a pair that is moved apart turns more slowly, as its angular momentum stays */
+    /* keeps angular momentum: a pair that is moved apart turns more slowly */
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
@@ -270,15 +275,15 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     }
 }
 
-/* What became of a thread's share of the to_check: how many have new bounds, how many of those are to look at a wall sooner, and does
-   any begin a flight. */
+/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall timers, and whether a
+   flight begins. */
 typedef struct dem__checked {
     ptrdiff_t reset, hurried;
     int flown;
     dem__outcome news;
 } dem__checked;
 
-/* Ahead of a watch. */
+/* Prefetches what the check of a bound reads. */
 DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem__prefetch_flight(w, i);
@@ -291,8 +296,8 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
     DEM__PREFETCH(&w->engine->walls.sure[i * w->walls]);
 }
 
-/* Deals with the particles first .. end-1 of the list to check: a particle whose velocity left its tolerance, or whose flight begins, gets
-   a new bound and is listed in the scratch index; the others get their tolerance anew. */
+/* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins, gets a new bound and
+   is listed in scratch.index; the tolerance_left__ of the others is renewed. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -306,7 +311,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
             const dem_vec stray = dem__deviation(w, i, t);
-            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* whatever the law of a contact that has ended answers */
+            if (w->touching[i] == 0) dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
@@ -324,7 +329,8 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. A particle that begins a flight leaves the active list. */
+/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out of the active
+   list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;

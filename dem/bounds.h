@@ -1,8 +1,8 @@
-/* Bounds on particles' motion, and the timers that follow from them.
-   Relies on detect.h and timers.h.
-   May be changed here alone: tolerances; a particle never leaves its bound unseen. */
+/* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
+   May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
+   forces. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -11,32 +11,33 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
     return (double)w->engine->links.stride * w->engine->run.dt *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
+/* Estimates the same for any particle. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return dem__body_link_drift(w, r, i);
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* At most so far does a pull turn it from its bound in a step [m/s]: the sum of parts costs no root. */
+/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) { return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z)); }
 
-/* Notes what is left of a particle's tolerance after the next step, when its velocity has strayed so far from its bound's. */
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now [m/s]. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
     w->particle[i].tolerance_left__ =
         w->engine->bodies.bound[i].tolerance - strayed - dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. An impact that has just begun takes the velocity about as
-   far beyond the middle of the impact as it is ahead of it now: one bound through the middle, with a tolerance that holds both ends, lasts
-   to the end of the impact. Else the tolerance holds 16 steps of the present force and a little more. In flight it is very small, as only a
-   contact changes the velocity, and small tolerances let neighbours wait for long. */
+/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the velocity changes about
+   as much after its middle as before: the bound has the velocity of the middle, and its tolerance includes both ends, so that one bound
+   lasts for the whole impact. Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small:
+   only a contact changes the velocity, and small tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const dem__links *links = &w->engine->links;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
-    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight: turns about its centre */
+    const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
     const double swing = body ? dem__swing(w, body, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -45,7 +46,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
     c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y), c->z = x.z - t * (u.z - 0.5 * t * g.z);
     bodies->shifted[i] = 0.0;
-    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* and the next step for sure */
+    if (turn > 0.0 && !body) c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
     c->tolerance += swing;
     if (links->on && (links->first_link[i] >= 0 || dem__rigid_of(w, i))) c->tolerance += 2.0 * dem__link_drift(w, i);
@@ -53,7 +54,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* The error to which positions are known far from the origin [m]. */
+/* Returns the rounding error of the position farthest from the origin [m]. */
 static inline double dem__position_rounding(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -63,7 +64,7 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* What a thread learns from new bounds: when the list must be checked, and which particle is too fast (-1: none). */
+/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -79,7 +80,8 @@ static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
     w->failed_id = w->id[news->fast];
 }
 
-/* The frame in which the list measures how far particles have moved: its way since the list was built, and its velocity. */
+/* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and its velocity
+   [m/s]. */
 typedef struct dem__list_frame {
     dem_vec way, velocity;
 } dem__list_frame;
@@ -92,7 +94,7 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* Computes how far, in that frame, a particle at x with v may move before it could touch one that is not listed, and how fast it moves. */
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move there. */
 typedef struct dem__leeway {
     double left, speed; /* [m], [m/s] */
 } dem__leeway;
@@ -104,18 +106,19 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem
     return q;
 }
 
-/* Steps for which that lasts. */
+/* Returns the number of steps for which the leeway lasts. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall));
 }
 
-/* Is it enough for a time [s]? False for NaN. */
+/* Returns whether the leeway lasts for a time [s]; false for NaN. */
 DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* What else a new bound of particle i has an effect on, which has been shifted from its last one. Is a wall to be looked at sooner? Then
-   dem__advance_wall_timers sees to it. */
+/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers. shifted: how far
+   corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its timer says; the caller then calls
+   dem__advance_wall_timers. */
 static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
                                    dem__outcome *news) {
     const dem__run *run = &w->engine->run;
@@ -127,26 +130,27 @@ static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, cons
     if (!(speed * run->dt <= 0.5 * w->particle[i].radius) && news->fast < 0) news->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* it was put elsewhere: at once */
+        const int64_t due = leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
         if (due < news->check) news->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
-    double slower = 1.0; /* what was sure at the speed that the timers of walls counted on takes less time now */
+    double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
     if (speed > bodies->wall_speed[i]) {
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
     }
-    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* as many steps as it would take */
+    const double lost = shifted > 0.0 ? 1.0 + shifted / (bodies->wall_speed[i] * run->dt) : 0.0; /* the shift, in steps at that speed */
     for (int k = 0; k < w->walls; k++) {
         const int32_t e = (int32_t)i * w->walls + k;
         if (walls->timers.due[e] == DEM__STOPPED) continue;
         const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
         const int now = left > 0.0 ? 1 + (int)left : 1;
-        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the look finds the time */
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step anew */
         sooner |= now < dem__steps_due(&walls->timers, e, step);
     }
     return sooner;
 }
+/* Sets the wall timers of particle i that are later than walls.sure to that step. */
 static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     for (int k = 0; k < w->walls; k++) {
@@ -156,7 +160,8 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     }
 }
 
-/* A new bound for particle i, and what else it has an effect on; its pairs are left to dem__reset_pair_timers. By one thread. */
+/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not for several threads
+   at once. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     const double shifted = w->engine->bodies.shifted[i], tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
@@ -167,7 +172,7 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__apply_outcome(w, &news);
 }
 
-/* Tests all particles with wall k at a step. */
+/* Makes a test of every particle with wall k due at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -175,8 +180,8 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Walls to a step. Timers count on a bound of each wall's speed: a driven wall that has just outrun its own gets a larger one, and is
-   tested with all particles in this very step. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a larger one, and is tested
+   with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
@@ -203,7 +208,7 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     return 1;
 }
 
-/* Ahead of new timers. */
+/* Prefetches the timers of particle i's near pairs and the bounds of the other particles. */
 DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
     const dem__pairs *pairs = &w->engine->pairs;
     for (int32_t k = pairs->adjacent_start[i]; k < pairs->adjacent_start[i + 1]; k++) {
@@ -212,14 +217,14 @@ DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Has particle i pairs from low to high - 1? They are listed in order. */
+/* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
 DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
     const dem__pairs *pairs = &w->engine->pairs;
     const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
     return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
 }
 
-/* New timers for those pairs of particles with new bounds that are in pages first .. end-1. */
+/* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
 DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
@@ -227,7 +232,7 @@ DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = -16; m < n; m++) {
-        /* ahead: where the list of neighbours begins, the list, then what it lists */
+        /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
             const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
@@ -262,7 +267,7 @@ static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
 }
 
-/* Sets new timers for the pairs of the listed particles, which have new bounds. */
+/* Sets new timers for the near pairs of n particles with new bounds. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list list;
     list.particle = reset, list.n = n, list.step = step;

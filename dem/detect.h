@@ -1,13 +1,14 @@
-/* Tests: does a contact begin, or when is one possible next? New contacts are put at the end of the last chunk.
-   Relies on timers.h and wall_shapes.h.
+/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the last chunk. Relies on
+   timers.h and wall_shapes.h.
    May be changed here alone: how soon a test is repeated; never later than a contact is possible. */
 
-/* Contacts are numbered from 0 for others, in the order of slots: the slot of contact k, the number of that in a slot. */
+/* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
     const dem__chunk *in = w->engine->contacts.chunk;
     while (k >= in->count) k -= in++->count;
     return in->first + k;
 }
+/* Returns the number of the contact in slot c. */
 DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     const dem__chunk *in = w->engine->contacts.chunk;
     ptrdiff_t before = 0;
@@ -15,7 +16,7 @@ DEM_INLINE int32_t dem__number_of(const dem_world *w, ptrdiff_t c) {
     return (int32_t)(before + c - in->first);
 }
 
-/* Finds the slot of the next contact that begins. */
+/* Returns the slot of the next contact that begins. */
 DEM_INLINE ptrdiff_t dem__next_slot(const dem_world *w) {
     const dem__chunk *last = &w->engine->contacts.chunk[w->engine->contacts.chunk_count - 1];
     return last->first + last->count;
@@ -29,7 +30,7 @@ static inline int dem__grow_contacts(dem_world *w, ptrdiff_t slots) {
             dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity, slots));
 }
 
-/* A new contact, in the next slot; made ready in dem__commit_begun. */
+/* Appends a contact, which dem__commit_begun completes. Returns 0 when out of memory. */
 static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element, int32_t near_pair) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t c = dem__next_slot(w);
@@ -47,7 +48,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Tests a pair: a contact begins, or its timer is to be set. */
+/* Tests pair p: adds it to the pairs found if it touches, else to those whose timers are to be set. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -56,7 +57,7 @@ DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p,
     else if (w->def.skip & DEM_SKIP_PAIRS) dem__batch_separation(w, waits, p, step, d);
 }
 
-/* Makes contacts of what looks have found. Room for many is made at once. */
+/* Begins the contacts that tests of pairs have found. Allocates memory for all of them at once. */
 static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *waits) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
@@ -75,13 +76,13 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* After link k in particle i's list; -1 at its end. */
+/* Returns the link after k in particle i's list; -1 at its end. */
 DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
     const dem__links *links = &w->engine->links;
     return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
-/* The link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     const dem__links *links = &w->engine->links;
     int32_t k = links->first_link[i];
@@ -93,16 +94,16 @@ static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
     return -1;
 }
 
-/* No point of a wall at x is faster than speed_bound + spin_bound times this. */
+/* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
-    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's origin turns as well, beside its speed bound */
+    const double arm = dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
     return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre)) : arm;
 }
 
-/* Is there anything to look for between particle i and a wall? Of a screen another bar; of the others not while they touch: a wall has no
-   second place, and what else a mesh has is found by dem__follow_meshes. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that it touches needs no
+   test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
-    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* the others: by its corners and edges, in convex_pairs.h */
+    if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -110,8 +111,8 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* A contact with a place of a wall. That of a cone, which is touched from both sides and at its rims, keeps the curvature of its
-   beginning. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with which it began.
+   Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -136,7 +137,7 @@ DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *
     place[4][c] = f->at.x, place[5][c] = f->at.y, place[6][c] = f->at.z, place[7][c] = f->slack, place[8][c] = (double)f->face;
 }
 
-/* The contacts of particle i with wall k, by element; how many. */
+/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
     const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -149,8 +150,8 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* The contacts of particle i with mesh k to a step at which the wall already is: each goes on at the deepest place whose normal is near
-   its own, or ends. Are there places left for new ones? */
+/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each goes on at the deepest place whose normal
+   is near its own, or ends. bear: contacts begin at the places that are left. Returns whether places are left. */
 static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
@@ -161,10 +162,10 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     dem__touch touch[DEM__TOUCHES];
     int n, taken = 0, used = 0, left = 0;
     const double radius = w->particle[i].radius, near = w->engine->links.near,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* as far as a contact can open in a step */
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
     dem__footing footing = dem__footing_of(w, slot[0]);
-    for (int m = 0; m < slots && !bear; m++) { /* the second time in a step it is there already */
+    for (int m = 0; m < slots && !bear; m++) { /* with `bear` this has been done in this step */
         for (int a = 0; a < 3; a++) place[9 + a][slot[m]] = place[a][slot[m]];
     }
     if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, touch)) {
@@ -181,7 +182,7 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
                ((taken >> q & 1) ||
                 !(touch[q].normal.x * place[0][c] + touch[q].normal.y * place[1][c] + touch[q].normal.z * place[2][c] > DEM__SMOOTH)))
             q++;
-        if (q == n) { /* merged with another, at whatever depth: no force goes on */
+        if (q == n) { /* merged with another: it ends without a force, whatever its depth */
             place[3][c] = w->particle[i].radius;
             contacts->force[c] = 0.0;
             continue;
@@ -205,12 +206,13 @@ static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32
     return left;
 }
 
-/* Follows the contacts with a mesh of which slot c holds the first; of other contacts does nothing. */
+/* Moves a particle's contacts with a mesh if slot c holds the first of them; otherwise does nothing. Returns whether places for new
+   contacts are left. */
 static inline int dem__follow_slot(dem_world *w, ptrdiff_t c, int64_t step, int bear) {
     const ptrdiff_t i = w->engine->contacts.i[c];
     const int k = -1 - (int)w->engine->contacts.j[c];
     int32_t slot[DEM__NUMBERS];
-    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* a polyhedron's follows its points */
+    if (k < 0 || w->wall[k].kind != DEM_MESH || w->engine->contacts.near[c] < -1) return 0; /* those of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, i, k, slot);
     return slot[0] == c ? dem__follow_mesh(w, i, k, slot, slots, step, bear) : 0;
 }
@@ -225,7 +227,7 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Moves contacts with meshes to a step at which the walls already are. */
+/* Moves contacts with meshes to a step to which the walls have been moved. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -235,16 +237,17 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     }
 }
 
-/* Is a point beyond an exit? A rigid body leaves when its centre of mass is, and that of one of its particles. */
+/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of its particles. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) { return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0; }
 
-/* A straight bound at u, from a place d off the axis, leads no further out than d + u_out t + u_side^2 t^2/(2 d): this acceleration. */
+/* Returns an acceleration [m/s2]: on a straight path at u, from_axis [m] off a wall's axis, the distance from the axis grows by no more
+   than the outward velocity and this acceleration give: u_side^2 / from_axis. */
 DEM_INLINE double dem__bend(const dem_wall *wall, dem_vec u, double from_axis) {
     const double along = dem__dot(u, wall->axis[2]);
     return from_axis > 0.0 ? (dem__dot(u, u) - along * along) / from_axis : HUGE_VAL;
 }
 
-/* How near bars may be that are not among those found. */
+/* Returns a lower limit of the gap of bars that are not among those found [m]. */
 static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, double radius, const dem__touch *touch, int found) {
     double lowest = 0.0;
     for (int q = 0; q < found; q++) lowest = touch[q].gap < lowest ? touch[q].gap : lowest;
@@ -252,8 +255,9 @@ static inline double dem__other_bars(const dem_world *w, const dem_wall *wall, d
     return third < w->engine->pairs.wall_reach ? third : w->engine->pairs.wall_reach;
 }
 
-/* Time before which particle i cannot touch a wall, by what is known of velocities: better than the bound by speeds alone near a wall, but
-   only on this bound. A plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+/* Returns a time [s] before which particle i cannot touch a wall, from its velocity and the tolerance of its bound; 0 if none is known.
+   Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A plane, a bar and a cylinder from outside
+   are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const dem_wall *wall, dem_vec v, int k, const dem__touch *touch,
                                        int found, double others) {
     const double stray = 2.0 * w->engine->bodies.bound[i].tolerance, near = w->engine->links.near + w->engine->pairs.position_tolerance,
@@ -275,7 +279,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
     return least;
 }
 
-/* How far it is from x to the face of the periodic box behind which the wall is another one: walls are not repeated. */
+/* Returns how far x is from a face of the periodic box behind which the wall does not go on [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -290,7 +294,7 @@ static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wal
     return least;
 }
 
-/* Tests particle i with a wall, at a step to which the wall has been moved. */
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -334,7 +338,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (speed < 0.5 * bodies->wall_speed[i]) bodies->wall_speed[i] = 1.25 * speed;
     speed = (speed > bodies->wall_speed[i] ? speed : bodies->wall_speed[i]) + wall->speed_bound;
     int most = DEM__STEPS_MAX;
-    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next look */
+    if (wall->spin_bound > 0.0) { /* the surface is faster further out, where the particle may be at the next test */
         const double turn = DEM__RETEST_STEPS * run->dt, out = turn * (speed + turn * pairs->gravity_size);
         speed += wall->spin_bound * (dem__arm(wall, x) + out);
         most = DEM__RETEST_STEPS;

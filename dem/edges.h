@@ -1,8 +1,9 @@
 /* ------------------------------------------------------------------------------------------- >>edges */
 /* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction, history and losses.
-   Promises: an impulse and a shift that give the motion of the two bodies the accuracy of the steps between.
-   May be changed here alone: how the two bodies' motion within the step is followed. */
-/* Computes the part of the law's normal force that the overlap makes, at a gap and closing speed. The history stays. */
+   Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the steps between.
+   May be changed here alone: how the two bodies' motion within the step is integrated. */
+/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves the history
+   unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing, double *elastic,
                                    const dem_law *law) {
     dem_contact c = *contact;
@@ -17,7 +18,8 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies by themselves along the normal over time t, by one Runge-Kutta step of fourth order. */
+/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of fourth order. Returns
+   the force at the end [N]. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t, const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
     double a1 = -m * dem__force_alone(c, state, g, u, &elastic, law);
@@ -29,19 +31,18 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* The first and the last step of a contact are cut: Verlet would give them a whole step's force or none. Here the two bodies' normal
-   motion through such a step is followed by itself, and the difference is handed on as an impulse and a shift along the normal. A
-   velocity of Verlet's is the chord over two steps of the motion that it follows: from the motion's own, a sixth of h^2 times its
-   second derivative. */
+/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal motion of the two
+   bodies through it is integrated by itself; the difference from Verlet's motion is applied as an impulse and a shift along the normal.
+   Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
 typedef struct dem__edge_motion {
-    double impulse, shift; /* [N s], [kg m]: divided by a mass, change of velocity and of position along n */
+    double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
-    double loss, elastic;  /* dissipated by the normal dashpot in the step, stored at its end [J] */
-    double before;         /* of a contact that ends: its closing speed at the start of the step [m/s] */
+    double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
+    double before;         /* last step only: closing speed at the start of the step [m/s] */
 } dem__edge_motion;
 
-/* Follows the two bodies through a first step. Returns 0 if they do not approach. The impulse is that of the whole step. */
+/* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
 DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e, const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -52,7 +53,7 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
     double next = e->gap, then = e->closing;
     dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads there within the next step */
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads to `next` by Verlet */
     e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
@@ -60,12 +61,13 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     return 1;
 }
 
-/* gap and force: of the step before. The closing speed is that from which Verlet, for the two bodies alone, leads to the gap of now. */
+/* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if Verlet's step stands.
+   `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force, dem__edge_motion *e,
                                      const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass, verlet = (gap - c->gap) * c->rate + half_kick;
-    const double speed = c->closing + 2.0 * half_kick; /* nearly the same, from velocities: sane where a wall has leapt */
-    double own = speed;                                /* the motion's own: it comes along the chord of the step before */
+    const double speed = c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
+    double own = speed;                                /* true closing speed: integrated one step back, it gives the last mean one */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -78,8 +80,9 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* a pulling dashpot lets go when the overlap is zero */
-        else {                                   /* a clipped one when the force is: follow its slope, found a moment later */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
+        else {                                   /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
+                                                    short time */
             const double moment = h / 64.0, fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
             if (k < 2) rest *= 0.9;
@@ -99,14 +102,14 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     return 1;
 }
 
-/* A contact that begins or ends within a step: what it was at the start, where its force at the end goes, and the wall's velocity. */
+/* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the wall's velocity. */
 typedef struct dem__edge {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
 } dem__edge;
 
-/* Adds to an impulse what friction and rolling do as they are in r: in a time, and in one that follows from a normal impulse over the force
-   of the contact. That may be next to nothing, so what would remain without it has no part there. */
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse divided by the
+   normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out of the scaled part. */
 DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled, int features) {
     for (int a = 0; a < 3; a++) {
         impulse->tangential[a] += (time + scaled) * r->tangential[a] - scaled * r->remaining[a];
@@ -114,15 +117,15 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
     }
 }
 
-/* Friction within the step in which a contact begins, from what it is after a third of the time t and at the end, r (Radau); what the
-   normal impulse has beyond its own t, because Verlet's velocities are chords, friction has in proportion. */
+/* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at its end, r. The
+   normal impulse exceeds that of t because Verlet's velocities are central differences; friction exceeds in proportion. */
 DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s, const dem_response *r,
                                     dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
-    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic from end to end */
+    q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) / 27.0; /* of the cubic through the motion's ends */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -130,10 +133,10 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* What a first or last step hands over: impulses, the normal force that the next step starts from, the work of the wall by friction. */
+/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by friction [J]. */
 typedef struct dem__edge_result {
     dem__edge_motion e;
-    dem_response impulse; /* in the end beside the half steps that Verlet hands over */
+    dem_response impulse; /* at the end without Verlet's own half kicks */
     double start, driven;
 } dem__edge_result;
 
@@ -161,14 +164,14 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
         dem__add_friction_impulse(&m->impulse, &r, -half, 0.0, features);
     }
     if (features & DEM_ENERGY) {
-        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts half a step, as forces of Verlet's do */
+        const double film = r.normal > r.contact ? r.normal - r.contact : 0.0; /* acts for half a step, as Verlet's forces do */
         dem__put_losses(at, at, 0, &r, 0.0, 1.0);
         at->loss[2][0] = half * film * q->closing;
     }
     return 1;
 }
 
-/* Corrects the step in which a contact ends, in the same way. Returns 0 if Verlet's step stands. */
+/* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
 DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was, const dem_law *law,
                                       int features, dem__edge_result *m) {
     const double half = 0.5 / q->rate;
@@ -179,13 +182,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
         q->gap = m->e.gap;
         q->closing = m->e.closing;
         law->force(q, s, &r);
-        if (r.contact < 0.0) { /* Verlet would end it a moment too soon, while the dashpot still pulls */
+        if (r.contact < 0.0) { /* the dashpot still pulls: the contact lasts beyond this step */
             dem__put_force(was->out, 0, q, &r, was->arm_i, was->arm_j, features);
             at->force[0] = m->start = r.contact;
             if (features & DEM_ENERGY) dem__put_losses(at, at, 0, &r, 0.0, 1.0);
         }
     }
-    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction fades with the normal force */
+    if ((features & DEM_FRICTION) && m->start == 0.0) { /* friction decays in proportion to the normal force */
         for (int a = 0; a < law->states; a++) s[a] = was->state[a];
         q->gap = was->gap;
         q->closing = m->e.before;
@@ -197,7 +200,7 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects a first or last step of the contact in slot c, and leaves impulses and shift for the end of the step. */
+/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
 DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;

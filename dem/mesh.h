@@ -2,7 +2,7 @@
    Relies on walls.h and mesh_shapes.h.
    May be changed here alone: how the tree is built (bits of mesh scenes may change). */
 
-/* Every third bit of a Morton code, from 21 bits. */
+/* Spreads 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;
     v = (v | v << 16) & 0x1f0000ff0000ffu;
@@ -11,11 +11,11 @@ static inline uint64_t dem__interleave(uint64_t v) {
     return (v | v << 2) & 0x1249249249249249u;
 }
 
-/* Sorts by key, then index; temporary has room for n. */
 typedef struct dem__keyed {
     uint64_t key;
     int32_t index;
 } dem__keyed;
+/* Sorts by key, then index. temporary: room for n items. */
 static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptrdiff_t n) {
     for (ptrdiff_t width = 1; width < n; width *= 2) {
         for (ptrdiff_t low = 0; low < n; low += 2 * width) {
@@ -30,7 +30,7 @@ static inline void dem__sort_keyed(dem__keyed *items, dem__keyed *temporary, ptr
     }
 }
 
-/* Nodes for the triangles first .. end-1, which are sorted along a space-filling curve: halves of halves. */
+/* Makes nodes for the triangles first .. end-1, which are sorted along a space-filling curve: one for all, then those of each half. */
 static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     const int32_t at = t->nodes++;
     dem__node *node = &t->node[at];
@@ -59,7 +59,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
     node->skip = t->nodes;
 }
 
-/* An empty tree with room; NULL when out of memory. */
+/* Returns an empty tree with room for the mesh; NULL when out of memory. */
 static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes = sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -75,7 +75,7 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Twice the area, as a vector along the normal; by the two shorter edges, which keeps the figures of a sliver. */
+/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
     const double x = dem__dot(ab, ab), y = dem__dot(bc, bc), z = dem__dot(ca, ca);
@@ -83,7 +83,7 @@ static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
 }
 
-/* Has a triangle an area that its corners' round-off has not made? Its normal becomes *unit. */
+/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
 static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
     const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
     double longest = dem__dot(ab, ab);
@@ -92,7 +92,7 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
     return dem__length(n) > 1e-9 * longest && dem__unit(n, unit);
 }
 
-/* The tree of the triangles that have an area. NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
+/* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT if there is none. */
 static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex, ptrdiff_t triangles,
                                         const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
@@ -197,8 +197,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 
 /* ---- STL ---- */
 
-/* Open addressing: slots of 64-bit keys, each with a number; capacity is a power of two, key 0 is empty. */
+/* A slot of a hash table with open addressing: a 64-bit key, 0 if empty, and a number. The capacity is a power of two. */
 typedef struct dem__slot {
     uint64_t key;
-    int32_t value, forward, backward; /* edges: triangles that run along it each way */
+    int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
 } dem__slot;

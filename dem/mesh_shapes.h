@@ -1,7 +1,7 @@
 /* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by a search.
    May be changed here alone: how a place is searched. */
-/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes stand in the order of a walk that
-   takes the first child first; `skip` is where the walk goes on without a node's children. */
+/* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in depth-first order; `skip` is
+   the next node that is not below this one. */
 typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
@@ -15,14 +15,15 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* From the plane of a triangle to p, the same for all faces of a plane. */
+/* Returns the vector from the plane of a triangle to p; distance: its length. All faces of a plane give the same. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
     *distance = fabs(up);
     return dem__scale(up, t->normal[k]);
 }
 
-/* From the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5), its length, and whether it is inside. */
+/* Returns the vector from the nearest point of a triangle to p (Ericson 2005, Real-Time Collision Detection, 5.1.5). distance: its length;
+   inside: whether the point is not on an edge or a corner. */
 static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec p, double *distance, int *inside) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]], c = t->vertex[t->corner[3 * k + 2]];
     const dem_vec ab = dem__sub(b, a), ac = dem__sub(c, a), ap = dem__sub(p, a), bp = dem__sub(p, b), cp = dem__sub(p, c);
@@ -45,14 +46,15 @@ static inline dem_vec dem__from_triangle(const dem__tree *t, int32_t k, dem_vec 
     return v;
 }
 
+/* Returns whether p is `reach` or more away from a node's box. */
 DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     const double x = p.x - dem__clamp(p.x, b->low[0], b->high[0]), y = p.y - dem__clamp(p.y, b->low[1], b->high[1]),
                  z = p.z - dem__clamp(p.z, b->low[2], b->high[2]);
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* One surface is touched once: a place is in the shadow of a nearer one if their normals agree to 26 degrees, or if it does not rise over
-   the nearer one's tangent plane, as edges and corners of a face that is touched do not. */
+/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree to 26 degrees, or
+   the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face do not. */
 DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
@@ -75,8 +77,8 @@ DEM_INLINE dem_vec dem__from_frame(const dem_wall *w, dem_vec v) {
     return dem__add(dem__add(dem__scale(v.x, w->axis[0]), dem__scale(v.y, w->axis[1])), dem__scale(v.z, w->axis[2]));
 }
 
-/* The nearest place of a mesh, if its gap is below limit; and with a gap below deep, the others that are none's shadow: the nearest
-   DEM__TOUCHES, nearest first. */
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one shadows: at most
+   DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
     const dem_vec p = dem__to_frame(w, d);
@@ -109,7 +111,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
-            for (int q = at; q < n; q++) { /* it shadows others itself */
+            for (int q = at; q < n; q++) { /* remove those in its shadow */
                 if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
@@ -124,7 +126,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
     return n;
 }
 
-/* How far a projection q into the plane of triangle k is inside its edges. */
+/* Returns how far q, a point of the plane of triangle k, is inside its edges [m]; < 0 outside. */
 static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q) {
     double least = HUGE_VAL;
     for (int e = 0; e < 3; e++) {
@@ -135,8 +137,9 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* The footing of a sphere whose one touch is on a face. A triangle that rises above that plane may be touched, or become the nearest: from
-   half its gap on; one that does not is in the face's shadow, and is nearer only where the centre leaves the face for it. */
+/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can be touched, or
+   become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the nearest only where the centre
+   leaves the face for it. */
 static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
@@ -176,7 +179,8 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* The touch of a sphere that has not left its footing; 0: search. `opens`: the most that a contact opens in a step. */
+/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a contact opens in a
+   step [m]. */
 DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;

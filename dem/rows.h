@@ -2,22 +2,22 @@
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads bodies, walls and
    contacts; writes contacts through columns. Promises: what it writes of a contact depends on that contact and its bodies alone.
    May be changed here alone: how rows are gathered, bit for bit the same. */
-/* What is known of a block of contacts before the law is asked. */
+/* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* centre of i from that of j (wall: from the nearest point) */
+    dem__row dx, dy, dz;             /* from the centre of j, or the nearest point of a wall, to the centre of i */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
-    dem__row tx, ty, tz; /* by how much the normal has turned since the middle of the step */
+    dem__row tx, ty, tz; /* change of the normal since the middle of the step */
 } dem__rows;
 
-/* What is known of a contact since its birth. Kept from block to block, as most contacts are of the same kinds. */
+/* Constants of a block of contacts. Kept from block to block, because most contacts are of the same types. */
 typedef struct dem__type_rows {
-    int32_t kind[DEM__BLOCK]; /* of which the rows are; -2: of none yet */
+    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: not filled yet */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k as the law sees it. */
+/* Computes the geometry of contact k for the law. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, int has_friction, dem_contact *q,
                                       double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -26,13 +26,13 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!has_friction) return;
-    /* arms D r_i/(r_i + r_j) add up to the distance, so that no angular momentum is made */
+    /* arms D r_i/(r_i + r_j) add up to the distance, which conserves angular momentum */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, and so is the normal n - t that the slip is seen by: else a rolling contact
-       whose normal turns gains energy. What is of second order in t is left out. */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n - t; otherwise a
+       rolling contact whose normal turns would gain energy. Terms of second order in t are left out. */
     const double lag = half > 0.0 ? 1.0 : 0.0, tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -43,8 +43,8 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->spin[0] = b->wi[0][k] - b->wj[0][k], q->spin[1] = b->wi[1][k] - b->wj[1][k], q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which the tangential velocity
-   connects, to second order without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the tangential motion, to
+   second order and without a root; and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double bx = nx - b->tx[k], by = ny - b->ty[k], bz = nz - b->tz[k]; /* half way between the old normal and the new */
@@ -55,12 +55,12 @@ DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     s[2] = z - out * bz + twist * (nx * y - ny * x);
 }
 
-/* Where the slots of contacts begin: in the world, or in a block. */
+/* Where the entries of a block's first contact are: in the arrays of contacts, or in the block's rows. */
 typedef struct dem__columns {
     double *state[DEM_STATE_MAX], *out[9], *gap, *force, *elastic, *power[3], *loss[4];
 } dem__columns;
 
-/* The results of a block of contacts, where they are not written straight to the contacts. */
+/* Results of a block of contacts that are not written directly to the contacts. */
 typedef struct dem__block_rows {
     dem__row state[DEM_STATE_MAX], out[9], gap, force, elastic, power[3], loss[4];
 } dem__block_rows;
@@ -75,8 +75,8 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Finds where the results of a block go: forces into the block's rows, as they are kept only if somebody asks; the rest straight to the
-   contacts, or into rows too. */
+/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to the contacts or,
+   with `copies`, into rows. */
 DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies, dem__block_rows *b,
                                  dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
@@ -88,7 +88,7 @@ DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law 
     at->gap = b->gap, at->force = b->force, at->elastic = b->elastic;
 }
 
-/* Copies what a block's contacts store and dissipate from its rows. */
+/* Copies the energies of a block from its rows to the contacts. */
 DEM_INLINE void dem__store_ledger(const dem__columns *to, const dem__columns *from, int n) {
     const size_t bytes = (size_t)n * sizeof(double);
     for (int a = 0; a < 3; a++) memcpy(to->power[a], from->power[a], bytes);
@@ -116,7 +116,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Reads the constants of those rows whose contact type is not that of the block before. */
+/* Loads the constants of those rows whose contact type is not that of the block before. */
 static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
@@ -148,7 +148,7 @@ DEM_INLINE void dem__load_types(const dem_world *w, ptrdiff_t base, int n, int c
     if (differ) dem__renew_types(w, base, n, constants, t);
 }
 
-/* Computes the force on i and the torques on i and j. */
+/* Computes the force on i and the torques on i and j, and stores them at index c of `out`. */
 DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contact *q, const dem_response *r, double arm_i, double arm_j,
                                int features) {
     const double nx = q->normal[0], ny = q->normal[1], nz = q->normal[2];
@@ -165,8 +165,8 @@ DEM_INLINE void dem__put_force(double *const *out, ptrdiff_t c, const dem_contac
     out[6][c] = -rx - arm_j * mx, out[7][c] = -ry - arm_j * my, out[8][c] = -rz - arm_j * mz;
 }
 
-/* Computes the losses of a step, from powers by the trapezoidal rule. In a clipped contact that only unloads the spring's energy is
-   lost. */
+/* Computes the losses of a step from powers by the trapezoidal rule. A contact without a force before and after loses the energy of its
+   spring. */
 DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old, ptrdiff_t c, const dem_response *r, double h,
                                 double contact_before) {
     const double unloaded = old->elastic[c] - r->elastic, damped = 0.5 * h * (old->power[0][c] + r->normal_power);
@@ -178,7 +178,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Finds where a wall is touched by the contact in a slot or, without one (-1), by a link. */
+/* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius, int32_t element,
                                  dem__touch *touch) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -188,26 +188,26 @@ DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_w
     } else dem__touch_element(wall, x, radius, element, touch);
 }
 
-/* Where row k of a block is at a wall. */
+/* A row of a block that is at a wall. */
 typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity; /* the centre from its axis [m], and the wall's there [m/s] */
-    ptrdiff_t slot;         /* of the contact; -1: a link's */
+    dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
+    ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
-    double outside, inner; /* 1, -1 inside, of a round wall, whose surface is so far from its axis; 0: elsewhere, the touch is known */
+    double outside, inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
-/* Particle i at an element of a wall, for the contact in a slot or a link (-1), into row k. A round wall is like another sphere: root and
-   quotient are left to dem__complete_rows. */
+/* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated like another sphere:
+   dem__complete_rows computes root and quotient. */
 static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element, ptrdiff_t slot, dem__rows *b,
                                            int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
     const dem_particle *s = &w->particle[i];
     at->particle = s, at->wall = wall, at->row = k, at->velocity = wall->velocity, at->slot = slot, at->element = element;
-    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows sees to it */
+    if (slot >= 0 && w->engine->contacts.near[slot] < -1) { /* of a polyhedron: dem__fill_convex_rows replaces this */
         at->outside = 0.0, at->from = dem_vec3(1.0, 0.0, 0.0), at->touch.normal = wall->axis[2], at->touch.gap = 0.0;
     } else if ((at->outside = dem__reach_round(wall, s->x, element, &at->from, &at->inner)) == 0.0) {
         dem__touch_place(w, slot, wall, s->x, s->radius, element, &at->touch);
@@ -222,7 +222,7 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those of the point that is touched, where the wall's surface slides. */
+/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -246,18 +246,18 @@ DEM_INLINE void dem__gather_pair(const dem_particle *particle, ptrdiff_t i, ptrd
     b->wj[0][k] = q->spin.x, b->wj[1][k] = q->spin.y, b->wj[2][k] = q->spin.z;
 }
 
-/* Finds the share of mass that a contact may count on: the smaller one of i and j, unless that is a wall. */
+/* Returns the mass share of a contact: the smaller one of i and j, or that of i at a wall. */
 DEM_INLINE double dem__mass_share(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     const double a = w->engine->bodies.mass_share[i], b = w->engine->bodies.mass_share[j < 0 ? i : j];
     return a < b ? a : b;
 }
 
-/* Replaces distances by those of the nearest images. Positions of active particles lie within the periodic box. */
+/* Replaces differences of positions by those of nearest images. Active particles lie within the periodic box. */
 DEM_INLINE void dem__wrap_row(double *row, int n, double length) {
     for (int k = 0; k < n; k++) row[k] = dem__image(row[k], length);
 }
 
-/* Completes the row of a contact with a wall. */
+/* Completes normal and gap of a row at a wall. */
 DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const double radius = at->particle->radius;
@@ -271,14 +271,14 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
     if (at->wall->slides) dem__slide(b, half, at);
 }
 
-/* Turn of the normal at a wall: it follows the sphere over the wall's shape, and the wall where that turns. */
+/* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
 static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn, const dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
     const dem_particle *s = at->particle;
     const dem_vec n = dem_vec3(b->nx[k], b->ny[k], b->nz[k]), spin = dem__scale(wall->spin, wall->spin_axis);
     dem_vec t;
-    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces only the contact knows */
+    if (wall->kind == DEM_MESH && at->slot >= 0) { /* between edges and faces: only the contact knows both normals */
         double *const *touch = w->engine->contacts.touch;
         const dem_vec before = dem_vec3(touch[9][at->slot], touch[10][at->slot], touch[11][at->slot]);
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
@@ -291,7 +291,8 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Turns of the normals in the time `turn` before the end of the step; of links in half the time since the last evaluation. */
+/* Computes the changes of the normals in the time `turn` before the end of the step; for links, in half the time since their last
+   evaluation. */
 DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double half, double turn, const dem__wall_row *wall, int walls) {
     for (int k = 0; k < n; k++) {
         const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k], by = turn * b->inverse[k];
@@ -301,7 +302,7 @@ DEM_INLINE void dem__find_turns(const dem_world *w, dem__rows *b, int n, double 
     for (int q = 0; q < walls; q++) dem__turn_at_wall(w, b, half, turn, &wall[q]);
 }
 
-/* Nearest images, normals and gaps of a block with some rows at walls. */
+/* Computes nearest images, normals and gaps of a block; `walls` of its rows are at walls. */
 DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half, dem__wall_row *wall,
                                    int walls) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);

@@ -1,10 +1,9 @@
 /* ---------------------------------------------------------------------------------------------- >>geometry */
-/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions.
-   Relies on types.h and the portable mathematics.
-   May be changed here alone: how a place is found, as long as it is the same place. */
+/* Vectors, a wall's motion in time, and the shapes of bars and cones: pure functions. Relies on types.h and the portable mathematics.
+   May be changed here alone: how a place is computed, as long as it is the same place. */
 
-/* Rounds to multiples of 2e-100, which changes nothing but what is below 1e-68: speeds that decay end at 0, and neither they nor their
-   squares become subnormal numbers, with which a processor takes many times as long. Two additions cost less than a comparison. */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they nor their squares
+   become subnormal numbers, which make a processor slow. Two additions cost less than a comparison. */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
 DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) { return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z)); }
 
@@ -18,13 +17,14 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 }
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
-/* Rotation of v by an angle [rad] about a unit axis (Rodrigues). */
+/* Rotates v by an angle [rad] about a unit axis (Rodrigues). */
 static inline dem_vec dem__rotated(dem_vec v, dem_vec axis, double angle) {
     double turns = angle / (2.0 * RIDDLE_PI), phase = 2.0 * RIDDLE_PI * (turns - floor(turns));
     double s = riddle_sin(phase), c = riddle_cos(phase);
     return dem__add(dem__add(dem__scale(c, v), dem__scale(s, dem__cross(axis, v))), dem__scale((1.0 - c) * dem__dot(axis, v), axis));
 }
 
+/* Returns the displacement of a harmonic vibration from its start [m], and its velocity and acceleration. turns: frequency times time. */
 DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, double rate, double *velocity, double *acceleration) {
     if (amplitude == 0.0) {
         *velocity = *acceleration = 0.0;
@@ -36,7 +36,7 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double turns, d
     return amplitude * (phase == 0.0 ? s : s - riddle_sin(phase));
 }
 
-/* What vibration does to a wall. */
+/* Displacement, velocity and acceleration of a wall by vibration. */
 typedef struct dem__sway {
     dem_vec shift, velocity, acceleration;
 } dem__sway;
@@ -49,12 +49,12 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     return s;
 }
 
-/* The frame and place that a pose gives a wall. */
+/* Returns the position that a pose gives a wall; axis: its axes. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
     for (int k = 0; k < 3; k++) axis[k] = w->asked.rest_axis[k];
-    if (angle != 0.0) { /* NaN goes on */
+    if (angle != 0.0) { /* true for NaN, which is passed on */
         const dem_vec about = dem__scale(1.0 / angle, pose->turn);
         for (int k = 0; k < 3; k++) axis[k] = dem__rotated(axis[k], about, angle);
         arm = dem__rotated(arm, about, angle);
@@ -62,6 +62,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
+/* Puts a prescribed wall where it is at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -72,7 +73,7 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
         w->asked.motion(w->asked.motion_user, time + (k - 1) * w->asked.interval, &pose);
         at[k] = dem__posed(w, &pose, axis[k]);
     }
-    for (int k = 0; k < 3; k++) { /* w = sum of a x da/dt over the axes, halved */
+    for (int k = 0; k < 3; k++) { /* omega = 1/2 sum of a x da/dt over the axes */
         w->axis[k] = axis[1][k];
         omega = dem__add(omega, dem__scale(0.5 * rate, dem__cross(axis[1][k], dem__sub(axis[2][k], axis[0][k]))));
     }
@@ -83,7 +84,7 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Velocity and acceleration that a controlled wall's rate gives it where it is. */
+/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -95,7 +96,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Predicted, as a particle is. */
+/* Puts a controlled wall where it is at a time: predicted from the last step, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -133,40 +134,40 @@ static inline void dem__move_wall(dem_wall *w, double time) {
     else dem__kinematic_wall(w, time - w->asked.motion_start);
 }
 
-/* One place where a sphere is near a wall. */
+/* A place where a sphere is near a wall. */
 typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
-    int32_t face; /* mesh: the triangle above whose inside the centre is, -1 beyond its edges */
+    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
 } dem__touch;
 
-/* The face on which a contact with a mesh rests: it stays the one place that is touched while the centre is within `slack` of `at` and what
-   a contact opens by in a step is less than that. */
+/* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack` of `at`, and a
+   contact opens by less than that in a step. */
 typedef struct dem__footing {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__footing;
 
-enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: of the contacts of a particle with a mesh, those that end this step included */
-#define DEM__SMOOTH 0.9 /* cosine of the angle, 26 degrees, up to which facets are one surface: a drum of 16 sides is round */
+enum { DEM__TOUCHES = 4, DEM__NUMBERS = 16 }; /* NUMBERS: contacts of a particle with a mesh, including those that end in this step */
+#define DEM__SMOOTH 0.9                       /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
 
-/* From the nearest point of the axis of bar `index` of a family, at (index - 1/2) pitch, to a centre: along is its coordinate parallel to
-   the bars, across the one over them; (along, across, up) is left in *from. How far from there the surface is, or less than 0 if there is
-   no such bar. */
+/* Computes the vector `from`, in (along, across, up), from the nearest point of the axis of bar `index` of a family, at (index - 1/2)
+   pitch, to a centre. along: the centre's coordinate parallel to the bars; across: in the deck, perpendicular to them. Returns how far the
+   surface is from that point [m]; < 0 if there is no such bar. */
 DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, double along, double across, double up, dem_vec *from) {
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire);
     const double side = family ? w->half_x : w->half_y, length = family ? w->half_y : w->half_x;
-    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* its half length, squared */
+    const double end2 = w->circular ? (w->half_x - bar) * (w->half_x + bar) : length * length; /* square of its half length */
     const int beyond = !(along * along <= end2);
     const double da = !beyond ? 0.0 : along < 0.0 ? along + sqrt(end2) : along - sqrt(end2), dc = across - bar;
     *from = dem_vec3(da, dc, up);
     if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side: as wide as the wire and, seen from below, as round at its ends */
+    /* the flat side is as wide as the wire; its ends are round, seen from below */
     if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
@@ -176,7 +177,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Bar `index` of a family as a place that is touched; the normal is left in (along, across, up). Returns 0 if there is no such bar. */
+/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up, double radius,
                               dem__touch *out) {
     dem_vec from;
@@ -184,19 +185,19 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     if (!(inner >= 0.0)) return 0;
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
-    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on when they are asked for */
+    out->curvature = 1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
 
-/* (along, across, up) of a family to the world's axes. */
+/* Converts a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]), u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Only the two nearest bars of a family count, this one and the next. Beside the deck they are its last. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they are the last two. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
     const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y, nearest = floor(across / pitch + 0.5);
     if (fabs(across) < half - pitch) return nearest;
@@ -204,22 +205,24 @@ DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across)
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Any other is at least this far away, if none overlaps by more: the gap of the nearest, where that is less than 0. */
+/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
     return sqrt(near * near + 0.75 * pitch * pitch) - sum;
 }
 
-/* The nearest point of a frustum lies in the plane of axis and centre, on a segment. d: the centre, seen from the low end. */
+/* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the centre, from the low end;
+   up: along the axis. Returns 0 if the gap is not below `limit`; least: the gap. */
 static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, double radius, double limit, dem__touch *out, double *least) {
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
     const double rho = dem__length(radial), rise = w->high_radius - w->radius, slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a ring touches: any of it */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is nearest: any point of
+                                                                                       it */
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
     const int on_rim = !(along > 0.0 && along < 1.0);
-    if (!on_rim) { /* from the side's own normal, which does not lose its figures near the surface */
+    if (!on_rim) { /* from the side's own normal, which is accurate near the surface */
         const double side = (rho - w->radius) * nx + up * ny;
         distance = fabs(side);
         if (side < 0.0) nx = -nx, ny = -ny;
@@ -227,7 +230,7 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double up, doubl
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* half way up: one kind of contact wherever it begins; balls wider than the ring lie on a rim */
+    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
     out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }

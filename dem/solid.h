@@ -1,9 +1,9 @@
 /* ------------------------------------------------------------------------------------------- >>solid */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch while it works. Promises: a mesh that is not closed has no inside; of one
-   that is, only points within round-off of its surface depend on how it is cut into triangles.
+/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not closed has no inside;
+   in a closed one only points within round-off of the surface depend on how it is cut into triangles.
    May be changed here alone: how rays are chosen. */
-/* Does the line from p along +z cross a triangle? An edge is asked the same question by both triangles that have it, in the same order of
-   its ends, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+/* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the same order, so that a
+   line through an edge or a corner crosses the surface as often as one beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -19,7 +19,7 @@ static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     return ((p.x - a.x) * n.x + (p.y - a.y) * n.y + (p.z - a.z) * n.z) * n.z < 0.0;
 }
 
-/* Is p, in the wall's own frame, inside a closed surface? It is if a line from it crosses the surface an odd number of times. */
+/* Returns whether p, in the wall's own frame, is inside a closed surface: a line from it crosses the surface an odd number of times. */
 static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     int inside = 0;
     for (int32_t b = 0; b < t->nodes;) {
@@ -37,7 +37,7 @@ static inline int dem__is_inside_tree(const dem__tree *t, dem_vec p) {
     return inside;
 }
 
-/* Is a centre inside a wall that is a solid body? */
+/* Returns whether a point is inside a wall that is a solid body. */
 static inline int dem__is_inside_wall(const dem_wall *w, dem_vec x) {
     return w->solid && dem__is_inside_tree(w->tree, dem__to_frame(w, dem__sub(x, w->position)));
 }
@@ -54,8 +54,9 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* DEM_OK if every edge of a surface has two triangles, or four; equal corners are one, whatever their indices, and triangles without area
-   may close T-junctions. Else DEM_BAD_ARGUMENT, also for a triangle that is there twice; DEM_OUT_OF_MEMORY. */
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, whatever their indices; triangles
+   without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
+   DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
@@ -97,7 +98,7 @@ DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     return DEM_OK;
 }
 
-/* Are a mesh's numbers what they should be? Its box becomes low and high. */
+/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
 static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
         m->triangles > INT32_MAX / 4)
@@ -126,7 +127,7 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     return region;
 }
 
-/* Of a closed mesh, whichever way its triangles are turned, as long as they agree. */
+/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
 static inline double dem__mesh_volume(const dem_mesh *m) {
     const dem_vec from = dem__mesh_vertex(m, 0, 0);
     double sum = 0.0;

@@ -14,7 +14,7 @@ static inline dem__slot *dem__find_slot(dem__slot *slots, size_t capacity, uint6
     return &slots[at];
 }
 
-/* What a facet is before welding: normal, then three corners. */
+/* A facet before welding. */
 typedef struct dem__facet {
     dem_vec normal, corner[3];
 } dem__facet;
@@ -26,9 +26,9 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* The count in a binary file's head, and how many facets have room behind it. */
+/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
 typedef struct dem__binary_size {
-    size_t announced, present, rest; /* rest: bytes behind the last facet that has room */
+    size_t announced, present, rest; /* rest: bytes after the last whole facet */
 } dem__binary_size;
 static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, size_t size) {
     dem__binary_size s;
@@ -37,12 +37,13 @@ static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, s
     return s;
 }
 
-/* The facets that are read: where count and length disagree, those that end with the file, else those that the count announces. */
+/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not end with a facet,
+   those that it announces. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
 
-/* Counts what a binary file holds and misses. */
+/* Counts what a binary file contains and what is missing. */
 static inline void dem__count_binary(const unsigned char *bytes, size_t size, dem_stl_report *report) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s), missing = s.announced > n ? s.announced - n : 0;
@@ -60,8 +61,8 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
     }
 }
 
-/* Tells whether numbers are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. Of other bytes (compressed,
-   with the other byte order, two bytes a letter) nearly none have. */
+/* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other data (compressed,
+   other byte order, two bytes a letter) hardly any have. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -79,7 +80,7 @@ static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) 
     return good > 0 && good >= n - n / 4;
 }
 
-/* The next word of a text: blanks of any kind part them. Returns its length, 0 at the end. */
+/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
 static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
     size_t length = 0;
     while (*at < size && bytes[*at] <= ' ') ++*at;
@@ -87,6 +88,7 @@ static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *
     return length;
 }
 
+/* Returns whether a word is `name`, in small or capital letters. */
 static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t length, const char *name) {
     size_t k = 0;
     for (; name[k]; k++) {
@@ -96,7 +98,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
     return k == length;
 }
 
-/* A decimal number, free of the locale; within an ulp or two. NaN if it is none. */
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
@@ -130,26 +132,27 @@ static inline double dem__number(const unsigned char *text, size_t length) {
 
 /* ---- text ---- */
 
-enum { DEM__CORNERS_MAX = 64 }; /* of one facet; with more it counts as missing */
+enum { DEM__CORNERS_MAX = 64 }; /* of a facet; one with more counts as missing */
 
-/* A text that is being read, and the facet that the reading is in. */
+/* A text that is being read, and the facet in progress. */
 typedef struct dem__stl_text {
     const unsigned char *bytes;
     size_t size, at;
-    dem__facet *out; /* where triangles go; NULL: they are counted only */
+    dem__facet *out; /* where triangles are written; NULL: they are only counted */
     ptrdiff_t triangles, polygons, missing;
-    int begun, ended;                        /* the lines "solid" and "endsolid" */
-    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, is it garbled */
+    int begun, ended;                        /* whether a line "solid", a line "endsolid" was read */
+    int inside, loops, corners, wanted, bad; /* in a facet: loops and corners so far, numbers to come, whether it is malformed */
     dem_vec normal, corner[DEM__CORNERS_MAX], number;
 } dem__stl_text;
 
-/* Does a word begin with a name, as solid_name does? */
+/* Returns whether a word begins with a name, as solid_name does. */
 static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t length, const char *name) {
     const size_t n = strlen(name);
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Goes to the end of a line, whose words are a name or a comment; not if a facet ends there: then all stands in one line. */
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line: then skips only the
+   word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
     while (end < t->size && t->bytes[end] != '\n' && t->bytes[end] != '\r') end++;
@@ -166,7 +169,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     dem_vec whole = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 1; k + 1 < n; k++) whole = dem__add(whole, dem__cross(dem__sub(corner[k], corner[0]), dem__sub(corner[k + 1], corner[0])));
     const double size = dem__dot(whole, whole);
-    if (n == 3 || size != size) return 0; /* what is not a number is counted as such */
+    if (n == 3 || size != size) return 0; /* coordinates that are not finite are counted later */
     for (int start = 0; start < n; start++) {
         int covers = 1;
         for (int k = 1; k + 1 < n && covers; k++) {
@@ -178,7 +181,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     return -1;
 }
 
-/* Ends the facet that the reading is in; its triangles are kept if it is whole. */
+/* Ends the facet in progress. Keeps its triangles if it is whole. */
 static inline void dem__end_facet(dem__stl_text *t) {
     const int n = t->corners, start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
     if (!t->inside) return;
@@ -203,7 +206,7 @@ static inline void dem__begin_facet(dem__stl_text *t) {
     t->normal = dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Reads one word of a facet, which may be the last of three numbers. */
+/* Reads one word of a facet, which may be one of three numbers. */
 static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     const unsigned char *b = t->bytes;
     if (dem__is_word(b, t->at, length, "normal")) t->bad |= t->wanted > 0 || t->corners > 0, t->wanted = 6;
@@ -218,7 +221,7 @@ static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     } else t->bad = 1;
 }
 
-/* Reads a text: facets stand between "facet" and "endfacet", or the next "facet"; names and comments do not matter. */
+/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
 static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
     dem__stl_text t;
     memset(&t, 0, sizeof t);
@@ -235,7 +238,7 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
         else if (dem__begins_with(bytes, at, length, "solid")) t.begun = 1, t.ended = 0, dem__skip_line(&t, length);
         else t.at += length;
     }
-    if (t.inside || (t.begun && !t.ended)) t.missing++; /* it breaks off */
+    if (t.inside || (t.begun && !t.ended)) t.missing++; /* the file is cut off */
     report->facets = t.triangles, report->missing = t.missing, report->polygons = t.polygons;
 }
 
@@ -243,8 +246,8 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Tells by what the bytes are, as heads lie: a text has nearly no control characters, a binary file the length that its count says. Where
-   the two disagree, what is read must look like coordinates. */
+/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control characters; a binary file
+   has the length that its count gives. Where these two disagree, the numbers must look like coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
     size_t controls = 0;

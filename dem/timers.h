@@ -3,7 +3,8 @@
    Relies on bodies, bounds and walls.
    May be changed here alone: how times are stored; a timer is never late. */
 
-/* A timer is of a near pair, or of a particle and a wall. A look finds a contact, or the next time when one is possible. */
+/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the next step in which
+   one is possible. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
@@ -20,11 +21,11 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     return earliest;
 }
 
-/* Those of line b that are due go to the end of a list of n, and are set to `then`; how many are listed. */
+/* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
 DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list, ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
     t->earliest[b] = dem__earliest(due);
-    if (t->earliest[b] > now) return n; /* those it was have been set anew */
+    if (t->earliest[b] > now) return n; /* the earliest timer has been set to a later step since */
     for (int k = 0; k < DEM__LINE; k++) {
         list[n] = (int32_t)(b * DEM__LINE) + k;
         n += due[k] <= now;
@@ -35,8 +36,8 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
     return n;
 }
 
-/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`; how
-   many. */
+/* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to `then`. Returns their
+   number. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -49,7 +50,7 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         DEM__NO_UNROLL
         for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which nobody could predict */
+        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which would be mispredicted */
             open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
@@ -63,35 +64,38 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
 DEM__AVX2_CLONE(dem__list_due, (dem__timers * t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then, ptrdiff_t *n),
                 (t, first, end, step, then, n), *n = dem__find_due(t, first, end, step, then))
 
-/* From a step on: until the timer is due, and for how long nothing can happen at a wall, which may be longer. */
+/* Returns the number of steps from `step` until the timer is due. */
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) { return (int)(t->due[e] - (step - t->from)); }
+/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Steps until t [s], at least one, at most DEM__STEPS_MAX - 1: no contact can happen before. */
+/* Converts a time [s] in which no contact can begin to steps until the next test, 1 to DEM__STEPS_MAX - 1. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
     if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
-    return n > 0.0 ? 1 + (int)n : 1; /* for NaN at once */
+    return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Time in which something at speed s, falling besides with g, covers a distance. */
+/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
 
-/* Time in which something covers a distance that approaches at u (< 0: recedes) and accelerates by at most a. */
+/* Returns the least time [s] to close a distance [m] at an approach speed u [m/s] (< 0: receding) and an acceleration of at most a [m/s2];
+   infinity if it never closes. */
 DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     const double root = u + sqrt(u * u + 2.0 * a * distance);
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* From the centre of j to that of i, at a step. */
+/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__sphere_at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
 }
+/* Returns the same vector for any two particles. */
 DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(w, dem__sub(dem__at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
                                           dem__at(w, j, (double)(step - w->particle[j].origin) * w->engine->run.dt)));
@@ -99,19 +103,20 @@ DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff
 
 typedef double dem__row[DEM__BLOCK];
 
-/* Pairs whose timers are to be set; and what looks have found. */
+/* Near pairs whose timers are to be computed together; and the results of tests. */
 typedef struct dem__timer_batch {
-    dem__bound apart[DEM__BLOCK]; /* of one relative to the other: they touch within `off` */
+    dem__bound apart[DEM__BLOCK]; /* bound of one relative to the other: they can touch within `reach` */
     int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
-    int32_t *found; /* of a look: pairs that touch */
+    int32_t *found; /* of tests: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
 } dem__timer_batch;
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Steps until spheres can touch that stray so far from their bounds: 0 for never, else at least one, at most DEM__STEPS_MAX - 1. */
+/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to DEM__STEPS_MAX - 1. pace:
+   steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -122,13 +127,14 @@ DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
         const double n = c / (below > 0.0 ? below : 1.0) * pace, later = n >= (double)(DEM__STEPS_MAX - 2) ? (double)(DEM__STEPS_MAX - 2)
                                                                          : n > 0.0                         ? n
                                                                                                            : 0.0;
-        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, of what has overflown, is at once */
+        const double otherwise = ((root <= 0.0) | (below <= 0.0)) ? 0.0 : 1.0; /* NaN, after an overflow: 1 step */
         const double steps = ((root > 0.0) & (below > 0.0)) ? 1.0 + later : otherwise;
         q->steps[k] = (int32_t)(c > 0.0 ? steps : 1.0);
     }
 }
 DEM__AVX2_CLONE(dem__compute_due, (dem__timer_batch * q, double pace), (q, pace), dem__compute_due_steps(q, pace))
 
+/* Computes and sets the timers of the pairs in the batch, and empties it. */
 static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t now = (int32_t)(step - pairs->timers.from);
@@ -137,19 +143,19 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
-/* Time on the bounds [s]. */
+/* Returns the time since the list was built [s], on which bounds depend. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
 }
 
-/* Where a bound has led by t [s]. */
+/* Returns the bound as it is t [s] after the list was built. */
 DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
     dem__bound now = *c;
     now.x += t * c->ux, now.y += t * c->uy, now.z += t * c->uz, now.reach += t * c->tolerance;
     return now;
 }
 
-/* A place for pair p and two bounds, one relative to the other. */
+/* Appends pair p with the bound of a relative to b to the batch. Returns that relative bound. */
 DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                        const dem__bound *b) {
     if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
@@ -160,7 +166,7 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
     return r;
 }
 
-/* Pair p, linked or not, by where its bounds have led at a step. */
+/* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
 DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a, const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
     if (!w->engine->run.has_periodic) return;
@@ -168,7 +174,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
-/* Pair p, whose centres are known to be d apart at a step. */
+/* Appends pair p, whose centres are known to be d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
     dem__bound *r = dem__batch_pair(w, q, p, step, &w->engine->bodies.bound[pair->i], &w->engine->bodies.bound[pair->j]);
