@@ -76,8 +76,9 @@
 #define DEM__BODIES
 #endif
 
-/* From gcc -O1 on, but not at -Os, loops vectorise and no product is fused with a sum, whatever else a host is built with; clang fuses only
-   if told to by -ffp-contract=fast. gcc leaves a loop scalar if a root in it may set errno or arithmetic may trap, and most at -O2. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
+   only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
+   trap, and most loops at -O2. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -114,23 +115,24 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__NOINLINE
 #endif
 
-/* dem_run is compiled where it is called: with constant features, only the one kernel that they choose. */
+/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
 #if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
 #define DEM__CHOICE static inline __attribute__((always_inline))
 #else
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, as the first is full of the current block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full of the current
+   block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* With gcc the law's loop writes its results straight to the contacts: ivdep says that no iteration reads what another one writes. Clang's
-   pragma would promise that of the arrays within an iteration, too, which is not so: with clang the loop writes to rows of its own, which
-   are copied. gcc unrolls a short loop before it sees that it vectorises, unless it is told to leave it rolled. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one writes. Clang's
+   pragma would also promise that arrays do not alias within an iteration, which is wrong here. With clang the loop writes to rows, which
+   are copied afterwards. gcc unrolls a short loop before it tries to vectorise it; `unroll 1` stops that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -141,8 +143,8 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__COPY_ROWS 1
 #endif
 
-/* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. Not on Windows, where gcc does not
-   keep the stack aligned for wide vectors (its bug 54412): there -mavx2 for the whole program brings the speed. */
+/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows,
+   where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \
@@ -1271,22 +1273,22 @@ static inline double riddle_asin(double x) {
 enum {
     DEM__K,       /* k_n [N/m] */
     DEM__GAMMA,   /* dashpot [kg/s] */
-    DEM__FLOOR,   /* 0 clipped, -inf naive [N] */
+    DEM__FLOOR,   /* least force: 0 clipped, -inf naive [N] */
     DEM__KT,      /* k_t [N/m] */
     DEM__MU,      /* Coulomb coefficient [-] */
     DEM__GAMMA_T, /* tangential dashpot [kg/s] */
     DEM__ROLL,    /* lever arm [m] */
-    DEM__ROLL_CAP /* I_red/2 [kg m2]: more would reverse the spin within a step */
+    DEM__ROLL_CAP /* I_red/2 [kg m2]: a larger torque would reverse the spin within a step */
 };
-/* State: DEM__XI.. tangential displacement [m], rotated with the contact by the kernel. */
+/* State, from DEM__XI on: tangential displacement [m], which the kernel turns with the contact. */
 enum { DEM__XI };
 
-/* By what the dashpot's velocity, predicted over a step h, is multiplied: so that two bodies alone, on a linear spring of k m/h^2
-   and a dashpot of c m/h, lose in a swing what they should, to the third order. From the roots of what the scheme makes of them,
-   2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0 for positions that go with z^n. */
+/* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies on a linear spring
+   of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the characteristic equation of the scheme for
+   positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1) = 0. */
 DEM_INLINE double dem__prediction(double k, double c) { return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0; }
 
-/* Resistance to rolling, relative and capped: at most the torque that stops the relative spin in two steps. */
+/* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
     const double *n = c->normal, *w = c->spin;
     double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
@@ -1314,7 +1316,7 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     if (!(features & DEM_FRICTION)) return;
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
-    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3], t[3]; /* [s]; without a spring any */
+    double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3], t[3]; /* [s]; arbitrary without a spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
@@ -1322,8 +1324,9 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), scale = limit / (size + 1e-300);
     scale = size > limit ? scale : 1.0;
     for (int a = 0; a < 3; a++) {
-        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding, the spring holds the whole force */
-        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force on the way slid */
+        double kept = size > limit ? scale * (xi[a] + relax * c->slip[a]) : xi[a];        /* sliding: the spring carries the whole force */
+        r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over the distance
+                                                                                             slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
         r->rolling_power += (scale * t[a] - p[DEM__KT] * kept) * c->slip[a];
         state[DEM__XI + a] = kept;
@@ -1347,10 +1350,10 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e
-   exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip), so
-   that a stored force follows the contact radius both ways: the form that Chung & Ooi's impact tests and the bulk codes use. What
-   the change of radius gives or takes stands in the sliding loss, with its sign. */
+/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992; gives e exactly:
+   Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949, without microslip). A stored
+   tangential force follows the contact radius when it grows and when it shrinks, as in Chung & Ooi's impact tests and in the common codes.
+   The energy that a change of the radius adds or takes counts as sliding loss, with its sign. */
 enum {
     DEM__HERTZ_K,
     DEM__HERTZ_GAMMA,
@@ -1367,7 +1370,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
-    double step = c->dt / c->mass, k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of the spring as stiff as it is now */
+    double step = c->dt / c->mass, k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
@@ -1379,7 +1382,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__HERTZ_MU] * push;
     double kt = p[DEM__HERTZ_G] * area, before = state[DEM__AREA];
-    double follow = area / (before + 1e-300); /* at birth the force is zero */
+    double follow = area / (before + 1e-300); /* in a new contact the force is zero */
     double t[3], f[3], old = 0.0, work = 0.0, now = 0.0;
     for (int a = 0; a < 3; a++) {
         old += state[DEM__FT + a] * state[DEM__FT + a];
@@ -1403,7 +1406,8 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     if (features & DEM_ROLLING) dem__roll(c, push, p[DEM__HERTZ_ROLL], p[DEM__HERTZ_CAP], r);
 }
 
-/* shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 + nu)) */
+/* Computes the constants of a contact by Hertz. Shear modulus of the pair: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j with G = E/(2 (1 +
+   nu)). */
 static inline double dem_prepare_hertz(const dem_birth *b, double *constants) {
     const dem_material *i = &b->def->material[b->material_i], *j = &b->def->material[b->material_j];
     double modulus = 1.0 / ((1.0 - i->poisson_ratio * i->poisson_ratio) / i->young_modulus +
@@ -2880,29 +2884,30 @@ DEM_API void dem_free(dem_world *world) {
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
    May be changed here alone: what is booked where. */
 
-/* Is a wall there, and does it act on particle i? */
+/* Returns whether a wall is enabled and acts on particle i. */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* The force, or the torque, of a wrench. */
+/* Returns the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the torque of a wrench. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
-/* Books the potential energy [J] that a particle gains where it is put back into the periodic box. */
+/* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
 }
 
-/* Books a particle at rest that is added, by its potential energy [J]. */
+/* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
 
-/* Books a change of a particle's kinetic energy from outside [J]. */
+/* Books a change of a particle's kinetic energy by the caller [J]. */
 DEM_INLINE void dem__book_motion(dem_world *w, double change) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
 }
 
-/* Books a particle that is removed: its energy, and the potential part of it [J]. */
+/* Books the energy of a particle that is removed, and its potential part [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
     if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
 }
@@ -2917,8 +2922,8 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Books what a contact in slot c has stored at its end: as removed if the caller or an exit ended it; else its
-   tangential spring is let go as if it slid. */
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
+   because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
@@ -2927,7 +2932,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Energy stored in all contacts, 0 while no ledger is kept. */
+/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
     if (!w->engine->ledger.counts) return sum;
@@ -2935,12 +2940,13 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the change of stored energy that the caller has made between runs: contacts made, constants changed. */
+/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at the end of the last
+   run [J]. */
 static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
-/* Books what contacts have dissipated in a step, and the work of walls and loads. */
+/* Books what contacts dissipated in a step, and the work of walls and loads. */
 static inline void dem__book_losses(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__contacts *contacts = &w->engine->contacts;
@@ -2959,8 +2965,8 @@ static inline void dem__book_losses(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>rotation */
-/* Quaternions and the free rotation of a rigid body: pure functions. Reads nothing else. Anything may be changed here that keeps length and
-   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first.
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
+   comes first.
    May be changed here alone: all that keeps length and angular momentum to rounding. */
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -2970,13 +2976,13 @@ DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
 DEM_INLINE dem_vec dem__vector_part(dem_quaternion q) { return dem_vec3(q.x, q.y, q.z); }
 DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) { return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z)); }
 
-/* The turn b, then the turn a. */
+/* Returns the turn b followed by the turn a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
     return dem__quaternion(a.w * b.w - dem__dot(u, v), dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* The turn by an axis times half an angle [rad]. Below a tenth the series is as exact, and cheaper. */
+/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. Below 0.1 rad the series is as accurate, and cheaper. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     const double square = dem__dot(half, half);
     if (square < 0.01) {
@@ -2988,20 +2994,21 @@ DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     return dem__quaternion(riddle_cos(angle), dem__scale(riddle_sin(angle) / angle, half));
 }
 
-/* A vector of the body's frame in the lab's, and the other way. */
+/* Returns a vector of the body's frame in the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
     return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
 }
+/* Returns a vector of the lab's frame in the body's. */
 DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
 
-/* Takes out what rounding has added to the length: one step of Newton's for its inverse. */
+/* Removes the error of the length by rounding, with one Newton step for the inverse of the length. */
 DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
     const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
 }
 
-/* Of any length but 0; 0 if it has no direction. */
+/* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z), most = a > b ? a : b;
     if (!(most > 0.0 && most <= DBL_MAX) || !(fabs(q.w) + fabs(q.x) + fabs(q.y) + fabs(q.z) >= 0.0)) return 0;
@@ -3010,17 +3017,18 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
-/* Vectors of the lab times the tensor of principal moments, and times its inverse: spin to angular momentum and back. */
+/* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
     const dem_vec w = dem__to_body(q, spin);
     return dem__to_lab(q, dem_vec3(moments.x * w.x, moments.y * w.y, moments.z * w.z));
 }
+/* Returns the spin of an angular momentum, both in the lab's frame. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec l = dem__to_body(q, momentum);
     return dem__to_lab(q, dem_vec3(l.x / moments.x, l.y / moments.y, l.z / moments.z));
 }
 
-/* Free rotation for time t of a body with moments i, i, k: exact. About the angular momentum, and about its own third axis. */
+/* Rotates a free body with moments i, i, k for a time t, exactly: about the angular momentum, and about its own third axis. */
 DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, double i, double k, double t) {
     const dem_quaternion about = dem__turn_by(dem__scale(0.5 * t / i, momentum));
     if (i == k) return dem__turns(about, q);
@@ -3028,8 +3036,8 @@ DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, doub
     return dem__turns(dem__turns(about, q), dem__turn_by(dem_vec3(0.0, 0.0, own)));
 }
 
-/* The same with three moments, to second order: what the first differs from the second by before and after, a symmetric top between
-   (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Angular momentum stays as it is. */
+/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for half of what the first
+   moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
@@ -3037,7 +3045,7 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
 }
 
-/* The same to sixth order: nine of those (Kahan & Li 1997, s9odr6a). */
+/* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
                                    0.79854399093482996340};
@@ -3045,22 +3053,22 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
     return dem__kept_unit(q);
 }
 
-/* The time [s] in which a body turns by a quarter radian at most, HUGE_VAL at rest. */
+/* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
 DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Free rotation with three moments over any time, in steps of at most a quarter radian. */
+/* Rotates a free body with three moments for any time, in steps of at most a quarter radian. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
 
-/* Free rotation for time t: closed where two moments are equal (the first two then); else by splitting, which a single step of a body under
-   torques does with second order, as everything in it is. */
+/* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single: a step of a body
+   under torques, to second order, as everything in such a step is. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
@@ -3068,21 +3076,22 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
 
 /* -------------------------------------------------------------------------------------------- >>flight */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
-   bodies. Promises: the same bits whenever somebody asks.
+   bodies. Promises: the same bits whenever a state is evaluated.
    May be changed here alone: how a state is evaluated, bit for bit the same.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
-   in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as
-   parts of the body, true at the origin step and while forces are computed. In flight ask dem__at and its like, never the parabola. */
-/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
+   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
+   world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
+   of the body, valid at the origin step and while forces are computed. In flight use dem__at and its like, never the parabola. */
+/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
+/* Returns the time since the origin step of particle i [s]. */
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
     const double length = high - low, x = v - length * floor((v - low) / length);
-    return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
+    return x < low ? low : x > high ? high : x; /* rounding, very far away */
 }
 DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     const dem_def *d = &w->def;
@@ -3092,23 +3101,23 @@ DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     return x;
 }
 
-/* The rigid body that particle i belongs to, or NULL. */
+/* Returns the rigid body of particle i, or NULL. */
 DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Position, velocity and spin of a rigid body at tau after its origin step, and its orientation. */
+/* State of a rigid body at tau after its origin step. */
 typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
-/* Is the rotation of a body a free one that takes strides? */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-/* Its orientation at tau, by whole strides from the origin and the rest; those that are known are not computed again. */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
     dem_quaternion q = r->turn;
@@ -3119,7 +3128,7 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
 }
 
-/* Notes how far flights have come, so that whoever asks next need not begin at their origins. */
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
 static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
@@ -3132,6 +3141,7 @@ static inline void dem__note_strides(dem_world *w) {
     }
 }
 
+/* Returns the state of a rigid body at tau after its origin step [s]. */
 static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     dem__posture p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
@@ -3151,7 +3161,7 @@ static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const de
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
-/* Of a sphere: on the parabola at tau after the origin step. */
+/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
 DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem_particle *p = &w->particle[i];
     return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
@@ -3163,7 +3173,7 @@ DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double t
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
-/* Of any particle. */
+/* Returns the position of any particle at tau after its origin step. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
@@ -3172,8 +3182,8 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* The same as exactly as is known: in a force field a flight's parabola is right in place at both ends, but not in velocity; what its end
-   differs by tells how the acceleration changes. */
+/* Returns the velocity as accurately as it is known. In a force field, the parabola of a flight has the right places at both ends, but not
+   the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem_vec v = dem__velocity_at(w, i, tau);
@@ -3193,11 +3203,11 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
    threads.
    May be changed here alone: how a body is integrated.
 
-   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
-   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
-   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
-   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
-/* Puts the particles of a body where it is at its origin, with velocity, spin and acceleration as parts of it. */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
+   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
+   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
+   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     r->strides = 0.0;
@@ -3221,19 +3231,19 @@ static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* A body into the periodic box. Where gravity has a part along the box it regains potential energy. */
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
 static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
     if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
-/* Moves a body to the end of a step of length h that ends at tau after its origin, its velocities to the middle: as for spheres, those that
-   kernels read, seen from half way between the arms of both ends. */
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
+   particles, which kernels read, are computed with the mean of the arms at both ends. */
 static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else a flight ends */
+    const int steps = tau <= h; /* else its flight ends in this step */
     const dem__posture end = dem__posture_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__posture_at(w, r, tau - h).turn;
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
@@ -3252,7 +3262,7 @@ static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, do
     }
 }
 
-/* The force and the torque about its centre that a body's particles have been given: by contacts and, with loads, by loads. */
+/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
 static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
     *force = *torque = dem_vec3(0.0, 0.0, 0.0);
@@ -3266,8 +3276,8 @@ static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int
     }
 }
 
-/* New accelerations of a body, and its velocities from the middle of a step to its end. Its particles are left as dem__kick_all takes them:
-   sums that give them the acceleration they have as parts of it, and velocities from which it leads them to those at the end. */
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
+   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
 static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
@@ -3293,7 +3303,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     }
 }
 
-/* Accelerations of a body that nothing touches. */
+/* Computes the acceleration of a body that touches nothing. */
 static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
@@ -3301,7 +3311,7 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* An impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n; only what is not zero. */
+/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
 static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
@@ -3315,16 +3325,17 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* How fast a particle of a body may at most be against the body's centre, in flight [m/s]. */
+/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
 static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of its energy about the axis of least inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
+                                                                              inertia */
 }
 
-/* Bodies whose first particles are among the active ones first .. end-1. */
+/* Moves the bodies whose first particles are among the active ones first .. end-1. */
 static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const double h = *(const double *)context;
     const int64_t step = w->step + (h > 0.0);
@@ -3335,6 +3346,7 @@ static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrd
         if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
     }
 }
+/* Moves their velocities to the end of the step. */
 static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const double half = 0.5 * *(const double *)context;
     (void)part;
@@ -3350,7 +3362,7 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
    Relies on flight.h, rigid.h and the ledger.
    May be changed here alone: what a function that changes a particle refuses. */
 
-/* Makes the present step the origin: the parabola's state becomes the stored one. */
+/* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -3363,14 +3375,15 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* The same where a caller changes particle i between runs: in a force field with its velocity as exactly as is known. */
+/* Does the same where a caller changes particle i between runs. In a force field it takes the most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
     dem__set_origin(w, i);
     if (w->engine->field.on) w->particle[i].v = v;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
+/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
+   which is booked. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
@@ -3382,7 +3395,8 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
-/* A rigid body's energy is that of its first particle: what sums over particles counts each body once. */
+/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
+   count it once. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -3422,13 +3436,13 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     return d;
 }
 
-/* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
+/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
     const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
 
-/* Work of the present link forces on particle i since they were evaluated. */
+/* Returns the work of the link forces on particle i since they were evaluated [J]. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -3440,14 +3454,14 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
 }
 
-/* What makes accelerations of forces on particle i. */
+/* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = 1.0 / w->particle[i].mass;
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Acceleration without contacts. */
+/* Sets the acceleration of particle i without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -3465,12 +3479,12 @@ DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radi
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
 }
 
-/* A diameter whose mass and inertia are numbers. */
+/* Returns whether a diameter gives a mass and an inertia that are numbers. */
 static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
 
-/* Room for n more. */
+/* Makes room for n more particles. Returns 0 when out of memory. */
 static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__bodies *bodies = &w->engine->bodies;
@@ -3478,7 +3492,7 @@ static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
            dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
 }
 
-/* A new particle at rest, for which there is room; its number. */
+/* Adds a particle at rest, for which there is room. Returns its number. */
 static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
     const ptrdiff_t i = w->count++;
     dem__bodies *bodies = &w->engine->bodies;
@@ -3526,20 +3540,21 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* A rigid body to be added: see rigid.h. */
+/* Definition of a rigid body: see rigid.h. */
 typedef struct dem__body_def {
     dem_vec x;             /* centre of mass [m] */
     double mass;           /* [kg] */
     dem_vec moments;       /* about the principal axes [kg m2] */
     dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's */
-    ptrdiff_t pieces;      /* particles */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
     const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
     const double *radius;  /* [m] */
     int material, group;
 } dem__body_def;
 
-/* Room for n bodies more, with so many particles in all. Without any such body so far: arrays of their particles, too. */
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
+   when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -3559,15 +3574,15 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     return 0;
 }
 
-/* Moments in the order that the exact drift needs: the two that differ least come first, and are equal if they differ by rounding. Turns
-   the frame, and says which axis became which. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
+   frame accordingly; order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
     for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange is a turn about (1, 1, 1) */
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
@@ -3578,7 +3593,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
     if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
 }
 
-/* Adds a body at rest, for which dem__reserve_bodies has made room. The number of its first particle. */
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
 static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
@@ -3661,7 +3676,7 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Has it, or with a rigid body any of its particles, a load? */
+/* Returns whether particle i, or any particle of its rigid body, has a load. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
@@ -3669,13 +3684,14 @@ DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     return loaded;
 }
 
-/* Particle i, and with it those of its rigid body, takes steps from now on. */
+/* Makes particle i take steps from now on. */
 DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
     bodies->activity[i] = 1;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
+/* Makes particle i, or all particles of its rigid body, take steps from now on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__wake_one(w, i);
@@ -3727,7 +3743,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     }
     if (r) dem__place_pieces(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__wake(w, i); /* a loaded particle is no free flight: it takes steps */
+    dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -5583,15 +5599,15 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
    May be changed here alone: how corners are welded and faults counted. */
 /* ---- from facets to a mesh ---- */
 
-/* What a mesh is made in. */
+/* Working memory for making a mesh. */
 typedef struct dem__workshop {
     dem__facet *facets;
     ptrdiff_t n;
     dem__slot *slots; /* `capacity` of them */
     size_t capacity;
-    int32_t *next; /* 3 n: the next vertex of a cell; then the corners of triangles without area */
+    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
     ptrdiff_t slivers;
-    double weld, cell; /* cell: 0 to tell vertices by their very coordinates */
+    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
 } dem__workshop;
 
 static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
@@ -5604,8 +5620,8 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place, an earlier one if that is within `weld`. Vertices hang in chains from the cells of a grid, which are four
-   times as wide as that: few have room in one, wherever the others are. */
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
+   a grid, which are four times as wide as `weld`: few fit into one cell. */
 static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -5649,7 +5665,7 @@ static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
     }
 }
 
-/* Tells how many edges of a triangle have one other, which runs the other way. */
+/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
 static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
@@ -5660,8 +5676,8 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Triangles without area close what is open where one long edge lies on two short ones: there is no hole. A fan of them closes one after
-   the other; sixteen passes to and fro are enough for any order that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
+   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
 static inline void dem__close_junctions(dem__workshop *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -5676,7 +5692,7 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and leaves out those that are not finite. Returns how many are left, and the box that holds them. */
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
 static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -5701,12 +5717,12 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
     return kept;
 }
 
-/* Have the three corners been seen before, in whatever order? */
+/* Returns whether the three corners have been seen before, in any order. */
 static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
-    /* three numbers to a key that others share only by a chance of 2^-64 a pair */
+    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
     const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
     if (slot->key) return 1;
@@ -5714,7 +5730,7 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     return 0;
 }
 
-/* Keeps the triangles that have an area and are new; measures them. */
+/* Keeps the triangles that have an area and are new; sums area and volume. */
 static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
     const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -5961,11 +5977,10 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
     return fabs(sum);
 }
 
-/* What is asked of walls' motion, and walls driven by forces.
-   Relies on shapes.h, which says where a wall is at a time.
+/* The motion of walls as it was asked for, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
-/* A new motion begins where the wall is. */
+/* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
@@ -5980,6 +5995,7 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     return a;
 }
 
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
@@ -6028,15 +6044,15 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     return DEM_OK;
 }
 
-/* From now on the wall moves by a drive alone. */
+/* Makes a drive the only motion of a wall from now on. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
-    a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
+    a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
     a->slides = 1;
     a->asked.drive = (int)drive;
-    w->engine->run.needs_forces = 1; /* its acceleration is to be found */
+    w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
 
@@ -6059,7 +6075,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
     a->asked.motion = motion, a->asked.motion_user = user;
-    world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
+    world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
     return DEM_OK;
 }
 
@@ -6100,7 +6116,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
-/* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
@@ -6119,7 +6135,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
+/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
     a->impulse = dem__add(a->impulse, impulse);
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
@@ -6149,7 +6165,7 @@ DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>parallel */
-/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are.
+/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads.
    May be changed here alone: who runs a task. */
 
 /* Runs the tasks of a loop one after the other. */
@@ -6158,10 +6174,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Where another program takes a core, threads wait for each other longer than the work takes. Books a loop that ran from start to end [s]
-   beside the time that its tasks would have taken one after the other (a task that was interrupted counts for no more than three of the
-   first, which the waiting thread did itself). After a loss of 2 ms loops run alone: for 20 ms, and for twice as long each time that
-   threads lose again soon after. */
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
+   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
+   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
+   as long each time that threads lose again soon after. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -6174,7 +6190,7 @@ static inline void dem__judge_threads(dem__pace *pace, double start, double end,
     pace->loss = 0.0;
 }
 
-/* Runs the tasks of a loop on OpenMP's threads, unless these lose time. */
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
 static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
     const double start = omp_get_wtime();
     double spent[DEM__PARTS_MAX];
@@ -6193,7 +6209,7 @@ static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void
 }
 #endif
 
-/* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
 static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
     if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
     else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
@@ -6206,7 +6222,7 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
 #ifndef _OPENMP
@@ -6215,16 +6231,16 @@ DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
 }
 
-/* The same with at most `most` parts. */
+/* Returns the same, but at most `most`. */
 DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
     const int parts = dem__parts(w, n);
     return parts < most ? parts : most;
 }
 
-/* The first of n items that belongs to a part. */
+/* Returns the first of n items that belongs to a part. */
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
-/* A loop over items first .. end - 1, which are part `part` of n, with what the loop needs. */
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
 typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
 typedef struct dem__split {
     dem_world *w;
@@ -6239,7 +6255,7 @@ static inline void dem__run_part(void *context, int q) {
     s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
 }
 
-/* Runs a loop over n items in so many parts. */
+/* Runs a loop over n items in `parts` parts. */
 static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
     dem__split split;
     split.w = w;
@@ -7213,25 +7229,27 @@ static inline void dem__compact(dem_world *w) {
 /* -------------------------------------------------------------------------------------------- >>grid */
 /* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
    May be changed here alone: sizes of cells. */
-/* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
+/* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
-    double low[3], inverse[3]; /* corner, 1 / cell size by axis */
-    double widest;             /* radius of its largest sphere */
+    double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
+    double widest;             /* radius of its largest sphere [m] */
     int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* spheres; its first cell in the common list */
+    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
 } dem__grid;
 
-#define DEM__CLASS 2.5         /* between 2 and 3 the time is the same: fewer levels, but more spheres in a cell */
+#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
 enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
 
+/* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
     int level = 0;
     for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
     return level;
 }
 
-/* Where the bulk of the points lies: four standard deviations each way from the mean, and again among those within as long as that
-   halves the span. The few outside, which have gone astray, are put into the cells at the border and do not make all cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
+   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
+   cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -7254,7 +7272,7 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
     *low = from, *high = to;
 }
 
-/* Cells no smaller than `size` over a box, at most four a sphere. */
+/* Lays cells no smaller than `size` over a box, at most four a sphere. */
 static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
@@ -7269,20 +7287,21 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
     for (int a = 0; a < 3; a++) {
         const double n = floor(span[a] / size);
-        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: whole cells, each a little larger */
+        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: a whole number of cells, each a little larger */
         g->inverse[a] = g->wraps[a] ? g->n[a] / span[a] : 1.0 / size;
         if (!g->wraps[a]) g->n[a]++;
     }
 }
 
-/* The cells of an axis that [v - reach, v + reach] meets: from *first, so many, to be wrapped; each at most once. */
+/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
+   the caller counts on and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
     const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
     if (g->wraps[a]) {
         const double low = floor(from), high = floor(to);
         *first = 0;
         if (!(high - low < last)) return g->n[a];
-        *first = (int32_t)low; /* v itself is in the box, or at its upper end */
+        *first = (int32_t)low; /* v is in the box, or at its upper end */
         *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
         return (int32_t)(high - low) + 1;
     }
@@ -11615,7 +11634,7 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
-/* A length of a region: none, or enough for a volume that is a number. */
+/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
 static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
 
 static inline int dem__is_region(const dem_region *r) {
@@ -11653,7 +11672,7 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     return along >= 0.0 && along <= r->length && dem__dot(d, d) - along * along <= r->radius * r->radius;
 }
 
-/* A box around a region. */
+/* Finds a box around a region. */
 static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
@@ -11666,7 +11685,7 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
     }
 }
 
-/* splitmix64, to [0, 1) */
+/* Draws a number from [0, 1) by splitmix64. */
 static inline double dem__uniform(uint64_t *random) {
     uint64_t z = *random += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -11705,19 +11724,19 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Logarithm of the share per ln d at d = scale e^y, but for a constant. All are concave in y. */
+/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
     return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
 }
-/* The same of the number of spheres. */
+/* Returns the same for the number of spheres. */
 static inline double dem__log_number(const dem_sizes *s, double y) {
     const double f = dem__log_share(s, y);
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* The end of ln d, from a cut towards the peak, up to which the density is below e^-60 of that at the peak: nothing is drawn there, and
-   the pieces of the rest are fine enough for a draw in ten to count. */
+/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the peak. Nothing is drawn
+   beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -11730,7 +11749,7 @@ static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     return end;
 }
 
-/* Also tells the smallest diameter and the largest. */
+/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
     if (s->kind == DEM_SIZES_LIST) {
@@ -11752,13 +11771,13 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
     if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
                                        : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* somewhere between the cuts there is 1e-20 of the peak, which is at the scale: else a unit is wrong */
+    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* The interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density count.
-   Where the density has its peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in it. The place of the
+   peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
@@ -11781,7 +11800,7 @@ static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) 
         if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
             return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
     }
-    return (double)NAN; /* with a chance below 1e-400 */
+    return (double)NAN; /* with a probability below 1e-400 */
 }
 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
@@ -11797,7 +11816,7 @@ DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
     double place = sum * dem__uniform(random);
     int k = 0;
     while (k < s->count - 1 && place >= weight[k]) place -= weight[k++];
-    while (k > 0 && weight[k] == 0.0) k--; /* the sum's rounding may lead past the last that has a share */
+    while (k > 0 && weight[k] == 0.0) k--; /* rounding of the sum may lead past the last diameter that has a share */
     return s->diameter[k];
 }
 
@@ -11811,7 +11830,7 @@ DEM_API dem_feed dem_default_feed(void) {
     return feed;
 }
 
-/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions.
+/* Placing particles without overlap, at once or over time; removing. Owns nothing; writes a world through its public functions.
    May be changed here alone: how a free place is searched (bits of filled scenes change). */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -11821,9 +11840,10 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside; /* of a mesh as region: its triangles at their place; else without a tree */
+    dem_wall inside; /* the triangles of a mesh region; without a tree for other regions */
 } dem__room;
 
+/* Adds a sphere to the lists. */
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
@@ -11832,6 +11852,7 @@ static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
     room->head[c] = (int32_t)k;
 }
 
+/* Counts a sphere that will be added, for the sizes of cells and arrays. */
 static inline void dem__count_in(dem__room *room, double radius) {
     dem__grid *g = &room->grid[dem__level(radius, room->smallest)];
     g->count++;
@@ -11839,7 +11860,7 @@ static inline void dem__count_in(dem__room *room, double radius) {
     room->capacity++;
 }
 
-/* Is sphere i near enough to a box to be in the way? Along periodic axes everything is. */
+/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
 static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
@@ -11850,7 +11871,7 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     return w->alive[i];
 }
 
-/* The triangles of a mesh as region, sorted. */
+/* Builds the tree of a mesh region. */
 static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, const dem_region *region) {
     const dem_mesh *m = region->mesh;
     dem_status status = DEM_OK;
@@ -11862,7 +11883,7 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     return status;
 }
 
-/* Frees what a room holds. */
+/* Frees the memory of a room. */
 static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     const dem_allocator *a = &w->def.allocator;
     if (room->centre) a->fn(a->user, room->centre, room->bytes, 0);
@@ -11870,7 +11891,7 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the present spheres around a region and n new ones of given radii. */
+/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body [m]. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
                                         double reach) {
     dem_vec low, high, x;
@@ -11882,7 +11903,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (ptrdiff_t k = 0; k < n; k++) {
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* a face's spheres stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
@@ -11912,7 +11933,8 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     return DEM_OK;
 }
 
-/* Would a sphere of a group there overlap another, or a wall, or be inside a solid one, beyond an exit or out of a mesh as region? */
+/* Returns whether a sphere of a group is free at x: it overlaps no sphere and no wall, and is not inside a solid wall, beyond an exit or
+   outside a mesh region. */
 static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -11942,9 +11964,10 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
     return 1;
 }
 
-/* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
+/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does. Returns 0 if the
+   region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: somewhere in the box around it */
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -11976,7 +11999,7 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     return 1;
 }
 
-/* Largest first. */
+/* Moves a radius down a heap, whose root is the smallest. */
 static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
     for (;;) {
         ptrdiff_t child = 2 * root + 1;
@@ -11988,6 +12011,7 @@ static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
         root = child;
     }
 }
+/* Sorts radii, largest first. */
 static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
     for (ptrdiff_t k = n - 1; k > 0; k--) {
@@ -11997,13 +12021,13 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     }
 }
 
-/* How many spheres are due, at most `most`, drawn one after the other; their radii, if there is an array for them. The first that is
-   not due waits: to leave it out would favour the small ones. */
+/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or NULL. The first that
+   is not due is kept in feed->waiting: to leave it out would favour small ones. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source owes, or is ahead by, half a sphere at most */
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source is late or early by half a particle at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -12011,7 +12035,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
-/* Draws an orientation, all alike likely: a point of the unit ball in four dimensions, made longer. */
+/* Draws an orientation, all equally likely: a point of the unit ball in four dimensions, scaled to length 1. */
 static inline dem_quaternion dem__random_turn(uint64_t *random) {
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     for (int tries = 0; tries < 1000; tries++) {
@@ -12022,14 +12046,16 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
     return q;
 }
 
-/* Particles of a feed's body; its size, and that of particle k, over the radius of the sphere of its volume. */
+/* Returns the number of particles in a body of a feed. */
 static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+/* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
 static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+/* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Tells where particle k of a clump is, and its radius, for a body of the volume of a sphere of a given radius. */
+/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the particle's radius. */
 static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
                                        double *piece) {
     const double scale = radius * dem__feed_scale(feed);
@@ -12037,7 +12063,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
-/* Is there room for a body of a feed? */
+/* Returns whether a body of a feed is free at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                 double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius, feed->group);
@@ -12054,14 +12080,14 @@ static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed 
     const double reach = radius * dem__feed_reach(feed);
     for (int tries = 0; tries < feed->tries; tries++) {
         if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
-        *x = dem__in_box(w, *x); /* as dem_add_spheres will */
+        *x = dem__in_box(w, *x); /* as dem_add_spheres does */
         if (feed->clump) *turn = dem__random_turn(&feed->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
 }
 
-/* Takes the places of a body's particles, in their order. */
+/* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                     double radius) {
     if (!feed->clump) dem__settle_in(room, x, radius);
@@ -12072,7 +12098,7 @@ static inline void dem__settle_body(const dem_world *w, dem__room *room, const d
     }
 }
 
-/* New bodies of a feed: as they are drawn and placed, then as they lie in memory. */
+/* New bodies of a feed: as drawn and placed, then in the order of memory. */
 typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
@@ -12087,7 +12113,7 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Draws n radii, and finds those of their particles. The largest there is of a body's. */
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
                                      ptrdiff_t most, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
@@ -12102,8 +12128,8 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
-   once; of a source the first of them waits, and with it those behind it. */
+/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a place are counted
+   as missed; otherwise the first of them waits, and with it those after it. */
 static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -12129,8 +12155,8 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
     }
 }
 
-/* Lists the bodies that were placed, in the order of the cells of their first particles, so that neighbours in space become neighbours in
-   memory. How many are they? */
+/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are neighbours in memory. Returns
+   their number. */
 static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
@@ -12151,7 +12177,7 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
     return placed;
 }
 
-/* Adds bodies with velocities; all or none. */
+/* Adds n bodies with their velocities, or none. */
 static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     const dem_status status = feed->clump
@@ -12164,8 +12190,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     return status;
 }
 
-/* Places bodies: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
-   the order drawn, up to the first without a place, which then waits. */
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are missed; otherwise in
+   the order drawn, up to the first without a place, which waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
@@ -12173,7 +12199,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem__room room;
     dem__batch batch;
     ptrdiff_t placed = 0;
-    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* limits what a source draws after it was blocked for long */
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double smallest, largest;
     dem__are_sizes(&feed->sizes, &smallest, &largest);
@@ -12273,34 +12299,33 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>measure */
-/* Measuring: volumes, regions, stress, fields, histograms, mixing. Readers of a const world, into the caller's arrays.
-   Relies on read.h.
+/* Measuring: volumes, regions, stress, fields, histograms, mixing. Reads a const world; writes the caller's arrays. Relies on read.h.
    May be changed here alone: all but what a number means. */
 
-/* Unit ball where z > c. */
+/* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
 DEM_INLINE double dem__acos(double x) { return riddle_acos(dem__clamp(x, -1.0, 1.0)); }
 DEM_INLINE double dem__root(double x) { return x > 0.0 ? sqrt(x) : 0.0; }
 
-/* Unit ball where y > b and z > c; b, c in [-1, 1]. */
+/* Returns the volume of the unit ball where y > b and z > c; b, c in [-1, 1]. */
 static inline double dem__wedge(double b, double c) {
     if (b < 0.0) return dem__cap(c) - dem__wedge(-b, c);
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
-    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* of the edge within */
+    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
     const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);                                    /* half arcs on the two circles */
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
 
-/* The face x = a of the corner below: its arc and its area. */
+/* Returns the area of the face x = a of dem__corner; arc: the angle of its arc. */
 static inline double dem__corner_face(double a, double b, double c, double *arc) {
     const double square = 1.0 - a * a, r = sqrt(square);
     *arc = dem__acos(b / r) - (0.5 * RIDDLE_PI - dem__acos(c / r));
     return 0.5 * (square * *arc - c * (dem__root(square - c * c) - b) - b * (dem__root(square - b * b) - c));
 }
 
-/* Unit ball where x > a, y > b and z > c, each in [-1, 1]. */
+/* Returns the volume of the unit ball where x > a, y > b and z > c, each in [-1, 1]. */
 static inline double dem__corner(double a, double b, double c) {
     if (a < 0.0) return dem__wedge(b, c) - dem__corner(-a, b, c);
     if (b < 0.0) return dem__wedge(a, c) - dem__corner(a, -b, c);
@@ -12329,7 +12354,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     return sum > 0.0 ? sum * radius * radius * radius : 0.0;
 }
 
-/* Discs of radii q and r whose centres are a distance apart: area in common. */
+/* Returns the common area of two discs of radii q and r whose centres are `apart`. */
 static inline double dem__discs(double q, double r, double apart) {
     const double smaller = q < r ? q : r;
     if (apart <= fabs(q - r)) return RIDDLE_PI * smaller * smaller;
@@ -12338,12 +12363,12 @@ static inline double dem__discs(double q, double r, double apart) {
     return q * q * dem__acos(at_q / q) + r * r * dem__acos(at_r / r) - apart * dem__root(q * q - at_q * at_q);
 }
 
-/* Does a region hold a point? `inside`: its triangles, sorted, if it is a mesh. */
+/* Returns whether a region contains a point. inside: the tree of a mesh region. */
 static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_vec point) {
     return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
 }
 
-/* Volume of a ball within a mesh: of one that the surface cuts by the points of a grid that are inside. */
+/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are inside. */
 static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
     const int points = 10;
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
@@ -12361,7 +12386,7 @@ static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, d
     return whole * in / all;
 }
 
-/* Share of the line from a to b that lies in a mesh, by points of it. */
+/* Returns the share of the line from a to b that lies in a mesh, by counting points. */
 static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_vec b) {
     const int points = 64;
     const dem_vec way = dem__sub(b, a);
@@ -12374,7 +12399,7 @@ static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_v
     return (double)in / points;
 }
 
-/* Volume of a ball within a region. */
+/* Returns the volume of a ball within a region. */
 static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, dem_vec centre, double radius) {
     const dem_vec d = dem__sub(centre, r->low);
     if (r->kind == DEM_REGION_MESH) return dem__ball_in_mesh(inside, centre, radius);
@@ -12390,7 +12415,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     const double along = dem__dot(d, axis), apart = dem__root(dem__dot(d, d) - along * along);
     if (apart + radius <= r->radius && along >= radius && along <= r->length - radius) return whole;
     if (apart >= r->radius + radius) return 0.0;
-    /* discs across the axis, evenly in the angle, so that the ball's ends are smooth */
+    /* discs across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
     const double from = dem__acos(dem__clamp(along / radius, -1.0, 1.0)),
                  to = dem__acos(dem__clamp((along - r->length) / radius, -1.0, 1.0));
     const int slices = 128;
@@ -12402,7 +12427,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     return sum * radius * (to - from) / slices;
 }
 
-/* Share of the line from a to b that lies in a region. */
+/* Returns the share of the line from a to b that lies in a region. */
 static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
     if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
     const dem_vec way = dem__sub(b, a), d = dem__sub(a, r->low);
@@ -12438,7 +12463,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Where images of what is in the box lie from it, itself first; along each periodic axis one on either side. Their number. */
+/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic axis. Returns their
+   number. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -12454,7 +12480,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* Where particle i is counted, and how fast it is there: a rigid body once, at its centre of mass. 0 for its other particles. */
+/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0 for its other
+   particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r && r->first != i) return 0;
@@ -12463,7 +12490,7 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* The part of a particle's volume that counts: all of a sphere; those of a body share what is left of them where they overlap. */
+/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the body's volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
@@ -12471,14 +12498,14 @@ static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     return r ? r->mass / sum : 1.0;
 }
 
-/* From the centre of the body that particle i is a part of to the particle's. */
+/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre; of a body: of
-   mass. 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's point, to i's centre; of
+   bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -12575,22 +12602,22 @@ static inline int dem__are_cells(const dem_cells *c) {
     return number < 1073741824.0;
 }
 
-/* Integral of the kernel up to u. */
+/* Returns the integral of the coarse-graining kernel up to u. */
 DEM_INLINE double dem__up_to(double u) {
     u = dem__clamp(u, -1.0, 1.0);
     return 0.5 + 0.0625 * u * (15.0 - u * u * (10.0 - 3.0 * u * u));
 }
 
-/* The cells of an axis in which a point at v counts: first and last. 0 if none. */
+/* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
     const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
-    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* NaN too */
+    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
     return 1;
 }
 
-/* Share of a point at v that counts in cell k of an axis. */
+/* Returns the share of a point at v that counts in cell k of an axis. */
 DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     if (c->width[a] == 0.0) return 1.0;
     const double low = dem_axis(c->low, a), size = (dem_axis(c->high, a) - low) / c->n[a], at = low + k * size - v,
@@ -12598,10 +12625,10 @@ DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     return dem__up_to((at + size) * inverse) - dem__up_to(at * inverse);
 }
 
-/* What a point carries, spread over the cells around it. */
+/* What a point adds to the cells around it. */
 typedef struct dem__load {
-    double mass, stress;            /* [kg]; weight of a branch's point */
-    dem_vec velocity, force, along; /* of a sphere; of a branch */
+    double mass, stress;            /* of a sphere [kg]; weight of a point on a branch */
+    dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
 } dem__load;
 
 static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
@@ -12725,7 +12752,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* The expected variance is that of drawing without putting back: p q (N - n)/(n (N - 1)) for a sample of n out of N. */
+/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N - 1)) for a
+   sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};
@@ -13767,11 +13795,10 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------- >>scalar laws */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader.
-   Relies on laws.h.
-   May be changed here alone: how a number is found, to its last bits (hashes follow). */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h.
+   May be changed here alone: how a number is computed, to its last bits (hashes follow). */
 
-/* Half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007): one form for any damping. */
+/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {
     double d = zeta - 1.0;
     if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
@@ -13816,7 +13843,7 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* The pair (a, b) of radii and materials that is present and asks for the smallest step. */
+/* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
     double smallest[DEM_MATERIALS_MAX];

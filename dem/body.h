@@ -3,7 +3,7 @@
    Relies on flight.h, rigid.h and the ledger.
    May be changed here alone: what a function that changes a particle refuses. */
 
-/* Makes the present step the origin: the parabola's state becomes the stored one. */
+/* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -16,14 +16,15 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* The same where a caller changes particle i between runs: in a force field with its velocity as exactly as is known. */
+/* Does the same where a caller changes particle i between runs. In a force field it takes the most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec v = dem__true_velocity_at(w, i, dem__now(w, i));
     dem__set_origin(w, i);
     if (w->engine->field.on) w->particle[i].v = v;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a part along the box it regains potential energy. */
+/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains potential energy,
+   which is booked. */
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
@@ -35,7 +36,8 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }
 
-/* A rigid body's energy is that of its first particle: what sums over particles counts each body once. */
+/* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
+   count it once. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -75,13 +77,13 @@ DEM_INLINE dem_vec dem__nearest_image(const dem_world *w, dem_vec d) {
     return d;
 }
 
-/* Steps between two evaluations of the links: also of a loaded world that has not got their law again. */
+/* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
 DEM_INLINE int dem__link_stride(const dem_world *w) {
     const double n = floor(w->engine->links.interval / w->engine->run.dt);
     return n < 1.0 ? 1 : n > 1000.0 ? 1000 : (int)n;
 }
 
-/* Work of the present link forces on particle i since they were evaluated. */
+/* Returns the work of the link forces on particle i since they were evaluated [J]. */
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -93,14 +95,14 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__dot(force, way) + turned * dem__dot(torque, dem__add(dem__spin_at(w, i, tau), dem__second(links->evaluated_at[i])));
 }
 
-/* What makes accelerations of forces on particle i. */
+/* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = 1.0 / w->particle[i].mass;
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Acceleration without contacts. */
+/* Sets the acceleration of particle i without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -118,12 +120,12 @@ DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radi
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
 }
 
-/* A diameter whose mass and inertia are numbers. */
+/* Returns whether a diameter gives a mass and an inertia that are numbers. */
 static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
 
-/* Room for n more. */
+/* Makes room for n more particles. Returns 0 when out of memory. */
 static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__bodies *bodies = &w->engine->bodies;
@@ -131,7 +133,7 @@ static inline int dem__reserve_particles(dem_world *w, ptrdiff_t n) {
            dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + n + 1);
 }
 
-/* A new particle at rest, for which there is room; its number. */
+/* Adds a particle at rest, for which there is room. Returns its number. */
 static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius, double mass, int material, int group) {
     const ptrdiff_t i = w->count++;
     dem__bodies *bodies = &w->engine->bodies;
@@ -179,20 +181,21 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     return DEM_OK;
 }
 
-/* A rigid body to be added: see rigid.h. */
+/* Definition of a rigid body: see rigid.h. */
 typedef struct dem__body_def {
     dem_vec x;             /* centre of mass [m] */
     double mass;           /* [kg] */
     dem_vec moments;       /* about the principal axes [kg m2] */
     dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's */
-    ptrdiff_t pieces;      /* particles */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
     const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
     const double *radius;  /* [m] */
     int material, group;
 } dem__body_def;
 
-/* Room for n bodies more, with so many particles in all. Without any such body so far: arrays of their particles, too. */
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
+   when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -212,15 +215,15 @@ static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t piece
     return 0;
 }
 
-/* Moments in the order that the exact drift needs: the two that differ least come first, and are equal if they differ by rounding. Turns
-   the frame, and says which axis became which. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
+   frame accordingly; order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
     for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange is a turn about (1, 1, 1) */
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
@@ -231,7 +234,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
     if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
 }
 
-/* Adds a body at rest, for which dem__reserve_bodies has made room. The number of its first particle. */
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
 static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
@@ -314,7 +317,7 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Has it, or with a rigid body any of its particles, a load? */
+/* Returns whether particle i, or any particle of its rigid body, has a load. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
@@ -322,13 +325,14 @@ DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     return loaded;
 }
 
-/* Particle i, and with it those of its rigid body, takes steps from now on. */
+/* Makes particle i take steps from now on. */
 DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
     bodies->activity[i] = 1;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
+/* Makes particle i, or all particles of its rigid body, take steps from now on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__wake_one(w, i);
@@ -380,7 +384,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     }
     if (r) dem__place_pieces(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
-    dem__wake(w, i); /* a loaded particle is no free flight: it takes steps */
+    dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

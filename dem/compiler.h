@@ -21,8 +21,9 @@
 #define DEM__BODIES
 #endif
 
-/* From gcc -O1 on, but not at -Os, loops vectorise and no product is fused with a sum, whatever else a host is built with; clang fuses only
-   if told to by -ffp-contract=fast. gcc leaves a loop scalar if a root in it may set errno or arithmetic may trap, and most at -O2. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
+   only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in it may set errno or arithmetic may
+   trap, and most loops at -O2. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wredundant-decls"
@@ -59,23 +60,24 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__NOINLINE
 #endif
 
-/* dem_run is compiled where it is called: with constant features, only the one kernel that they choose. */
+/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
 #if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
 #define DEM__CHOICE static inline __attribute__((always_inline))
 #else
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, as the first is full of the current block. */
+/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full of the current
+   block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* With gcc the law's loop writes its results straight to the contacts: ivdep says that no iteration reads what another one writes. Clang's
-   pragma would promise that of the arrays within an iteration, too, which is not so: with clang the loop writes to rows of its own, which
-   are copied. gcc unrolls a short loop before it sees that it vectorises, unless it is told to leave it rolled. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one writes. Clang's
+   pragma would also promise that arrays do not alias within an iteration, which is wrong here. With clang the loop writes to rows, which
+   are copied afterwards. gcc unrolls a short loop before it tries to vectorise it; `unroll 1` stops that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -86,8 +88,8 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__COPY_ROWS 1
 #endif
 
-/* On x86-64 the loops that vectorise are there twice, for AVX2 and without: same bits, as neither fuses. Not on Windows, where gcc does not
-   keep the stack aligned for wide vectors (its bug 54412): there -mavx2 for the whole program brings the speed. */
+/* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows,
+   where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                                                 \
     __attribute__((target("avx2"))) DEM__FAST static void name##_wide parameters { call; }                                                 \

@@ -30,7 +30,7 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
-/* A length of a region: none, or enough for a volume that is a number. */
+/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
 static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
 
 static inline int dem__is_region(const dem_region *r) {
@@ -68,7 +68,7 @@ DEM_API int dem_region_holds(const dem_region *region, dem_vec point) {
     return along >= 0.0 && along <= r->length && dem__dot(d, d) - along * along <= r->radius * r->radius;
 }
 
-/* A box around a region. */
+/* Finds a box around a region. */
 static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *high) {
     dem_vec unit = dem_vec3(0.0, 0.0, 0.0);
     if (r->kind == DEM_REGION_CYLINDER) dem__unit(r->axis, &unit);
@@ -81,7 +81,7 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
     }
 }
 
-/* splitmix64, to [0, 1) */
+/* Draws a number from [0, 1) by splitmix64. */
 static inline double dem__uniform(uint64_t *random) {
     uint64_t z = *random += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -120,19 +120,19 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Logarithm of the share per ln d at d = scale e^y, but for a constant. All are concave in y. */
+/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
     return s->kind == DEM_SIZES_ROSIN_RAMMLER ? s->spread * y - riddle_exp(s->spread * y) : y;
 }
-/* The same of the number of spheres. */
+/* Returns the same for the number of spheres. */
 static inline double dem__log_number(const dem_sizes *s, double y) {
     const double f = dem__log_share(s, y);
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* The end of ln d, from a cut towards the peak, up to which the density is below e^-60 of that at the peak: nothing is drawn there, and
-   the pieces of the rest are fine enough for a draw in ten to count. */
+/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the peak. Nothing is drawn
+   beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -145,7 +145,7 @@ static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     return end;
 }
 
-/* Also tells the smallest diameter and the largest. */
+/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
     if (s->kind == DEM_SIZES_LIST) {
@@ -167,13 +167,13 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
     if (s->kind == DEM_SIZES_LOGNORMAL ? !(s->spread >= 1e-3 && s->spread <= 5.0)
                                        : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* somewhere between the cuts there is 1e-20 of the peak, which is at the scale: else a unit is wrong */
+    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* The interval of ln d is cut into pieces, each with the largest value of the density in it as a bound; draws below the density count.
-   Where the density has its peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in it. The place of the
+   peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
@@ -196,7 +196,7 @@ static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) 
         if (dem__uniform(random) * bound[k] < riddle_exp(dem__log_number(s, y) - top))
             return dem__clamp(scale * riddle_exp(y), s->smallest, s->largest);
     }
-    return (double)NAN; /* with a chance below 1e-400 */
+    return (double)NAN; /* with a probability below 1e-400 */
 }
 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
@@ -212,7 +212,7 @@ DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random) {
     double place = sum * dem__uniform(random);
     int k = 0;
     while (k < s->count - 1 && place >= weight[k]) place -= weight[k++];
-    while (k > 0 && weight[k] == 0.0) k--; /* the sum's rounding may lead past the last that has a share */
+    while (k > 0 && weight[k] == 0.0) k--; /* rounding of the sum may lead past the last diameter that has a share */
     return s->diameter[k];
 }
 

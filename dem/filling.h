@@ -1,4 +1,4 @@
-/* Placing spheres without overlap, at once or in time; removing. Owns nothing; writes a world through its public functions.
+/* Placing particles without overlap, at once or over time; removing. Owns nothing; writes a world through its public functions.
    May be changed here alone: how a free place is searched (bits of filled scenes change). */
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -8,9 +8,10 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside; /* of a mesh as region: its triangles at their place; else without a tree */
+    dem_wall inside; /* the triangles of a mesh region; without a tree for other regions */
 } dem__room;
 
+/* Adds a sphere to the lists. */
 static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
@@ -19,6 +20,7 @@ static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
     room->head[c] = (int32_t)k;
 }
 
+/* Counts a sphere that will be added, for the sizes of cells and arrays. */
 static inline void dem__count_in(dem__room *room, double radius) {
     dem__grid *g = &room->grid[dem__level(radius, room->smallest)];
     g->count++;
@@ -26,7 +28,7 @@ static inline void dem__count_in(dem__room *room, double radius) {
     room->capacity++;
 }
 
-/* Is sphere i near enough to a box to be in the way? Along periodic axes everything is. */
+/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
 static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
@@ -37,7 +39,7 @@ static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, 
     return w->alive[i];
 }
 
-/* The triangles of a mesh as region, sorted. */
+/* Builds the tree of a mesh region. */
 static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, const dem_region *region) {
     const dem_mesh *m = region->mesh;
     dem_status status = DEM_OK;
@@ -49,7 +51,7 @@ static inline dem_status dem__make_inside(dem_wall *inside, const dem_world *w, 
     return status;
 }
 
-/* Frees what a room holds. */
+/* Frees the memory of a room. */
 static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     const dem_allocator *a = &w->def.allocator;
     if (room->centre) a->fn(a->user, room->centre, room->bytes, 0);
@@ -57,7 +59,7 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the present spheres around a region and n new ones of given radii. */
+/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body [m]. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region, const double *radius, ptrdiff_t n,
                                         double reach) {
     dem_vec low, high, x;
@@ -69,7 +71,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (ptrdiff_t k = 0; k < n; k++) {
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* a face's spheres stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest) room->smallest = w->particle[i].radius;
@@ -99,7 +101,8 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     return DEM_OK;
 }
 
-/* Would a sphere of a group there overlap another, or a wall, or be inside a solid one, beyond an exit or out of a mesh as region? */
+/* Returns whether a sphere of a group is free at x: it overlaps no sphere and no wall, and is not inside a solid wall, beyond an exit or
+   outside a mesh region. */
 static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_vec x, double radius, int group) {
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -129,9 +132,10 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
     return 1;
 }
 
-/* A random place for a whole sphere in a region, or for its centre in the directions in which the region is flat. 0 if it is too small. */
+/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does. Returns 0 if the
+   region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: somewhere in the box around it */
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -163,7 +167,7 @@ static inline int dem__random_place(const dem_region *r, double radius, uint64_t
     return 1;
 }
 
-/* Largest first. */
+/* Moves a radius down a heap, whose root is the smallest. */
 static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
     for (;;) {
         ptrdiff_t child = 2 * root + 1;
@@ -175,6 +179,7 @@ static inline void dem__sift_size(double *heap, ptrdiff_t root, ptrdiff_t n) {
         root = child;
     }
 }
+/* Sorts radii, largest first. */
 static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     for (ptrdiff_t k = n / 2 - 1; k >= 0; k--) dem__sift_size(radius, k, n);
     for (ptrdiff_t k = n - 1; k > 0; k--) {
@@ -184,13 +189,13 @@ static inline void dem__sort_sizes(double *radius, ptrdiff_t n) {
     }
 }
 
-/* How many spheres are due, at most `most`, drawn one after the other; their radii, if there is an array for them. The first that is
-   not due waits: to leave it out would favour the small ones. */
+/* Draws the particles that are due one after the other, at most `most`. Returns their number; radius: their radii, or NULL. The first that
+   is not due is kept in feed->waiting: to leave it out would favour small ones. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double number, double mass, ptrdiff_t most, double *radius) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (!(feed->waiting > 0.0)) feed->waiting = dem_draw_size(&feed->sizes, &feed->random);
         const double m = dem__sphere_mass(w, feed->material, 0.5 * feed->waiting);
-        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source owes, or is ahead by, half a sphere at most */
+        if (!((double)n + 0.5 <= number) || !(0.5 * m <= mass)) return n; /* a source is late or early by half a particle at most */
         if (radius) radius[n] = 0.5 * feed->waiting;
         mass -= m;
         feed->waiting = 0.0;
@@ -198,7 +203,7 @@ static inline ptrdiff_t dem__draw_due(const dem_world *w, dem_feed *feed, double
     return most;
 }
 
-/* Draws an orientation, all alike likely: a point of the unit ball in four dimensions, made longer. */
+/* Draws an orientation, all equally likely: a point of the unit ball in four dimensions, scaled to length 1. */
 static inline dem_quaternion dem__random_turn(uint64_t *random) {
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
     for (int tries = 0; tries < 1000; tries++) {
@@ -209,14 +214,16 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
     return q;
 }
 
-/* Particles of a feed's body; its size, and that of particle k, over the radius of the sphere of its volume. */
+/* Returns the number of particles in a body of a feed. */
 static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+/* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
 static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
+/* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Tells where particle k of a clump is, and its radius, for a body of the volume of a sphere of a given radius. */
+/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the particle's radius. */
 static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn, double radius, int k,
                                        double *piece) {
     const double scale = radius * dem__feed_scale(feed);
@@ -224,7 +231,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
-/* Is there room for a body of a feed? */
+/* Returns whether a body of a feed is free at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                 double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius, feed->group);
@@ -241,14 +248,14 @@ static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed 
     const double reach = radius * dem__feed_reach(feed);
     for (int tries = 0; tries < feed->tries; tries++) {
         if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
-        *x = dem__in_box(w, *x); /* as dem_add_spheres will */
+        *x = dem__in_box(w, *x); /* as dem_add_spheres does */
         if (feed->clump) *turn = dem__random_turn(&feed->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
 }
 
-/* Takes the places of a body's particles, in their order. */
+/* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                     double radius) {
     if (!feed->clump) dem__settle_in(room, x, radius);
@@ -259,7 +266,7 @@ static inline void dem__settle_body(const dem_world *w, dem__room *room, const d
     }
 }
 
-/* New bodies of a feed: as they are drawn and placed, then as they lie in memory. */
+/* New bodies of a feed: as drawn and placed, then in the order of memory. */
 typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
@@ -274,7 +281,7 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Draws n radii, and finds those of their particles. The largest there is of a body's. */
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed *feed, double number, double mass, ptrdiff_t n,
                                      ptrdiff_t most, int at_once) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
@@ -289,8 +296,8 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed
     return widest;
 }
 
-/* Finds places for n bodies, and counts them in the feed by number or, if that is finite, by mass. Those without a place are missed at
-   once; of a source the first of them waits, and with it those behind it. */
+/* Finds places for n bodies, and counts them in the feed by number or, with by_mass, by mass. at_once: bodies without a place are counted
+   as missed; otherwise the first of them waits, and with it those after it. */
 static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *feed, dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -316,8 +323,8 @@ static inline void dem__find_places(dem_world *w, dem__room *room, dem_feed *fee
     }
 }
 
-/* Lists the bodies that were placed, in the order of the cells of their first particles, so that neighbours in space become neighbours in
-   memory. How many are they? */
+/* Lists the placed bodies in the order of the cells of their first particles, so that neighbours in space are neighbours in memory. Returns
+   their number. */
 static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t present, dem_feed *feed, dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     ptrdiff_t placed = 0;
@@ -338,7 +345,7 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
     return placed;
 }
 
-/* Adds bodies with velocities; all or none. */
+/* Adds n bodies with their velocities, or none. */
 static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     const dem_status status = feed->clump
@@ -351,8 +358,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
     return status;
 }
 
-/* Places bodies: a number or, the other being infinite, a mass. At once: the largest first, those without a place are missed; else in
-   the order drawn, up to the first without a place, which then waits. */
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are missed; otherwise in
+   the order drawn, up to the first without a place, which waits. */
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
@@ -360,7 +367,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     dem__room room;
     dem__batch batch;
     ptrdiff_t placed = 0;
-    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* a source that has long been blocked is not to draw all it owes each time */
+    const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* limits what a source draws after it was blocked for long */
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double smallest, largest;
     dem__are_sizes(&feed->sizes, &smallest, &largest);

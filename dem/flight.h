@@ -1,20 +1,21 @@
 /* -------------------------------------------------------------------------------------------- >>flight */
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned about one. Reads
-   bodies. Promises: the same bits whenever somebody asks.
+   bodies. Promises: the same bits whenever a state is evaluated.
    May be changed here alone: how a state is evaluated, bit for bit the same.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments; the particles that touch for it (dem_particle) lie one after the other
-   in the world's arrays. Their mass is the body's, their contacts count for all of them, and x, v, a and spin are those of their centres as
-   parts of the body, true at the origin step and while forces are computed. In flight ask dem__at and its like, never the parabola. */
-/* Acceleration of a particle in flight without loads [m/s2]. Bounds and the list count on its being the same for all. */
+   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are consecutive in the
+   world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and spin are those of their centres as parts
+   of the body, valid at the origin step and while forces are computed. In flight use dem__at and its like, never the parabola. */
+/* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same for all. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
+/* Returns the time since the origin step of particle i [s]. */
 DEM_INLINE double dem__now(const dem_world *w, ptrdiff_t i) { return (double)(w->step - w->particle[i].origin) * w->engine->run.dt; }
 
 DEM_INLINE double dem__wrapped(double v, double low, double high) {
     if (v >= low && v < high) return v;
     const double length = high - low, x = v - length * floor((v - low) / length);
-    return x < low ? low : x > high ? high : x; /* what is very far away has no place left but that */
+    return x < low ? low : x > high ? high : x; /* rounding, very far away */
 }
 DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     const dem_def *d = &w->def;
@@ -24,23 +25,23 @@ DEM_INLINE dem_vec dem__in_box(const dem_world *w, dem_vec x) {
     return x;
 }
 
-/* The rigid body that particle i belongs to, or NULL. */
+/* Returns the rigid body of particle i, or NULL. */
 DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Position, velocity and spin of a rigid body at tau after its origin step, and its orientation. */
+/* State of a rigid body at tau after its origin step. */
 typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
-/* Is the rotation of a body a free one that takes strides? */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-/* Its orientation at tau, by whole strides from the origin and the rest; those that are known are not computed again. */
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
     dem_quaternion q = r->turn;
@@ -51,7 +52,7 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
 }
 
-/* Notes how far flights have come, so that whoever asks next need not begin at their origins. */
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
 static inline void dem__note_strides(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
@@ -64,6 +65,7 @@ static inline void dem__note_strides(dem_world *w) {
     }
 }
 
+/* Returns the state of a rigid body at tau after its origin step [s]. */
 static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     dem__posture p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
@@ -83,7 +85,7 @@ static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const de
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
-/* Of a sphere: on the parabola at tau after the origin step. */
+/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
 DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem_particle *p = &w->particle[i];
     return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
@@ -95,7 +97,7 @@ DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double t
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
-/* Of any particle. */
+/* Returns the position of any particle at tau after its origin step. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
@@ -104,8 +106,8 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* The same as exactly as is known: in a force field a flight's parabola is right in place at both ends, but not in velocity; what its end
-   differs by tells how the acceleration changes. */
+/* Returns the velocity as accurately as it is known. In a force field, the parabola of a flight has the right places at both ends, but not
+   the right velocities; the error at its end shows how the acceleration changes. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem_vec v = dem__velocity_at(w, i, tau);

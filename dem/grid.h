@@ -1,25 +1,27 @@
 /* -------------------------------------------------------------------------------------------- >>grid */
 /* Cells: one grid for each size class of spheres. Reads positions; keeps nothing.
    May be changed here alone: sizes of cells. */
-/* One level of cells for the spheres of one size class: those up to DEM__CLASS times as large as its smallest. */
+/* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
-    double low[3], inverse[3]; /* corner, 1 / cell size by axis */
-    double widest;             /* radius of its largest sphere */
+    double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
+    double widest;             /* radius of its largest sphere [m] */
     int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* spheres; its first cell in the common list */
+    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
 } dem__grid;
 
-#define DEM__CLASS 2.5         /* between 2 and 3 the time is the same: fewer levels, but more spheres in a cell */
+#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
 enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
 
+/* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
     int level = 0;
     for (double bound = DEM__CLASS * smallest; radius >= bound && level < DEM__LEVELS_MAX - 1; level++) bound *= DEM__CLASS;
     return level;
 }
 
-/* Where the bulk of the points lies: four standard deviations each way from the mean, and again among those within as long as that
-   halves the span. The few outside, which have gone astray, are put into the cells at the border and do not make all cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among the points in that
+   range as long as this halves its length. The few outside go into the cells at the border; otherwise one particle far away would make all
+   cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -42,7 +44,7 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
     *low = from, *high = to;
 }
 
-/* Cells no smaller than `size` over a box, at most four a sphere. */
+/* Lays cells no smaller than `size` over a box, at most four a sphere. */
 static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
@@ -57,20 +59,21 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
     for (int a = 0; a < 3; a++) {
         const double n = floor(span[a] / size);
-        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: whole cells, each a little larger */
+        g->n[a] = n > 1.0 ? (int32_t)n : 1; /* periodic: a whole number of cells, each a little larger */
         g->inverse[a] = g->wraps[a] ? g->n[a] / span[a] : 1.0 / size;
         if (!g->wraps[a]) g->n[a]++;
     }
 }
 
-/* The cells of an axis that [v - reach, v + reach] meets: from *first, so many, to be wrapped; each at most once. */
+/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the first one, from which
+   the caller counts on and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
     const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a], last = (double)(g->n[a] - 1);
     if (g->wraps[a]) {
         const double low = floor(from), high = floor(to);
         *first = 0;
         if (!(high - low < last)) return g->n[a];
-        *first = (int32_t)low; /* v itself is in the box, or at its upper end */
+        *first = (int32_t)low; /* v is in the box, or at its upper end */
         *first += *first < 0 ? g->n[a] : (*first >= g->n[a] ? -g->n[a] : 0);
         return (int32_t)(high - low) + 1;
     }

@@ -1,9 +1,8 @@
 /* ------------------------------------------------------------------------------------------- >>scalar laws */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader.
-   Relies on laws.h.
-   May be changed here alone: how a number is found, to its last bits (hashes follow). */
+/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. Relies on laws.h.
+   May be changed here alone: how a number is computed, to its last bits (hashes follow). */
 
-/* Half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007): one form for any damping. */
+/* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping. */
 DEM_INLINE double dem__half_duration(double zeta) {
     double d = zeta - 1.0;
     if (fabs(d) < 1e-3) return 1.0 - d * (1.0 / 3.0 - d * (2.0 / 15.0 - d * (2.0 / 35.0 - d * 8.0 / 315.0)));
@@ -48,7 +47,7 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* The pair (a, b) of radii and materials that is present and asks for the smallest step. */
+/* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
     double smallest[DEM_MATERIALS_MAX];

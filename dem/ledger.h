@@ -2,29 +2,30 @@
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its sums.
    May be changed here alone: what is booked where. */
 
-/* Is a wall there, and does it act on particle i? */
+/* Returns whether a wall is enabled and acts on particle i. */
 DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* The force, or the torque, of a wrench. */
+/* Returns the force of a wrench. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
+/* Returns the torque of a wrench. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
-/* Books the potential energy [J] that a particle gains where it is put back into the periodic box. */
+/* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
 }
 
-/* Books a particle at rest that is added, by its potential energy [J]. */
+/* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
 
-/* Books a change of a particle's kinetic energy from outside [J]. */
+/* Books a change of a particle's kinetic energy by the caller [J]. */
 DEM_INLINE void dem__book_motion(dem_world *w, double change) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
 }
 
-/* Books a particle that is removed: its energy, and the potential part of it [J]. */
+/* Books the energy of a particle that is removed, and its potential part [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
     if (w->engine->ledger.on) w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
 }
@@ -39,8 +40,8 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Books what a contact in slot c has stored at its end: as removed if the caller or an exit ended it; else its
-   tangential spring is let go as if it slid. */
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
+   because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
@@ -49,7 +50,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Energy stored in all contacts, 0 while no ledger is kept. */
+/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
     if (!w->engine->ledger.counts) return sum;
@@ -57,12 +58,13 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the change of stored energy that the caller has made between runs: contacts made, constants changed. */
+/* Books the change of stored energy by the caller between runs: new contacts, changed constants. before: that energy at the end of the last
+   run [J]. */
 static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
-/* Books what contacts have dissipated in a step, and the work of walls and loads. */
+/* Books what contacts dissipated in a step, and the work of walls and loads. */
 static inline void dem__book_losses(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__contacts *contacts = &w->engine->contacts;

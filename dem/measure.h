@@ -1,32 +1,31 @@
 /* ----------------------------------------------------------------------------------------------- >>measure */
-/* Measuring: volumes, regions, stress, fields, histograms, mixing. Readers of a const world, into the caller's arrays.
-   Relies on read.h.
+/* Measuring: volumes, regions, stress, fields, histograms, mixing. Reads a const world; writes the caller's arrays. Relies on read.h.
    May be changed here alone: all but what a number means. */
 
-/* Unit ball where z > c. */
+/* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
 DEM_INLINE double dem__acos(double x) { return riddle_acos(dem__clamp(x, -1.0, 1.0)); }
 DEM_INLINE double dem__root(double x) { return x > 0.0 ? sqrt(x) : 0.0; }
 
-/* Unit ball where y > b and z > c; b, c in [-1, 1]. */
+/* Returns the volume of the unit ball where y > b and z > c; b, c in [-1, 1]. */
 static inline double dem__wedge(double b, double c) {
     if (b < 0.0) return dem__cap(c) - dem__wedge(-b, c);
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
-    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* of the edge within */
+    const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c), half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
     const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);                                    /* half arcs on the two circles */
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
 
-/* The face x = a of the corner below: its arc and its area. */
+/* Returns the area of the face x = a of dem__corner; arc: the angle of its arc. */
 static inline double dem__corner_face(double a, double b, double c, double *arc) {
     const double square = 1.0 - a * a, r = sqrt(square);
     *arc = dem__acos(b / r) - (0.5 * RIDDLE_PI - dem__acos(c / r));
     return 0.5 * (square * *arc - c * (dem__root(square - c * c) - b) - b * (dem__root(square - b * b) - c));
 }
 
-/* Unit ball where x > a, y > b and z > c, each in [-1, 1]. */
+/* Returns the volume of the unit ball where x > a, y > b and z > c, each in [-1, 1]. */
 static inline double dem__corner(double a, double b, double c) {
     if (a < 0.0) return dem__wedge(b, c) - dem__corner(-a, b, c);
     if (b < 0.0) return dem__wedge(a, c) - dem__corner(a, -b, c);
@@ -55,7 +54,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     return sum > 0.0 ? sum * radius * radius * radius : 0.0;
 }
 
-/* Discs of radii q and r whose centres are a distance apart: area in common. */
+/* Returns the common area of two discs of radii q and r whose centres are `apart`. */
 static inline double dem__discs(double q, double r, double apart) {
     const double smaller = q < r ? q : r;
     if (apart <= fabs(q - r)) return RIDDLE_PI * smaller * smaller;
@@ -64,12 +63,12 @@ static inline double dem__discs(double q, double r, double apart) {
     return q * q * dem__acos(at_q / q) + r * r * dem__acos(at_r / r) - apart * dem__root(q * q - at_q * at_q);
 }
 
-/* Does a region hold a point? `inside`: its triangles, sorted, if it is a mesh. */
+/* Returns whether a region contains a point. inside: the tree of a mesh region. */
 static inline int dem__holds(const dem_region *r, const dem_wall *inside, dem_vec point) {
     return r->kind == DEM_REGION_MESH ? dem__is_inside_wall(inside, point) : dem_region_holds(r, point);
 }
 
-/* Volume of a ball within a mesh: of one that the surface cuts by the points of a grid that are inside. */
+/* Returns the volume of a ball within a mesh. If the surface cuts the ball, counts the points of a grid that are inside. */
 static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, double radius) {
     const int points = 10;
     const double whole = 4.0 / 3.0 * RIDDLE_PI * radius * radius * radius;
@@ -87,7 +86,7 @@ static inline double dem__ball_in_mesh(const dem_wall *inside, dem_vec centre, d
     return whole * in / all;
 }
 
-/* Share of the line from a to b that lies in a mesh, by points of it. */
+/* Returns the share of the line from a to b that lies in a mesh, by counting points. */
 static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_vec b) {
     const int points = 64;
     const dem_vec way = dem__sub(b, a);
@@ -100,7 +99,7 @@ static inline double dem__share_in_mesh(const dem_wall *inside, dem_vec a, dem_v
     return (double)in / points;
 }
 
-/* Volume of a ball within a region. */
+/* Returns the volume of a ball within a region. */
 static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, dem_vec centre, double radius) {
     const dem_vec d = dem__sub(centre, r->low);
     if (r->kind == DEM_REGION_MESH) return dem__ball_in_mesh(inside, centre, radius);
@@ -116,7 +115,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     const double along = dem__dot(d, axis), apart = dem__root(dem__dot(d, d) - along * along);
     if (apart + radius <= r->radius && along >= radius && along <= r->length - radius) return whole;
     if (apart >= r->radius + radius) return 0.0;
-    /* discs across the axis, evenly in the angle, so that the ball's ends are smooth */
+    /* discs across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
     const double from = dem__acos(dem__clamp(along / radius, -1.0, 1.0)),
                  to = dem__acos(dem__clamp((along - r->length) / radius, -1.0, 1.0));
     const int slices = 128;
@@ -128,7 +127,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     return sum * radius * (to - from) / slices;
 }
 
-/* Share of the line from a to b that lies in a region. */
+/* Returns the share of the line from a to b that lies in a region. */
 static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
     if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
     const dem_vec way = dem__sub(b, a), d = dem__sub(a, r->low);
@@ -164,7 +163,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Where images of what is in the box lie from it, itself first; along each periodic axis one on either side. Their number. */
+/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic axis. Returns their
+   number. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -180,7 +180,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     return n;
 }
 
-/* Where particle i is counted, and how fast it is there: a rigid body once, at its centre of mass. 0 for its other particles. */
+/* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0 for its other
+   particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r && r->first != i) return 0;
@@ -189,7 +190,7 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* The part of a particle's volume that counts: all of a sphere; those of a body share what is left of them where they overlap. */
+/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the body's volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
@@ -197,14 +198,14 @@ static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     return r ? r->mass / sum : 1.0;
 }
 
-/* From the centre of the body that particle i is a part of to the particle's. */
+/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i]) : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* The branch of a contact, or from k = contacts on of a link: from the partner's centre, or a wall's point, to i's centre; of a body: of
-   mass. 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's point, to i's centre; of
+   bodies, to their centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = k < contacts->count ? dem_get_contact(w, k) : dem_get_link(w, k - contacts->count);
@@ -301,22 +302,22 @@ static inline int dem__are_cells(const dem_cells *c) {
     return number < 1073741824.0;
 }
 
-/* Integral of the kernel up to u. */
+/* Returns the integral of the coarse-graining kernel up to u. */
 DEM_INLINE double dem__up_to(double u) {
     u = dem__clamp(u, -1.0, 1.0);
     return 0.5 + 0.0625 * u * (15.0 - u * u * (10.0 - 3.0 * u * u));
 }
 
-/* The cells of an axis in which a point at v counts: first and last. 0 if none. */
+/* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low), reach = c->width[a];
     if (!(v + reach >= low && v - reach <= high)) return 0;
     const double from = floor((v - reach - low) * inverse), to = floor((v + reach - low) * inverse), most = (double)(c->n[a] - 1);
-    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* NaN too */
+    *first = from > 0.0 ? (int)(from < most ? from : most) : 0, *last = to > 0.0 ? (int)(to < most ? to : most) : 0; /* true for NaN, too */
     return 1;
 }
 
-/* Share of a point at v that counts in cell k of an axis. */
+/* Returns the share of a point at v that counts in cell k of an axis. */
 DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     if (c->width[a] == 0.0) return 1.0;
     const double low = dem_axis(c->low, a), size = (dem_axis(c->high, a) - low) / c->n[a], at = low + k * size - v,
@@ -324,10 +325,10 @@ DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     return dem__up_to((at + size) * inverse) - dem__up_to(at * inverse);
 }
 
-/* What a point carries, spread over the cells around it. */
+/* What a point adds to the cells around it. */
 typedef struct dem__load {
-    double mass, stress;            /* [kg]; weight of a branch's point */
-    dem_vec velocity, force, along; /* of a sphere; of a branch */
+    double mass, stress;            /* of a sphere [kg]; weight of a point on a branch */
+    dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
 } dem__load;
 
 static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
@@ -451,7 +452,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* The expected variance is that of drawing without putting back: p q (N - n)/(n (N - 1)) for a sample of n out of N. */
+/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N - 1)) for a
+   sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};

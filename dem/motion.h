@@ -1,8 +1,7 @@
-/* What is asked of walls' motion, and walls driven by forces.
-   Relies on shapes.h, which says where a wall is at a time.
+/* The motion of walls as it was asked for, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
-/* A new motion begins where the wall is. */
+/* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
 static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
@@ -17,6 +16,7 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     return a;
 }
 
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
@@ -65,15 +65,15 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     return DEM_OK;
 }
 
-/* From now on the wall moves by a drive alone. */
+/* Makes a drive the only motion of a wall from now on. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
-    a->speed_bound = a->spin_bound = 0.0; /* the first step finds them */
+    a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
     a->slides = 1;
     a->asked.drive = (int)drive;
-    w->engine->run.needs_forces = 1; /* its acceleration is to be found */
+    w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
 
@@ -96,7 +96,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     if (before.asked.drive != DEM_PRESCRIBED) a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
     a->asked.motion = motion, a->asked.motion_user = user;
-    world->engine->run.needs_lists = 1; /* another function may put it elsewhere */
+    world->engine->run.needs_lists = 1; /* another function may place it elsewhere */
     return DEM_OK;
 }
 
@@ -137,7 +137,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
-/* A controlled wall's acceleration from the forces on it, and its rate corrected from predicted to final; the damper implicit. */
+/* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
     const dem__run *run = &w->engine->run;
     for (int k = 0; k < w->walls && w->engine->walls.controls; k++) {
@@ -156,7 +156,7 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* An impulse on a wall at a sphere's place, with an angular impulse, beside the forces of the step. */
+/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
     a->impulse = dem__add(a->impulse, impulse);
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;

@@ -1,5 +1,5 @@
 /* ------------------------------------------------------------------------------------------ >>parallel */
-/* The loops of a step over several threads. Relies on: nothing but the definition. Promises: no result depends on how many there are.
+/* The loops of a step on several threads. Relies on the definition alone. Promises: no result depends on the number of threads.
    May be changed here alone: who runs a task. */
 
 /* Runs the tasks of a loop one after the other. */
@@ -8,10 +8,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Where another program takes a core, threads wait for each other longer than the work takes. Books a loop that ran from start to end [s]
-   beside the time that its tasks would have taken one after the other (a task that was interrupted counts for no more than three of the
-   first, which the waiting thread did itself). After a loss of 2 ms loops run alone: for 20 ms, and for twice as long each time that
-   threads lose again soon after. */
+/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer than the work
+   takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task that was interrupted counts as at
+   most three times the first, which the waiting thread ran itself. After a loss of 2 ms, loops run on one thread for 20 ms, and for twice
+   as long each time that threads lose again soon after. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -24,7 +24,7 @@ static inline void dem__judge_threads(dem__pace *pace, double start, double end,
     pace->loss = 0.0;
 }
 
-/* Runs the tasks of a loop on OpenMP's threads, unless these lose time. */
+/* Runs the tasks of a loop on OpenMP's threads, or on one while these lose time. */
 static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void *context, int index), void *context) {
     const double start = omp_get_wtime();
     double spent[DEM__PARTS_MAX];
@@ -43,7 +43,7 @@ static inline void dem__run_openmp(dem__pace *pace, int tasks, void (*task)(void
 }
 #endif
 
-/* Runs task(context, index) for every index below tasks: on the host's threads, on those of OpenMP, or one after the other. */
+/* Runs task(context, index) for every index below `tasks`: on the host's threads, on OpenMP's, or one after the other. */
 static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *context, int index), void *context) {
     if (tasks == 1) task(context, 0); /* a parallel region would cost more than the work of a dilute step */
     else if (w->def.parallel) w->def.parallel(w->def.parallel_user, tasks, task, context);
@@ -56,7 +56,7 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
+/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for waking a thread. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
 #ifndef _OPENMP
@@ -65,16 +65,16 @@ DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
 }
 
-/* The same with at most `most` parts. */
+/* Returns the same, but at most `most`. */
 DEM_INLINE int dem__parts_of(const dem_world *w, ptrdiff_t n, int most) {
     const int parts = dem__parts(w, n);
     return parts < most ? parts : most;
 }
 
-/* The first of n items that belongs to a part. */
+/* Returns the first of n items that belongs to a part. */
 DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) { return n / parts * part + (n % parts < part ? n % parts : part); }
 
-/* A loop over items first .. end - 1, which are part `part` of n, with what the loop needs. */
+/* Runs a loop over the items first .. end - 1 of part `part`. context: what the loop needs. */
 typedef void dem__range_fn(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context);
 typedef struct dem__split {
     dem_world *w;
@@ -89,7 +89,7 @@ static inline void dem__run_part(void *context, int q) {
     s->loop(s->w, dem__part(s->n, q, s->parts), dem__part(s->n, q + 1, s->parts), q, s->context);
 }
 
-/* Runs a loop over n items in so many parts. */
+/* Runs a loop over n items in `parts` parts. */
 static inline void dem__in_parts(dem_world *w, int parts, ptrdiff_t n, dem__range_fn *loop, void *context) {
     dem__split split;
     split.w = w;

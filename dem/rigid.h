@@ -4,11 +4,11 @@
    threads.
    May be changed here alone: how a body is integrated.
 
-   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
-   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
-   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
-   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
-/* Puts the particles of a body where it is at its origin, with velocity, spin and acceleration as parts of it. */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
+   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
+   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
+   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     r->strides = 0.0;
@@ -32,19 +32,19 @@ static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* A body into the periodic box. Where gravity has a part along the box it regains potential energy. */
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
 static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
     if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
-/* Moves a body to the end of a step of length h that ends at tau after its origin, its velocities to the middle: as for spheres, those that
-   kernels read, seen from half way between the arms of both ends. */
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
+   particles, which kernels read, are computed with the mean of the arms at both ends. */
 static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else a flight ends */
+    const int steps = tau <= h; /* else its flight ends in this step */
     const dem__posture end = dem__posture_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__posture_at(w, r, tau - h).turn;
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
@@ -63,7 +63,7 @@ static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, do
     }
 }
 
-/* The force and the torque about its centre that a body's particles have been given: by contacts and, with loads, by loads. */
+/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
 static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
     *force = *torque = dem_vec3(0.0, 0.0, 0.0);
@@ -77,8 +77,8 @@ static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int
     }
 }
 
-/* New accelerations of a body, and its velocities from the middle of a step to its end. Its particles are left as dem__kick_all takes them:
-   sums that give them the acceleration they have as parts of it, and velocities from which it leads them to those at the end. */
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
+   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
 static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
@@ -104,7 +104,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     }
 }
 
-/* Accelerations of a body that nothing touches. */
+/* Computes the acceleration of a body that touches nothing. */
 static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
@@ -112,7 +112,7 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* An impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n; only what is not zero. */
+/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
 static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
@@ -126,16 +126,17 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* How fast a particle of a body may at most be against the body's centre, in flight [m/s]. */
+/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
 static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of its energy about the axis of least inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
+                                                                              inertia */
 }
 
-/* Bodies whose first particles are among the active ones first .. end-1. */
+/* Moves the bodies whose first particles are among the active ones first .. end-1. */
 static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const double h = *(const double *)context;
     const int64_t step = w->step + (h > 0.0);
@@ -146,6 +147,7 @@ static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrd
         if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
     }
 }
+/* Moves their velocities to the end of the step. */
 static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const double half = 0.5 * *(const double *)context;
     (void)part;

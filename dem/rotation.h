@@ -1,6 +1,6 @@
 /* ------------------------------------------------------------------------------------------ >>rotation */
-/* Quaternions and the free rotation of a rigid body: pure functions. Reads nothing else. Anything may be changed here that keeps length and
-   angular momentum to rounding. A quaternion turns the body's frame into that of the lab; its scalar comes first.
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the lab's; its scalar part
+   comes first.
    May be changed here alone: all that keeps length and angular momentum to rounding. */
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -10,13 +10,13 @@ DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
 DEM_INLINE dem_vec dem__vector_part(dem_quaternion q) { return dem_vec3(q.x, q.y, q.z); }
 DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) { return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z)); }
 
-/* The turn b, then the turn a. */
+/* Returns the turn b followed by the turn a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
     return dem__quaternion(a.w * b.w - dem__dot(u, v), dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* The turn by an axis times half an angle [rad]. Below a tenth the series is as exact, and cheaper. */
+/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. Below 0.1 rad the series is as accurate, and cheaper. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     const double square = dem__dot(half, half);
     if (square < 0.01) {
@@ -28,20 +28,21 @@ DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     return dem__quaternion(riddle_cos(angle), dem__scale(riddle_sin(angle) / angle, half));
 }
 
-/* A vector of the body's frame in the lab's, and the other way. */
+/* Returns a vector of the body's frame in the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
     return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
 }
+/* Returns a vector of the lab's frame in the body's. */
 DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
 
-/* Takes out what rounding has added to the length: one step of Newton's for its inverse. */
+/* Removes the error of the length by rounding, with one Newton step for the inverse of the length. */
 DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
     const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
 }
 
-/* Of any length but 0; 0 if it has no direction. */
+/* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z), most = a > b ? a : b;
     if (!(most > 0.0 && most <= DBL_MAX) || !(fabs(q.w) + fabs(q.x) + fabs(q.y) + fabs(q.z) >= 0.0)) return 0;
@@ -50,17 +51,18 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
-/* Vectors of the lab times the tensor of principal moments, and times its inverse: spin to angular momentum and back. */
+/* Returns the angular momentum of a spin, both in the lab's frame. */
 DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec spin) {
     const dem_vec w = dem__to_body(q, spin);
     return dem__to_lab(q, dem_vec3(moments.x * w.x, moments.y * w.y, moments.z * w.z));
 }
+/* Returns the spin of an angular momentum, both in the lab's frame. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec l = dem__to_body(q, momentum);
     return dem__to_lab(q, dem_vec3(l.x / moments.x, l.y / moments.y, l.z / moments.z));
 }
 
-/* Free rotation for time t of a body with moments i, i, k: exact. About the angular momentum, and about its own third axis. */
+/* Rotates a free body with moments i, i, k for a time t, exactly: about the angular momentum, and about its own third axis. */
 DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, double i, double k, double t) {
     const dem_quaternion about = dem__turn_by(dem__scale(0.5 * t / i, momentum));
     if (i == k) return dem__turns(about, q);
@@ -68,8 +70,8 @@ DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, doub
     return dem__turns(dem__turns(about, q), dem__turn_by(dem_vec3(0.0, 0.0, own)));
 }
 
-/* The same with three moments, to second order: what the first differs from the second by before and after, a symmetric top between
-   (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Angular momentum stays as it is. */
+/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for half of what the first
+   moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
@@ -77,7 +79,7 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turns(q, dem__turn_by(dem_vec3(rest * dem__to_body(q, momentum).x, 0.0, 0.0)));
 }
 
-/* The same to sixth order: nine of those (Kahan & Li 1997, s9odr6a). */
+/* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.08221359629355080023,
                                    0.79854399093482996340};
@@ -85,22 +87,22 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
     return dem__kept_unit(q);
 }
 
-/* The time [s] in which a body turns by a quarter radian at most, HUGE_VAL at rest. */
+/* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
 DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y, smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Free rotation with three moments over any time, in steps of at most a quarter radian. */
+/* Rotates a free body with three moments for any time, in steps of at most a quarter radian. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
 
-/* Free rotation for time t: closed where two moments are equal (the first two then); else by splitting, which a single step of a body under
-   torques does with second order, as everything in it is. */
+/* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single: a step of a body
+   under torques, to second order, as everything in such a step is. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);

@@ -2,15 +2,15 @@
    May be changed here alone: how corners are welded and faults counted. */
 /* ---- from facets to a mesh ---- */
 
-/* What a mesh is made in. */
+/* Working memory for making a mesh. */
 typedef struct dem__workshop {
     dem__facet *facets;
     ptrdiff_t n;
     dem__slot *slots; /* `capacity` of them */
     size_t capacity;
-    int32_t *next; /* 3 n: the next vertex of a cell; then the corners of triangles without area */
+    int32_t *next; /* 3 n: the next vertex of a cell; later the corners of triangles without area */
     ptrdiff_t slivers;
-    double weld, cell; /* cell: 0 to tell vertices by their very coordinates */
+    double weld, cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
 } dem__workshop;
 
 static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
@@ -23,8 +23,8 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place, an earlier one if that is within `weld`. Vertices hang in chains from the cells of a grid, which are four
-   times as wide as that: few have room in one, wherever the others are. */
+/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are chained from the cells of
+   a grid, which are four times as wide as `weld`: few fit into one cell. */
 static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -68,7 +68,7 @@ static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
     }
 }
 
-/* Tells how many edges of a triangle have one other, which runs the other way. */
+/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
 static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
@@ -79,8 +79,8 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Triangles without area close what is open where one long edge lies on two short ones: there is no hole. A fan of them closes one after
-   the other; sixteen passes to and fro are enough for any order that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area. In a fan of these
+   one closes after the other; sixteen passes, forward and backward in turn, suffice for any order that a program writes. */
 static inline void dem__close_junctions(dem__workshop *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -95,7 +95,7 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and leaves out those that are not finite. Returns how many are left, and the box that holds them. */
+/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their bounding box. */
 static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -120,12 +120,12 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
     return kept;
 }
 
-/* Have the three corners been seen before, in whatever order? */
+/* Returns whether the three corners have been seen before, in any order. */
 static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
-    /* three numbers to a key that others share only by a chance of 2^-64 a pair */
+    /* a key of three numbers, which two triangles share with a probability of 2^-64 */
     const uint64_t key = dem__scramble(dem__scramble((uint64_t)first + 1) + dem__scramble(middle + 1) * 3 + (uint64_t)last) | 1;
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, key);
     if (slot->key) return 1;
@@ -133,7 +133,7 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     return 0;
 }
 
-/* Keeps the triangles that have an area and are new; measures them. */
+/* Keeps the triangles that have an area and are new; sums area and volume. */
 static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
     const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
     for (ptrdiff_t k = 0; k < n; k++) {
