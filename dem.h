@@ -32,7 +32,7 @@
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
              order in dt with damping, third for the restitution of a linear contact.
-             A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
+             A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 540 bytes a
@@ -162,31 +162,30 @@ extern "C" {
 #endif
 
 /* ------------------------------------------------------------------------------------------------ >>types */
-/* Public types and the constants that tune the engine. What a host can see of a world.
-   Relies on nothing.
-   May be changed here alone: comments, and tuning constants (no result depends on those above DEM__FORMAT). */
+/* Public types, and the constants that tune the engine: what a host can see of a world. Relies on nothing.
+   May be changed here alone: comments, and tuning constants above DEM__FORMAT (results change in their last bits at most). */
 
 /* Tuning constants, each with its reason. */
 #define DEM_MATERIALS_MAX 8               /* a pair table of 64 entries stays in the definition */
 #define DEM_WALLS_MAX 32                  /* every particle near a wall is tested with it; a mesh counts as one */
-#define DEM_CONSTANTS_MAX 16              /* constants of a law, folded per contact at its birth */
-#define DEM_STATE_MAX 16                  /* doubles that a law may keep per contact */
-#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: all of a few sizes and materials */
+#define DEM_CONSTANTS_MAX 16              /* constants of a law, computed when a contact begins */
+#define DEM_STATE_MAX 16                  /* doubles that a law may keep for each contact */
+#define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: enough for a few sizes and materials */
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last, and a test can be put off: rounding grows with them */
-#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls none is put off for longer */
-#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: more make neighbours look sooner */
-#define DEM__AHEAD 16                     /* tests for which memory is prefetched */
-#define DEM__LINE 16                      /* timers asked together whether any is due: a cache line */
-#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of lines that are asked together */
-#define DEM__REORDER_STEPS 256            /* steps between two orderings of contacts */
-#define DEM__LIST_STEPS 100               /* that a list should last: to find the near pairs takes about as long as thirty steps of a gas */
-#define DEM__FEW_PAIRS 3   /* a sphere: where there are fewer a wide margin costs little, and lists should last four times as long */
-#define DEM__CHUNKS 16     /* of the contacts, if they are many: more threads than that do not share them */
-#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of so many lie on the stack */
-#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of it: what decays ends at 0 */
+#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last and a test can be put off: rounding errors grow with them */
+#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls no test is put off for longer */
+#define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: with more of them neighbours are tested sooner */
+#define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
+#define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
+#define DEM__PAGE (DEM__LINE * DEM__LINE) /* timers of a page: as many lines as a line has timers */
+#define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
+#define DEM__LIST_STEPS 100               /* steps that a list should last: building it takes as long as about thirty steps of a gas */
+#define DEM__FEW_PAIRS 3   /* near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long */
+#define DEM__CHUNKS 16     /* chunks of contacts, if they are many: more threads than that do not share them */
+#define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
+#define DEM__LEAST 1e-84   /* speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0 */
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
-#define DEM__FORMAT 11u            /* of its records: new fields need no new one */
+#define DEM__FORMAT 11u            /* version of its records: new fields do not change it */
 
 #define DEM_STATUSES(X)                                                                                                                    \
     X(DEM_OK, "ok")                                                                                                                        \
@@ -212,12 +211,12 @@ typedef struct dem_vec {
     double x, y, z;
 } dem_vec;
 
-/* An orientation: the turn from a body's own frame into the world's, of length 1. */
+/* An orientation: the rotation from a body's own frame to the world's, as a quaternion of length 1. */
 typedef struct dem_quaternion {
-    double w, x, y, z; /* cosine of half the angle; axis times the sine of it */
+    double w, x, y, z; /* cosine of half the angle; unit axis times the sine of half the angle */
 } dem_quaternion;
 
-/* What a run computes; or them together. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
+/* What a run computes; combined by |. Normal law: exactly one of DEM_LINEAR and DEM_HERTZ. */
 enum {
     DEM_LINEAR = 1,   /* linear spring-dashpot */
     DEM_HERTZ = 2,    /* Hertz; with DEM_FRICTION, Mindlin's tangential stiffness */
@@ -226,7 +225,7 @@ enum {
     DEM_ENERGY = 16   /* energy ledger, dem_energy() */
 };
 
-/* Layers of skipping; all on by default. They change no bit of a result, only the time it takes. */
+/* Layers of skipping; all are on by default. They change no bit of a result, only the time that a run takes. */
 enum {
     DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
     DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
@@ -235,19 +234,19 @@ enum {
 
 /* How the dashpot of DEM_LINEAR follows from the coefficient of restitution. */
 typedef enum dem_restitution {
-    DEM_CLIPPED, /* the dashpot never pulls: contact ends when the force is zero (Schwager & Poeschel 2007) */
-    DEM_NAIVE    /* the dashpot may pull at the end: contact ends when the overlap is zero */
+    DEM_CLIPPED, /* the dashpot never pulls: a contact ends when the force is zero (Schwager & Poeschel 2007) */
+    DEM_NAIVE    /* the dashpot may pull at the end: a contact ends when the overlap is zero */
 } dem_restitution;
 
-#define DEM_CLUMP_MAX 64 /* spheres of a clump */
+#define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(); volume, moments and axes may be replaced
-   by better ones, the centres then being from the true centre of mass. */
+/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be replaced
+   by better ones; the centres are then from the true centre of mass. */
 typedef struct dem_clump {
-    int spheres;                   /* 1 .. DEM_CLUMP_MAX: those that can touch something */
+    int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
     double radius[DEM_CLUMP_MAX];  /* [m] */
-    dem_vec origin;                /* the centre of mass in that frame, as given [m] */
+    dem_vec origin;                /* the centre of mass, in the frame in which the shape was given [m] */
     double volume;                 /* of the union [m3] */
     dem_vec moments;               /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes;           /* from the principal axes to the frame in which the shape was given */
@@ -259,21 +258,21 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. Two that differ have no defaults that would suit: a run in which they touch without having
-   been set gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and their pair was never
+   set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;          /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio;   /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;        /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;           /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. A ball on a slope below this limit creeps at
-                                  5 g sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
+    double rolling;            /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at 5 g
+                                  sin(slope) dt; the law contact_epsd in examples/contact_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
-    int given;                 /* 1: set by the caller, which dem_pair() and dem_set_pair() take for granted; default 0 */
+    int given;                 /* 1: the pair counts as set; dem_pair() and dem_set_pair() set it; default 0 */
 } dem_pair_def;
 
-/* Memory. fn(user, old, old_size, new_size): new_size 0 frees; old NULL allocates; returns NULL when it cannot. */
+/* Memory hook: fn(user, old, old_size, new_size). new_size 0 frees; old NULL allocates. Returns NULL when out of memory. */
 typedef struct dem_allocator {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
@@ -283,22 +282,22 @@ typedef struct dem_allocator {
 typedef struct dem_def {
     uint32_t cookie;         /* set by dem_default_def(); a definition without it is refused */
     int materials;           /* number of materials, by dem_add_material() */
-    int threads;             /* >= 1; default 1; that of a world may be changed between runs */
+    int threads;             /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
-    double dt;               /* time step [s] > 0; default 1e-6; dem_advise() tells a good one */
-    double skin;             /* margin of the neighbour list over the smallest diameter [-] > 0; default 0.35. Up to three times as much is
-                                taken where lists last under 100 steps (400 where pairs are few), less in a narrow periodic box */
+    double dt;               /* time step [s] > 0; default 1e-6; dem_advise() gives a good one */
+    double skin;             /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last under 100
+                                steps (400 where pairs are few) the engine takes up to three times as much, in a narrow periodic box less */
     dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3];         /* 1: that axis is periodic between low and high, over 2.2 of the largest diameters; default 0. Walls are not
-                                repeated: let them reach a diameter past the box */
+    int periodic[3];         /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default 0. Walls are
+                                not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
-    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. Default NULL:
-       OpenMP where the compiler has it, else one after the other. At most `threads` tasks at a time; not saved. */
+    /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are done. At most
+       `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after the other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
     dem_material material[DEM_MATERIALS_MAX];
-    dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() finds it */
+    dem_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; dem_pair() returns it */
 } dem_def;
 
 /* ---- walls ---- */
@@ -308,67 +307,67 @@ typedef enum dem_profile {
     DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
 } dem_profile;
 
-/* A woven screen as two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
+/* A woven screen: two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
 typedef struct dem_screen {
     double aperture;     /* clear width between bars [m] > 0; default 8e-3 */
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
-    int circular;        /* 1: disc of radius half_x, 0: rectangle; default 1 */
-    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. (n + 1/2) pitches: a bar along the edge */
+    int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
+    double half_x;       /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the edge */
     double half_y;       /* half length along y [m] > 0 if rectangular */
-    dem_vec centre;      /* centre of the deck in the plane of the wire axes, an aperture's centre [m]; default 0 */
+    dem_vec centre;      /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
     dem_vec normal;      /* up; default (0, 0, 1) */
     dem_vec direction;   /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
-/* A frustum's lateral surface, or with equal radii a tube of finite length: a thin sheet, touched from inside and outside and at its
-   rims. Made by dem_default_cone(). */
+/* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside, from outside and at
+   its rims. Made by dem_default_cone(). */
 typedef struct dem_cone {
-    dem_vec low, high;  /* centres of its ends [m], apart; default 0 and (0, 0, 0.1) */
-    double low_radius;  /* at low [m] >= 0, 0 makes a tip; default 0.02 */
+    dem_vec low, high;  /* centres of its ends [m], not equal; default 0 and (0, 0, 0.1) */
+    double low_radius;  /* at low [m] >= 0; 0 makes a tip; default 0.02 */
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
 typedef enum dem_wall_kind { DEM_PLANE, DEM_CYLINDER, DEM_SCREEN, DEM_EXIT, DEM_SPHERE, DEM_CONE, DEM_MESH } dem_wall_kind;
 
-/* Triangles, yours or read by dem_read_stl(). For your own arrays: set the first four fields, the rest 0. */
+/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
 typedef struct dem_mesh {
     ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
     double *vertex;                /* shape [vertices][3] [m] */
     int32_t *triangle;             /* shape [triangles][3]: indices of vertices */
-    dem_allocator allocator;       /* of block */
+    dem_allocator allocator;       /* that allocated the block */
     void *block;                   /* what dem_free_mesh() frees */
     size_t bytes;
 } dem_mesh;
 
-/* What dem_read_stl() found in a file. A closed, well made surface has zeros from `missing` to `wrong_normals`. */
+/* What dem_read_stl() found in a file. For a closed, well made surface all counts from `missing` to `wrong_normals` are 0. */
 typedef struct dem_stl_report {
     int binary;              /* 1: binary, 0: text */
-    ptrdiff_t facets;        /* triangles present in the file and whole; a facet of n corners counts as the n - 2 it is cut into */
+    ptrdiff_t facets;        /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it is cut */
     ptrdiff_t polygons;      /* facets of more than three corners */
-    ptrdiff_t missing;       /* facets that a binary file announces and does not hold, or that a text breaks off or garbles, or whose
+    ptrdiff_t missing;       /* facets that a binary file announces and does not contain, that a text breaks off or garbles, or whose
                                 corners no fan of triangles covers; 1 more if a text that begins with "solid" ends without "endsolid" */
-    ptrdiff_t unannounced;   /* facets of a binary file beyond its count, read as they end with the file */
-    ptrdiff_t surplus;       /* bytes of a binary file behind its facets, not read */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
+    ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
-    ptrdiff_t degenerate;    /* left out: without area, after welding; where one closes a T-junction there is no hole */
-    ptrdiff_t duplicate;     /* left out: the corners of an earlier one */
-    ptrdiff_t open_edges;    /* of one triangle only: the rims of holes */
+    ptrdiff_t degenerate;    /* left out: no area after welding; where one closes a T-junction there is no hole */
+    ptrdiff_t duplicate;     /* left out: the same corners as an earlier one */
+    ptrdiff_t open_edges;    /* edges of one triangle only: the rims of holes */
     ptrdiff_t nonmanifold;   /* edges of more than two triangles */
-    ptrdiff_t inconsistent;  /* edges whose two triangles are turned against each other */
-    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees from the triangle's own; zero ones do not count */
+    ptrdiff_t inconsistent;  /* edges whose two triangles have opposite orientations */
+    ptrdiff_t wrong_normals; /* stored normals more than 60 degrees off the triangle's own; normals of length 0 do not count */
     double area;             /* [m2] */
-    double volume;           /* [m3] of a closed surface, negative if it is turned inside out; of no meaning with open edges */
-    dem_vec low, high;       /* corners of the box that holds it [m] */
+    double volume;           /* [m3] of a closed surface, negative if it is inside out; meaningless with open edges */
+    dem_vec low, high;       /* corners of its bounding box [m] */
 } dem_stl_report;
 
-/* Where a prescribed motion has brought a wall: turned about the centre given to dem_prescribe(), then shifted. */
+/* Place of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
 typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
-/* A wall's motion: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is asked
-   for times in any order, one time step before and after the run included. *pose is zero at entry. */
+/* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a body is. It is called
+   for times in any order, also one time step before and after the run. *pose is zero at entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -380,102 +379,103 @@ typedef enum dem_drive {
 
 struct dem__tree;
 
-/* What was asked of a wall's motion, by the functions that move walls. */
+/* The motion of a wall as the functions that move walls set it. */
 typedef struct dem_wall_motion {
     int drive;                     /* dem_drive */
-    dem_vec origin, rest_axis[3];  /* where it was, and its frame, when the motion began [m] */
-    double motion_start;           /* time at which the motion began; controlled: of the coordinate [s] */
+    dem_vec origin, rest_axis[3];  /* position and axes of the wall when the motion began [m] */
+    double motion_start;           /* time at which the motion began; controlled: time of the coordinate [s] */
     dem_vec amplitude, phase;      /* vibration: displacement A (sin(2 pi f t + phase) - sin(phase)) by component [m], [rad] */
     double frequency;              /* [Hz] */
     dem_vec drift;                 /* constant velocity [m/s] */
-    dem_vec spin_centre;           /* of a rotation [m] */
+    dem_vec spin_centre;           /* centre of a rotation [m] */
     dem_vec belt;                  /* velocity of its surface within itself [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
-    double interval; /* prescribed: for its differences in time [s] */
+    double interval; /* prescribed: interval of the finite differences [s] */
 } dem_wall_motion;
 
-/* A wall: its shape, what was asked of it, and its state now. Read only; change it by functions. */
+/* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
-    double radius;              /* cylinder, sphere; cone: at its low end, the origin [m] */
-    double high_radius, length; /* cone: at the other end, distance of the ends [m] */
-    int inside;                 /* cylinder, sphere: 1 particles inside, 0 outside */
+    double radius;              /* cylinder, sphere; cone: at its low end, which is the origin [m] */
+    double high_radius, length; /* cone: radius at the other end; distance of the ends [m] */
+    int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
     int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
-    uint32_t groups;            /* bit g: acts on particles of group g, bit 31: on those of all others; by dem_set_wall_groups */
+    uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is normal or cylinder axis */
+    dem_vec axis[3];                          /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
-    dem_vec spin_axis;                        /* of its rotation; controlled: of the motion */
+    dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
-    double coordinate, rate, rate_change;     /* controlled: way [m] or angle [rad] since it was put, and its derivatives */
-    dem_vec force, torque;                    /* exerted on the wall in this step [N], about its origin [N m]; means: by impulse */
+    double coordinate, rate, rate_change;     /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
+    dem_vec force, torque;                    /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;                          /* time integral of the force [N s] */
 
-    int slides;                     /* private: 1: its surface moves otherwise than its origin */
-    double speed_bound, spin_bound; /* private: its origin, apart from rotation, and its spin are not faster (until timers are set anew) */
-    double acceleration_bound;      /* private: kinematic: nor does its origin accelerate more, apart from rotation [m/s2] */
+    int slides;                     /* private: 1 if its surface moves otherwise than its origin */
+    double speed_bound, spin_bound; /* private: limits of its origin's speed, apart from rotation, and of its spin, until timers are
+                                       reset */
+    double acceleration_bound;      /* private: kinematic: limit of the acceleration of its origin, apart from rotation [m/s2] */
     double side_bound;              /* private: the same perpendicular to axis[2] */
 } dem_wall;
 
-/* What passed an exit. Owned by the world, in the order of passing. */
+/* A particle that passed an exit. Owned by the world, in the order of passing. */
 typedef struct dem_passed {
-    double time;     /* [s] end of the step in which the centre crossed */
-    double diameter; /* [m]; mass: density pi/6 diameter^3, of several materials told apart by group */
+    double time;     /* end of the step in which the centre crossed [s] */
+    double diameter; /* [m]; the mass is density pi/6 diameter^3; groups tell several materials apart */
     dem_vec position, velocity;
     uint64_t id;
-    int32_t group, exit; /* the number given to dem_add_spheres; wall index of the exit */
+    int32_t group, exit; /* the number given to dem_add_spheres; index of the exit */
 } dem_passed;
 
 /* ---- laws ---- */
 
-/* What a law sees of one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
+/* Input of a law for one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
 typedef struct dem_contact {
     double gap;              /* S = distance - r_i - r_j [m]; negative: overlap */
     double closing;          /* -dS/dt [m/s]; positive: approaching */
-    double slip[3];          /* surface velocity of i against j, tangential [m/s] */
-    double translation[3];   /* the part of it that the centres' velocities make [m/s] */
+    double slip[3];          /* velocity of i's surface relative to j's, tangential [m/s] */
+    double translation[3];   /* the part of slip that comes from the centres' velocities [m/s] */
     double spin[3];          /* w_i - w_j [rad/s] */
     double normal[3];        /* n */
     double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
-    double dt;               /* time by which the history advances [s]; 0 when only the force is asked for */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is wanted */
     double rate;             /* 1 / time step of the world [1/s] */
-    double share;            /* 1 / number of contacts of the busier partner [-] */
-    const double *constants; /* as the law's prepare function left them */
+    double share;            /* 1 / number of contacts of the partner that has more [-] */
+    const double *constants; /* as the law's prepare function set them */
     const void *user;        /* world->user */
 } dem_contact;
 
-/* What it answers: forces on i. A law fills normal, contact and ended, tangential (and what remains of it) with DEM_FRICTION, rolling
-   with DEM_ROLLING, the rest with DEM_ENERGY; of a link normal, tangential and ended. */
+/* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if there is any; with
+   DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended. */
 typedef struct dem_response {
-    double normal;        /* along n, positive repels [N] */
-    double contact;       /* the part of it that the overlap makes; 0 where there is none [N] */
-    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance as the radii do */
-    double remaining[3];  /* the part of it that is there however small `contact`: lubrication, friction of what adheres [N]; default 0 */
+    double normal;        /* along n; positive repels [N] */
+    double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
+    double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the radii do */
+    double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N]; default 0 */
     double rolling[3];    /* torque on i, the opposite on j [N m] */
     double elastic;       /* stored energy [J] */
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended;         /* 1: the contact is over, its state may be dropped and its forces end with this step; else 0 (a double, to keep
-                             vectors of one kind) */
+    double ended;         /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0 (a double, so
+                             that all vectors have one type) */
 } dem_response;
 
-/* Everything that a law may need when a contact is born. */
+/* Input of a law's prepare function for a contact that begins. */
 typedef struct dem_birth {
     const dem_def *def;
-    int features; /* that the run was asked for */
+    int features; /* features of the run */
     const dem_pair_def *pair;
     int material_i, material_j;
     double radius_i, radius_j; /* [m]; wall: radius_j = 0 and curvature below */
-    double curvature;          /* of the wall at the point [1/m], 0 for a plane */
+    double curvature;          /* of the wall at the point of contact [1/m]; 0 for a plane */
     double mass;               /* m_eff [kg] */
     double inertia;            /* I_i I_j/(I_i + I_j); wall: I_i [kg m2] */
     double damping_ratio;      /* of the pair's restitution and mode, DEM_LINEAR [-] */
@@ -484,32 +484,32 @@ typedef struct dem_birth {
 
 struct dem_world;
 
-/* A law: a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
+/* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
 typedef struct dem_law {
     const char *name;
-    int version;   /* of the meaning of its state */
-    int states;    /* doubles per contact, zero at birth, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; the rest change by dem_set_contact_state() only */
+    int version;   /* version of the meaning of its state */
+    int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
+    int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
-    int constants; /* doubles that prepare fills, <= DEM_CONSTANTS_MAX */
-    /* fills constants, and returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
-       the third order; else 0 */
+    int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
+    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its restitution accurate to
+       third order; otherwise 0. */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state, dem_response *response); /* always inline, no calls, few branches */
-    /* Both may be NULL. Called with world->user: born for the contacts that begin in a step, before their first force, sorted by partners;
-       ended for one that is over: by itself, or because a particle was taken out (its world->alive is not DEM_PRESENT) or a wall acts no
-       more (dem_wall_acts). dem_get_contact() (of a link: dem_get_link()) and dem_set_contact_state() read and write them. */
+    /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force, sorted by partners.
+       ended: for a contact that has ended: by itself, or because a particle was removed (its world->alive is not DEM_PRESENT) or a wall no
+       longer acts (dem_wall_acts). dem_get_contact() (for a link dem_get_link()) and dem_set_contact_state() read and write them. */
     void (*born)(struct dem_world *world, const int32_t *slots, ptrdiff_t n, void *user);
     void (*ended)(struct dem_world *world, int32_t slot, void *user);
 } dem_law;
 
 /* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states, history, vectors: 0,
-   0, 0, with friction 3, 3, 1); the same of hertz (0, 0, 0; 4, 4, 1). Their constants are the first; yours follow (docs/dem.md). */
+   0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
 
-/* What the law of a force field sees of a particle. */
+/* Input of the law of a force field for one particle. */
 typedef struct dem_force_point {
     dem_vec position; /* of its centre, within the periodic box [m] */
     dem_vec velocity; /* [m/s] */
@@ -517,59 +517,61 @@ typedef struct dem_force_point {
     double mass;      /* [kg] */
     double time;      /* [s] */
     dem_vec gravity;  /* [m/s2] */
-    const void *user; /* that of the field */
+    const void *user; /* the user of the field */
 } dem_force_point;
 
 struct dem__field_task;
 typedef int (*dem_field_fn)(struct dem_world *world, const struct dem__field_task *task); /* made by DEM_FORCE_FIELD */
 
-/* A force on every particle, in flight and touching. Made by dem_default_force_field(), copied by dem_set_force_field(). */
+/* A force on every particle, in flight or in contact. Made by dem_default_force_field(), copied by dem_set_force_field(). */
 typedef struct dem_force_field {
     dem_field_fn kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
-    const void *user;    /* handed to the law; default NULL */
-    double length;       /* a flight's step goes no further [m] > 0: half the size of the field's finest detail; default HUGE_VAL */
-    double interval;     /* and takes no longer [s] > 0: a tenth of the time in which the field changes at a place; default HUGE_VAL */
-    double accuracy;     /* largest error of position in a flight's step over the particle's radius, 1e-12 .. 1e-4; default 1e-6 */
+    const void *user;    /* passed to the law; default NULL */
+    double length;       /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
+    double interval;     /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there; default
+                            HUGE_VAL */
+    double accuracy;     /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4; default 1e-6 */
 } dem_force_field;
 
-/* A gas: at rest, or by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the caller's. */
+/* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the arrays are the
+   caller's. */
 typedef struct dem_gas {
     double density;   /* [kg/m3] > 0; default 1.2 */
     double viscosity; /* [Pa s] > 0; default 1.81e-5 */
     double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
-    int buoyancy;     /* 1: the weight of the displaced gas is taken off. Leave it 0 if pressure_gradient has the gas's own weight in it;
-                         default 0 */
-    dem_vec low, high;               /* corners of the grid in the frame [m]: beyond them there is no gas; default -HUGE_VAL, HUGE_VAL */
-    int n[3];                        /* nodes by axis, corners included, >= 2 where there are values */
-    const double *velocity;          /* at the nodes, seen from the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at rest */
+    int buoyancy;     /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight; default 0 */
+    dem_vec low, high;               /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
+    int n[3];                        /* number of nodes along each axis, corners included, >= 2 where there are values */
+    const double *velocity;          /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at
+                                        rest */
     const double *pressure_gradient; /* likewise [Pa/m]; its force -V grad p is added; NULL: none */
     const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
-    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves [m/s]; default 0, (0, 0, 1), 0 */
-    double spin, start;              /* at this rate [rad/s]; time at which frame and world agree [s]; default 0 */
+    dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
+    double spin, start;              /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
 } dem_gas;
 
 /* ---- the world ---- */
 
-/* Where the energy is and where it went [J]; sums from the first run with DEM_ENERGY on. */
+/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential; /* now; potential against gravity, origin at 0 */
-    double normal_loss, sliding_loss, rolling_loss; /* dissipated, computed from the laws */
+    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
+    double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
     double wall_work, external_work;                /* done on the particles by moving walls and loads */
-    double field_work;                              /* done on them by a force field */
-    double link_work;      /* done on them by links: less than 0 by what links have stored and dissipated, walls' work through them apart */
-    double added, removed; /* carried in and out by particles, and by what the caller does between runs: contacts that are made, ended or
-                              whose constants are changed by it, gravity */
-    double start, start_potential, added_potential, removed_potential; /* when the ledger began; the potential parts */
-    double released;                                                   /* potential energy given up so far, at least 0 */
-    double error;                                                      /* what does not add up: the integration error */
+    double field_work;                              /* done on the particles by a force field */
+    double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
+    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
+                              other constants, gravity */
+    double start, start_potential, added_potential, removed_potential; /* energy when the ledger began; the potential parts */
+    double released;                                                   /* potential energy released so far, at least 0 */
+    double error;                                                      /* remainder of the balance: the integration error */
 } dem_energy_ledger;
 
-/* A body: a sphere, or several particles that move as one. Particles of a body follow each other in the arrays of the world; the mass of
+/* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the world; the mass of
    each (dem_particle.mass) is the body's. */
 typedef struct dem_body {
     ptrdiff_t first, pieces;    /* its particles */
     double mass;                /* [kg] */
-    double diameter;            /* of a sphere of that mass, of the material of the first particle [m] */
+    double diameter;            /* of a sphere with that mass and the material of the first particle [m] */
     dem_vec position, velocity; /* of the centre of mass [m], [m/s] */
     dem_vec spin;               /* [rad/s], along the world's axes */
     dem_quaternion orientation; /* from the frame in which its shape was given; a sphere: 1, 0, 0, 0 */
@@ -579,8 +581,8 @@ typedef struct dem_body {
 
 typedef void (*dem_loop_fn)(struct dem_world *world, ptrdiff_t first, ptrdiff_t end, int part); /* made by the two macros below */
 
-/* A law of contacts with the loop that evaluates it for these features. DEM_KERNEL(name, law, features), outside of functions, makes one:
-   a constant. features: DEM_FRICTION and DEM_ROLLING as far as the law fills them, DEM_ENERGY for the ledger. */
+/* A law of contacts with the loop that evaluates it for some features. DEM_KERNEL(name, law, features), outside of functions, makes one: a
+   constant. features: DEM_FRICTION and DEM_ROLLING if the law computes them, DEM_ENERGY for the ledger. */
 typedef struct dem_kernel {
     const dem_law *law;
     int features;
@@ -593,9 +595,9 @@ typedef struct dem_link_kernel {
     dem_loop_fn loop;
 } dem_link_kernel;
 
-/* A sphere as the engine keeps it: radius and mass, and the state at its own origin step, which may be long past; from there on
-   x + v t + a t^2/2. For the state now ask dem_position(), dem_velocity(), dem_spin(). In a law's hooks v and spin are those in the middle
-   of the step. Two cache lines, which are what contacts read. */
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from there it moves by x + v
+   t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's hooks v and spin are those in the middle of
+   the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -604,43 +606,43 @@ typedef struct dem_particle {
     dem_vec a;               /* [m/s2] */
     int64_t origin;          /* step of the state */
     dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: how much its velocity may still change within its bound, at least [m/s] */
+    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least [m/s] */
 } dem_particle;
 
 enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
-/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are for reading unless a function says
-   otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
+/* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a function says otherwise;
+   arrays have `count` entries and stay valid until the next call that adds, removes or runs. */
 typedef struct dem_world {
     dem_def def;
-    void *user;      /* yours: handed to the law's hooks; not saved */
-    int64_t step;    /* steps done */
-    double time;     /* [s] */
-    double owed;     /* asked for and not yet run, at most half a step [s]: the next run makes up for it. A run that fails owes nothing:
-                        ask for the rest again */
-    ptrdiff_t count; /* particles present; a dropped one stays, with alive = 0, until a list is built for which it pays to close the gap */
-    dem_status status; /* first failure of a run; then particle and step of it */
+    void *user;        /* yours: passed to the law's hooks; not saved */
+    int64_t step;      /* steps done */
+    double time;       /* [s] */
+    double owed;       /* time asked for and not yet run, at most half a step [s]; the next run makes up for it. A run that fails owes
+                        nothing: ask for the rest again */
+    ptrdiff_t count;   /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps are closed */
+    dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
     int walls;
     dem_wall *wall;
-    ptrdiff_t passed_count; /* records kept: until dem_take_passed() takes them */
+    ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */
     int64_t passed_total;   /* particles that ever passed an exit */
     dem_passed *passed;
     int64_t particle_steps; /* sum over steps of particles present */
-    int64_t contact_steps;  /* sum over steps of live contacts */
+    int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, when a run last began with
-                               something new; above 1 its contacts make energy of nothing. dem_advise() says 0.08 or less. 0 before. With
-                               DEM_HERTZ, whose contacts stiffen with the impact, by the time of Rayleigh waves alone */
+    double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, computed when a run begins
+                               after a change; 0 before. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                               whose contacts stiffen in an impact, from the time of Rayleigh waves alone */
 
-    dem_particle *particle; /* not their states now: dem_position() and its like give these */
+    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
-    uint64_t *id;           /* stable, in the order of adding, from 0 */
+    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
-    int32_t *touching; /* contacts of it */
+    int32_t *touching; /* number of its contacts */
 
     struct dem__engine *engine; /* private */
 } dem_world;
@@ -656,80 +658,81 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Component 0, 1 or 2. By name, as what is read beyond the address of x a compiler may take to be nothing of the vector's. */
+/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to the vector. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
-/* 1 if this header, as built, computes the same bits as others: doubles evaluated as doubles, no fused multiply-add. Found out at run
-   time. What the code around it computes is another matter: compile that with -ffp-contract=off. */
+/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused multiply-add. Tested at
+   run time. The code around it is not tested: compile that with -ffp-contract=off. */
 DEM_API int dem_build_is_deterministic(void);
 
 /* ---- definition ---- */
 
 DEM_API dem_def dem_default_def(void);
-/* Adds a material; returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
+/* Adds a material. Returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* The parameters of a pair of materials, in either order, to be edited; the pair counts as set from then on, if only to its defaults. NULL if
-   an index is out of range. */
+/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From then on the pair
+   counts as set, even to its defaults. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
-/* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. On failure nothing is allocated and *field (if not NULL) names what is wrong. */
+/* Makes an empty world with a copy of the definition. On failure nothing is allocated, and *field (if not NULL) names what is wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
-DEM_API void dem_free(dem_world *world); /* frees all; safe on a zeroed or freed world */
+DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
-/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, for records.
-   Overlaps are allowed and push. Nothing is added on failure. Ids, world->id[i], count up in array order. */
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of yours, kept in records.
+   Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters, int material, int group);
-/* A shape of n spheres that overlap or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere; diameters: [n] [m] > 0.
-   Volume, centre of mass and moments are those of the union at one density: exact for spheres that do not overlap and for centres on one
-   line; else what overlaps is found to about 1e-5 of the whole. Moments that differ by less than that are taken to be equal. A sphere
-   that lies within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere; diameters: [n] [m] >
+   0. Volume, centre of mass and moments are those of the union at one density: exact for spheres that do not overlap and for centres on one
+   line; otherwise overlaps are integrated to about 1e-5 of the whole. Moments that differ by less than that are taken to be equal. A sphere
+   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
-/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n] [m], the shape
-   being stretched to that, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of any length but 0) from the
-   shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a clump follow each other, move as one and do
-   not touch each other. What touches counts with the mass of the whole. Nothing is added on failure. */
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n] [m], to which the
+   shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of any length but 0) from the shape's frame
+   to the world's, NULL: as it was made. Each sphere is a particle; those of a clump are consecutive, move as one and do not touch each
+   other. A contact counts with the mass of the whole clump. On failure nothing is added. */
 DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
                                   const double *orientations, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index); of the rigid body that it is a part of: of its centre of mass. */
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and torque [N m], until changed. DEM_BAD_ARGUMENT also where they would
-   make accelerations above 1e80. */
+/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed. DEM_BAD_ARGUMENT also for
+   accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Takes particle i out, and with it the body that it is a part of. */
+/* Removes particle i, and the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* ---- filling, feeding, removing ---- */
 
-#define DEM_SIZES_MAX 32 /* sizes of a list: a sieve stack has fewer */
+#define DEM_SIZES_MAX 32 /* sizes of a list, at most: a stack of sieves has fewer */
 
-/* A part of space, for filling, removing and measuring. Made by the four functions below; functions that take one return
+/* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region return
    DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
 typedef enum dem_region_kind { DEM_REGION_BOX, DEM_REGION_CYLINDER, DEM_REGION_SPHERE, DEM_REGION_MESH } dem_region_kind;
 typedef struct dem_region {
     dem_region_kind kind;
-    dem_vec low, high;     /* box: its corners; of a mesh: of the box around it; cylinder: centre of its bottom; sphere: its centre [m] */
+    dem_vec low, high;     /* box: its corners; mesh: those of its bounding box; cylinder: centre of its bottom; sphere: its centre [m] */
     dem_vec axis;          /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
-    const dem_mesh *mesh;  /* yours: it must stay as it is while the region is in use */
+    const dem_mesh *mesh;  /* yours: it must not change while the region is in use */
 } dem_region;
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high);                                       /* low = high along an axis: a face */
 DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length, double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
-/* The inside of a closed mesh; where shells overlap, what an odd number of them encloses. A mesh that is not closed is refused later. To
-   fill or measure sorts the triangles at each call; dem_region_holds looks at all of them. */
+/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them encloses. A mesh that is
+   not closed is refused when the region is used. Filling and measuring sort the triangles at each call; dem_region_holds tests all of
+   them. */
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
-DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 inside or on the surface */
+DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 if the point is inside or on the surface */
 
-/* Diameters of spheres. Shares are of the number or, with by_mass, of the mass. Made by the functions below, to be edited. */
+/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, to be edited. */
 typedef enum dem_size_kind { DEM_SIZES_LIST, DEM_SIZES_UNIFORM, DEM_SIZES_LOGNORMAL, DEM_SIZES_ROSIN_RAMMLER } dem_size_kind;
 typedef struct dem_sizes {
     dem_size_kind kind;
@@ -738,182 +741,193 @@ typedef struct dem_sizes {
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
     double scale;                                         /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* where all but the list are cut off [m] > 0, largest <= 1e6 smallest; refused if the share per ln d
-                                 nowhere between reaches 1e-20 of its peak */
+    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the share per ln d reaches
+                                 1e-20 of its peak nowhere between */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
                                 int by_mass); /* more than DEM_SIZES_MAX: refused later */
 DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass);
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
-/* Rosin & Rammler 1933: share coarser than d is exp(-(d/scale)^exponent). */
+/* By Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* One diameter [m]; *random is the generator's state, any number to begin with. NaN if the sizes are out of range. Takes 12 tries
-   on average at most, and never more than 10000. */
+/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes 12 tries on average
+   at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
-/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: a copy of it beside the saved world makes a
-   restart go on with the same spheres. (It is no part of the world because a world may have any number, and most have none.) */
+/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the saved world, a restart
+   goes on with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
 typedef struct dem_feed {
-    dem_region region; /* spheres lie wholly within; in a face or disc their centres do */
+    dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
     dem_sizes sizes;
     int material, group;    /* as in dem_add_spheres; default 0 */
     dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
     dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
-    const dem_clump *clump; /* shape of what is fed, oriented at random, the sizes being those of spheres of the same volume; it must stay
-                               as long as the feed is used. Default NULL: spheres */
+    const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same volume. It must
+                               exist as long as the feed is used. Default NULL: spheres */
     int tries;              /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
-    uint64_t random;        /* the generator's state: the seed at first; default 1 */
-    /* written by the functions below */
-    ptrdiff_t placed, missed;        /* spheres in all; those that dem_fill found no place for */
+    uint64_t random;        /* the generator's state; at first the seed; default 1 */
+    /* set by the functions below */
+    ptrdiff_t placed, missed;        /* spheres placed in all; those for which dem_fill found no place */
     double placed_mass, missed_mass; /* [kg] */
-    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; down to half a sphere ahead */
-    double waiting;                  /* diameter of the sphere that is next, 0: none drawn yet [m] */
+    double due, due_mass;            /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
+    double waiting;                  /* diameter of the next sphere [m]; 0: not drawn yet */
 } dem_feed;
-DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin: to be edited */
+DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
-/* Places so many spheres, or the number whose mass comes nearest to `mass` [kg], at random places where they touch neither spheres nor
-   enabled walls and are in no solid one (dem_set_solid), the largest first. Spheres that find no place are dropped and counted in missed;
-   random places fill up to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then
-   nothing has changed. */
+/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch neither spheres nor
+   enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and counted in missed; random places fill up
+   to about 0.3 of a volume within reasonable time. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY; then nothing has
+   changed. */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
-/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0; call it before every dem_run of that duration, no longer
-   than spheres need to clear the region. One that finds no place waits, and with it those behind it, so that sizes keep their shares: due
-   tells how far the source is behind. */
+/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that duration, which is no
+   longer than spheres need to clear the region. A sphere without a place waits, and with it those after it, so that sizes keep their
+   shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
-/* Hands over the records of what passed exits, the oldest first, at most `capacity`, and takes them out of the world; returns how many, or
-   minus a dem_status. records: [capacity], or NULL to drop them. Without it world->passed keeps 88 bytes of every particle that ever
-   passed; world->passed_total counts them whatever is taken. dem_residence() reads the records: call it first. */
+/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their number, or minus a
+   dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of every particle that passed;
+   world->passed_total counts all. dem_residence() reads the records: call it first. */
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
-/* Takes out the spheres whose centres lie in the region; returns how many, or minus a dem_status. */
+/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number, or minus a
+   dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Walls. Each returns the wall's index (>= 0), or minus a dem_status. normal and axis need not have length 1, but not 0. Walls do not know
-   each other: on the seam of two that lie flush a sphere touches both, and both push. One mesh of both has one surface. */
-DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles on the side of the normal */
+/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may have any length but
+   0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and both push. One mesh of both has one
+   surface. */
+DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point, dem_vec normal); /* particles are on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
 DEM_API dem_screen dem_default_screen(void);
 DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *screen);
 DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, double radius, int inside);
 DEM_API dem_cone dem_default_cone(void);
 DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
-/* Triangles, copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and corners; how it is oriented,
-   welded or cut into triangles does not matter. Places whose normals differ by less than 26 degrees are one contact (its friction goes
-   with it from triangle to triangle), the deepest; a sharper concave corner makes two. Triangles without area are left out. Besides the
-   common statuses: DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
+/* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and corners. How it is
+   oriented, welded or cut into triangles does not matter. Places whose normals differ by less than 26 degrees are one contact, at the
+   deepest of them (its friction goes with it from triangle to triangle); a sharper concave corner makes two. Triangles without area are
+   left out. Besides the common statuses: DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is
+   left. */
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
-/* Six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall to be moved as one. */
+/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that moves as one. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
-/* 1: a mesh or box is a solid body, whose inside dem_fill and the feeds leave empty; 0, as at first: a sheet, a container. DEM_BAD_ARGUMENT
-   for a wall that is not a closed mesh: an edge of one triangle only, a triangle that is there twice. DEM_OUT_OF_MEMORY. */
+/* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default), as a container is.
+   DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle that is there twice.
+   DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
-/* The groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others; at first all. */
+/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all others. Default:
+   all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
-/* 1 if a wall is enabled and acts on particle i's group, else 0. */
+/* Returns 1 if a wall is enabled and acts on particle i's group, otherwise 0. */
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
-/* A plane that records and removes particles whose centre passes to the side opposite to the normal. */
+/* Adds a plane that records and removes particles whose centre passes to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
-/* Motions begin now, from where the wall is. Amplitude [m] and phase [rad] by component of the world's axes; frequency [Hz].
+/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes; frequency [Hz].
    Displacement A (sin(2 pi f t + phase) - sin(phase)). */
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-/* The wall goes where a function of time says; that replaces its other motions. Velocities follow from differences over the time step.
-   Called again for a wall that is prescribed already, as after dem_load (functions are not saved: until then running gives
-   DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the time step. For a wall
+   that is prescribed already, as after dem_load (functions are not saved: until then running gives DEM_NO_MOTION), it replaces function and
+   centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
-/* A piston: the wall moves along axis only, as a body of mass [kg] > 0 under the particles' forces, a force along the axis [N] (its own
-   weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with the speed along the axis that it has, so that it can be
-   called again to change the force. At rest the particles exert -force on it. A contact's damping takes the wall's mass for
-   infinite: it should be 20 times a particle's or more. */
+/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force along the axis [N] (its
+   own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present speed along the axis, so that another call
+   can change the force. At rest the particles exert -force on it. The damping of contacts takes the wall's mass for infinite: it should be
+   20 times a particle's or more. */
 DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force, double damping);
-/* A rotor: the wall turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the particles' torques, a torque
-   [N m] and a damper [N m s/rad] >= 0. Else as dem_control_force. world->wall[].rate is its speed [rad/s], coordinate its angle [rad]. */
+/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the particles' torques, a
+   torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate is its speed [rad/s], coordinate its angle
+   [rad]. */
 DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia, double torque,
                                       double damping);
-/* A belt: the surface runs with this velocity [m/s], or with its part along the surface, while the wall stays where it is. */
+/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), text or binary by what the bytes are (docs/dem_walls.md). bytes: [size]; scale [m per
-   unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only; allocator may
-   be NULL; report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if it is no STL file or no
-   triangle is left; DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
+/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md). bytes: [size];
+   scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this become one, 0 joins equal ones only;
+   allocator may be NULL; report may be NULL. DEM_OK also for a file with faults, which the report counts; DEM_BAD_DATA if it is no STL file
+   or no triangle is left; DEM_OUT_OF_MEMORY. On failure *mesh is empty. */
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld, const dem_allocator *allocator, dem_mesh *mesh,
                                 dem_stl_report *report);
 DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
 
 /* ---- running ---- */
 
-/* Advances by duration [s] (to the nearest step; remainders carry over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
-   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps), DEM_BAD_DEFINITION (def.threads; a sphere wider than
-   1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_OUT_OF_MEMORY, and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names
-   the particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
+/* Advances by duration [s] (to the nearest step; the remainder carries over to the next call). features: DEM_LINEAR | DEM_FRICTION | ...
+   Statuses: DEM_BAD_ARGUMENT (features that no shipped law has, more than 9e15 steps, a force field with rigid bodies), DEM_BAD_DEFINITION
+   (def.threads; a sphere wider than 1/2.2 of a periodic box), DEM_LAW_MISMATCH, DEM_NO_MOTION, DEM_NO_FIELD, DEM_POLYHEDRON, DEM_BUSY,
+   DEM_OUT_OF_MEMORY, DEM_TOO_MANY, DEM_PAIR_NOT_SET (world->failed_pair), and DEM_NOT_FINITE and DEM_TOO_FAST (world->failed_id names the
+   particle, world->step the step at which it was noticed; the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
-/* The same with a law of your own: kernel is what DEM_KERNEL made of it; it must outlive the world. Besides the statuses of dem_run:
+/* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of dem_run:
    DEM_LAW_MISMATCH if the contacts present keep another number of states than the law. */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
-/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, for what flies and touches already, too. Between runs. The
-   ledger books the energy that this makes with what is added. DEM_BAD_ARGUMENT; nothing has changed then. */
+/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches already. Between runs. The
+   ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed then. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
 /* Changes the time step [s] > 0 from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
-/* The time steps [s] that the smallest and stiffest pair present asks for; infinite where nothing limits, as before the first feed. */
+/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before the first feed. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
 } dem_advice;
-/* speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* Sets the law of links; before the first link, and again after dem_load. kernel: what DEM_LINK_KERNEL made of it. Of a dem_law, a link
-   uses states, history, vectors, force (gap of any sign; contact, constants and mass are not there) and ended.
-   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between.
-   near: gap below which linked bodies are in contact for the law of contacts too [m] >= 0, at most 0.01 * skin * smallest diameter;
-   what grows fast near contact (lubrication) belongs there. DEM_LAW_MISMATCH if there are links with another number of states. */
+/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a dem_law, a link uses
+   states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended. interval: time between evaluations [s] > 0,
+   rounded down to steps, at least one; the force is constant between. near: gap below which linked bodies also have a contact, by the law
+   of contacts [m] >= 0, at most 0.01 * skin * smallest diameter; forces that grow fast near contact (lubrication) belong there.
+   DEM_LAW_MISMATCH if there are links with another number of states. */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
-/* Links particle i with j (particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
-   Links follow a particle's leaving: ended is called, and the link is gone. */
+/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook, or between runs.
+   When a particle leaves, ended is called for its links, and they are gone. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 /* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
-/* Sets the force field from now on, or with NULL takes it off. A particle in flight advances by steps of its own, chosen by the error (Cash
-   & Karp 1990); between their ends it is on a parabola that is there in place and within `accuracy`, so that velocities read meanwhile are
-   off by as little. A touching one feels the law in each step. Where the law gives exactly 0 a flight is what it is without a field, to
-   the bit. Call it again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
-   must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or rigid bodies; DEM_OUT_OF_MEMORY. */
+/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen by their error (Cash
+   & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both ends and errs by at most `accuracy`;
+   velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
+   flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
+   the law reads has changed. The time step must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or
+   rigid bodies; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
-/* Constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6 and
-   surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B),
-   B its mean area seen across the flow; both 0 < .. <= 100. A convex body that turns at random has all three equal. {NaN} else. */
+/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6
+   and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along the flow; lengthwise: (pi x^2/4)/(S/2 -
+   B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body that turns at random has all three equal. NaN outside these
+   ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
-/* DEM_OK, or DEM_BAD_DEFINITION with *field naming the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
-/* A force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its length. */
+/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its length. */
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
-/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it goes with it from now on. DEM_BAD_ARGUMENT for others. */
+/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on. DEM_BAD_ARGUMENT for other
+   walls. */
 DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
-/* Velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+/* Returns the velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
 DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
-/* Porosity at the grid's nodes from the volumes of the spheres now, each shared among the nodes around it; at least 0.2. Cells should be
-   3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be. DEM_BAD_ARGUMENT without a finite grid. */
+/* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around it; at least 0.2.
+   Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be. DEM_BAD_ARGUMENT without a finite
+   grid. */
 DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
 
 /* ---- reading ---- */
@@ -921,40 +935,40 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
 DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
-/* From the frame in which its shape was given to the world's, now. A sphere by itself has none: 1, 0, 0, 0. */
+/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1, 0, 0, 0. */
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
-/* The body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+/* Returns the body that particle i is, or is a part of, now; first is -1 if i is out of range. */
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
 /* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity and spin stay.
-   DEM_BAD_ARGUMENT for a sphere by itself, which has none. */
+   DEM_BAD_ARGUMENT for a single sphere, which has none. */
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
 DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
 DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
-/* Energy now. Sums of work and losses are kept by runs with DEM_ENERGY only. */
+/* Returns the energies now. Only runs with DEM_ENERGY add to the sums of work and losses. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
 typedef struct dem_contact_info {
     ptrdiff_t i, j;              /* particles; j < 0: wall -1 - j */
     double gap;                  /* [m] */
     dem_vec force;               /* on i [N] */
-    dem_vec normal, point;       /* from j to i; where they touch, which divides the distance of the centres as the radii do [m] */
-    int element;                 /* of a screen: the bar; of a mesh: 0, 1 ... tell a particle's contacts with it apart */
+    dem_vec normal, point;       /* from j to i; place of the contact, which divides the distance of the centres as the radii do [m] */
+    int element;                 /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
 } dem_contact_info;
-/* Link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
+/* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
-/* The link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* Contact k = 0 .. dem_contact_count-1 (a slot, to hooks of laws); in those without its force. */
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; they get no force. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
-/* Apertures of a screen now: whole apertures, those without a blocking particle, those with any particle sitting in them.
-   A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it
-   blocks if, besides, friction would hold it were gravity reversed. */
+/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle sits. A particle
+   sits in an aperture if it touches two or more of its bars with its centre within one radius of the mesh plane; it blocks if, besides,
+   friction would hold it against reversed gravity. */
 typedef struct dem_apertures {
     int total, free, occupied;
 } dem_apertures;
@@ -962,88 +976,89 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall);
 
 /* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of range ---- */
 
-/* Stresses are pressures: positive where spheres push. First index: force, or momentum; second: direction in which it is carried. */
+/* Stresses are positive where spheres push. First index: component of force or momentum; second: direction in which it is carried. */
 typedef struct dem_measure {
     ptrdiff_t count;             /* spheres whose centres lie in the region */
     double mass;                 /* of them [kg] */
-    double solid_fraction;       /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere, 1e-4 for a
-                                    cylinder, 1e-2 of what the surface of a mesh cuts; what overlaps counts twice */
-    double coordination;         /* contacts of a sphere, mean of those in it [-] */
+    double solid_fraction;       /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere, to 1e-4 for
+                                    a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
+    double coordination;         /* mean number of contacts of these spheres [-] */
     dem_vec velocity;            /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
     double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the branch goes from
-                                    centre to centre, from a wall's point to the centre (Goldhirsch 2010, the region as kernel) */
+                                    centre to centre, or from a wall's point to the centre (Goldhirsch 2010, the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Along periodic axes a region is no longer than the box. A region without volume has NaN where it would be divided by. With a mesh also
-   DEM_OUT_OF_MEMORY. */
+/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is NaN. With a mesh
+   also DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
-/* A block of cells; n of 1 along an axis: no profile along it. */
+/* A block of cells. n = 1 along an axis: no profile along it. */
 typedef struct dem_cells {
     dem_vec low, high; /* corners of the block [m] */
     int n[3];          /* cells by axis, 1 .. 100000, their product < 2^30 */
     double width[3];   /* half width of the kernel by axis [m] >= 0; 0: none, a centre counts in its cell */
 } dem_cells;
-/* Fields in a cell: means over it of the coarse-grained fields. */
+/* Coarse-grained fields: their means over a cell. */
 typedef struct dem_field {
     double density;              /* [kg/m3] */
-    dem_vec momentum;            /* density of it [kg/(m2 s)]; over density: velocity */
+    dem_vec momentum;            /* per volume [kg/(m2 s)]; divided by density: velocity */
     double contact_stress[3][3]; /* [Pa] */
-    double kinetic_stress[3][3]; /* with v' from the cell's own velocity [Pa] */
+    double kinetic_stress[3][3]; /* with v' relative to the cell's own velocity [Pa] */
 } dem_field;
-/* Coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product of 15/16 (1 - u^2)^2 by
-   axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over cells: their sum is that of the spheres, if
-   the block reaches a width beyond them; branches by Gauss's rule with 8 points. */
+/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product of 15/16 (1 - u^2)^2
+   by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over cells: their sum is that of the spheres if the
+   block extends a width beyond them. Branches are integrated by Gauss's rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Histogram of contacts over `bins` equal bins from low to high, low < high: forces [N] or overlaps [m]; without those that only
-   nearly touch. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without overlap are left out.
+   count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins, double *count);
 
-/* Times in a region, to be called at intervals [s], which are its resolution; ids < n are followed. entered: [n] time of entering, NaN
-   outside, NaN at first; stayed: [n] sum of the visits that are over, 0 at first. Leaving by an exit counts at its own time. */
+/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time of entering, NaN
+   outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an exit counts at its own time. */
 DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered, double *stayed);
 
-/* Centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
+/* Counts centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group, double *of_all);
-/* How mixed two species are, from their numbers by sample: [samples] of one, of both; empty samples do not count. All NaN if one
+/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count. All NaN if one
    species is missing, or a number is negative or larger than that of both. */
 typedef struct dem_mixing {
-    double share;       /* of the one species in all [-] */
-    double separated;   /* variance of its share over samples, weighted by their numbers: if each sample held one species only, */
-    double random;      /* expected of a random mixture, for these sizes of samples, */
-    double variance;    /* and as it is [-] */
+    double share;       /* share of the one species in all [-] */
+    double separated;   /* variance of its share over samples, weighted by their numbers: if each sample held one species only [-] */
+    double random;      /* the same, expected of a random mixture with these sizes of samples [-] */
+    double variance;    /* the same, as it is [-] */
     double lacey;       /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey 1954) */
     double segregation; /* variance/separated: 1 separated (intensity of segregation, Danckwerts 1952) */
 } dem_mixing;
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all);
-/* Contacts between a group and the others over what chance would make of the contacts: 0 separated, 1 random. NaN without contacts. */
+/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random. NaN without
+   contacts. */
 DEM_API double dem_unlike_contacts(const dem_world *world, int group);
 
-/* Volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's part, then the divergence
-   theorem). radius > 0, low <= high by axis; NaN else. */
+/* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's part, then the
+   divergence theorem). radius > 0, low <= high by axis; otherwise NaN. */
 DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 
-/* A number that depends on every bit of the particles' state and histories, and of controlled walls. */
+/* Returns a hash of every bit of the particles' state and histories, and of controlled walls. */
 DEM_API uint64_t dem_hash(const dem_world *world);
 
-/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if
-   capacity is enough (call with NULL, 0 first). */
+/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
+   is enough (call it with NULL, 0 first). */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes. allocator may be NULL. The run goes on with the same bits. */
+/* Makes a world from saved bytes; its runs go on with the same bits. allocator may be NULL. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */
 
-/* Damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
+/* Returns the damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
 DEM_API double dem_damping_ratio(double e, dem_restitution mode);
-/* Coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
+/* Returns the coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
 DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
-/* Duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
+/* Returns the duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
 DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
-/* Duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
+/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s], all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* ---- convex polyhedra ---- */
@@ -2467,14 +2482,14 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     return NULL;
 }
 
-/* The arrays of a group: their addresses, so that growing, freeing and saving are loops. */
+/* An array of a group. Lists of them make growing, freeing and saving loops. */
 typedef struct dem__array {
-    void *address; /* of the pointer */
-    size_t size;   /* of an entry */
+    void *address; /* of the pointer to it */
+    size_t size;   /* of an entry [bytes] */
 } dem__array;
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
-/* Of particles in a force field. */
+/* Lists the arrays of particles in a force field. Returns their number. */
 static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
@@ -2487,7 +2502,7 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* The shape of particle i, or NULL if it is a sphere. */
+/* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
@@ -2543,7 +2558,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Lists the arrays of contacts, in the order of how long they hold something: from step to step, ... */
+/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -2575,7 +2590,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Lists them, and counts those that hold something when a contact is moved to another slot: the first so many. */
+/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
     return w->engine->run.keeps_wrenches                     ? with_out
@@ -2583,10 +2598,11 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
                                                              : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
+/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a cache line. Returns 0
+   when out of memory. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
-    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* other arrays alone need no more room */
+    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -2623,7 +2639,7 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Makes room for so many timers, and for the bytes that are kept beside each. */
+/* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
                                {&t->list, DEM__LINE * sizeof *t->list},
@@ -2637,7 +2653,7 @@ static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
     return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
-/* Sets the number of timers; those from `kept` on are stopped. */
+/* Sets the number of timers, and stops those from `kept` on. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
     t->pages = count / DEM__PAGE + 1;
     for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
@@ -2648,7 +2664,7 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
     }
 }
 
-/* Counts the steps of timers from another one. */
+/* Makes timers count from another step. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
     for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
@@ -2656,7 +2672,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* Makes room in one plain array; what it holds is lost. */
+/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
@@ -2734,13 +2750,14 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
+/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay finite. False for
+   NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
-/* Places: squares of distances stay finite. */
+/* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
-/* Are the numbers of a law within what a world has room for? */
+/* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
@@ -2790,7 +2807,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* Room for so many walls, and for the forces of every chunk on them. */
+/* Makes room for `wanted` walls, and for the forces of every chunk on them. Returns 0 when out of memory. */
 static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     dem__engine *e = w->engine;
     const dem_allocator *a = &w->def.allocator;
@@ -2817,7 +2834,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that few scenes move them. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes. Returns 0 when out of
+   memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -2846,7 +2864,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
-/* Is a run of the world under way, so that this is a law's hook? */
+/* Returns whether a run of the world is in progress, so that the caller is a law's hook. */
 static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
 
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
@@ -7674,7 +7692,7 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && worl
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
    listed cannot touch before the next check.
    May be changed here alone: margins and the list's life: no result depends on them. */
-/* The near pairs that a thread finds, and room for so many. */
+/* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
     dem__near *pair;
     ptrdiff_t n, room;
@@ -7690,21 +7708,21 @@ static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int
     return 1;
 }
 
-/* Spheres that those of a cell may be near to. */
-enum { DEM__CANDIDATES_MAX = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
+/* Spheres that may be near to those of a cell. */
+enum { DEM__CANDIDATES_MAX = 256 }; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
     int n;
 } dem__candidates;
 
-/* The nearest image of a distance of two places within the periodic box. */
+/* Returns a difference of coordinates within the periodic box for the nearest image. */
 DEM_INLINE double dem__image(double d, double length) {
     d = d > 0.5 * length ? d - length : d;
     return d < -0.5 * length ? d + length : d;
 }
 
-/* Those of a crowd that are near a sphere: their numbers in it, and how many. Without a branch, which nobody could predict. */
+/* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
 DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
     double room[DEM__CANDIDATES_MAX];
     int m = 0;
@@ -7723,7 +7741,7 @@ DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, 
 DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Length of the box along an axis, HUGE_VAL where it is not periodic. */
+/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
     return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
 }
@@ -7733,7 +7751,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list. Returns 0 if there is
+   no room. */
 static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
                                              dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
@@ -7749,7 +7768,8 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. Returns 0 if there
+   is no room. */
 static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     const dem__bound *scratch = w->engine->bodies.bound;
@@ -7774,7 +7794,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
         const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
         const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-        for (int part = 0; part < 2; part++) { /* neighbours in a row of cells are neighbours in the list */
+        for (int part = 0; part < 2; part++) { /* neighbouring cells of a row are neighbours in the list */
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
@@ -7791,8 +7811,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory.
-   The bounds serve as scratch: a rebuild sets all of them. */
+/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of memory. Uses the bounds
+   as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
@@ -7843,8 +7863,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     return levels;
 }
 
-/* The near pairs of the spheres whose cells begin in first .. end-1 of the sorted list: those of a cell look at the cells around it on
-   their own level and the coarser ones, and there at those after them in the list. Returns 0 if there is no room. */
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are compared with the cells
+   around it, on their own level and on coarser ones, and there with those after them in the list. Returns 0 if there is no room. */
 static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
                                        dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -7877,7 +7897,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Takes out pairs of particles of one rigid body. */
+/* Removes pairs of particles of one rigid body. */
 static inline void dem__drop_pairs_within_bodies(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
@@ -7890,8 +7910,8 @@ static inline void dem__drop_pairs_within_bodies(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
-   Returns 0 when out of memory. */
+/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one has no room, all
+   search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -7919,7 +7939,7 @@ static inline int dem__find_pairs(dem_world *w) {
     return 1;
 }
 
-/* The near pairs of each particle, both ways. */
+/* Lists the near pairs of each particle, so that each pair is listed twice. Returns 0 when out of memory. */
 static inline int dem__find_adjacent(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
@@ -7950,18 +7970,18 @@ static inline void dem__list_wall_contacts(dem_world *w) {
     }
 }
 
-/* Which near pair a live contact is. */
+/* Finds the near pair of each contact and stops its timer. */
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->near[c] < -1) continue; /* of a polyhedron: convex_pairs.h sees to it */
+        if (contacts->near[c] < -1) continue; /* of a polyhedron: see convex_pairs.h */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
     }
 }
 
-/* Near pair p (or -1) is linked, or not any more. */
+/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
     dem__near *q = &w->engine->pairs.near[p];
@@ -7985,7 +8005,7 @@ static inline void dem__find_links(dem_world *w) {
     for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
 }
 
-/* Timers of all near pairs that do not touch, in pages first .. end-1. */
+/* Sets the timers of all near pairs in pages first .. end-1 that do not touch. */
 DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, w->step);
@@ -8010,7 +8030,7 @@ static inline void dem__set_all_timers(dem_world *w) {
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Timers for a new list: pairs apart; walls as they are, or all stopped. */
+/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -8027,7 +8047,8 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* The list waits for somebody to move in the frame of what most do: it drifts at their mean velocity, and falls with them if they fly. */
+/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
+   falls with them if most fly. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -8041,7 +8062,7 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Notes where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -8059,10 +8080,10 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
     return 1;
 }
 
-/* Chooses the margin of the list: so that lists last, and what follows from it. */
+/* Chooses the margin of the list, so that lists last long enough, and sets what depends on it. */
 static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
-    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* steps a second, not rounded up */
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
@@ -8072,14 +8093,14 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
     const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* As much as slow contacts shift; faster ones are rarer than looks at those who are that near. */
+    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
     pairs->gravity_size = dem__length(dem__free_fall(w));
 }
 
-/* Lets bounds of driven walls shrink; sets timers of walls for a list made anew. */
+/* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
-    for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
+    for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
         if (a->asked.drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
@@ -8093,7 +8114,7 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something changed from outside. */
+/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -8143,7 +8164,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     return 1;
 }
 
-/* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
+/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
+   next check. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     dem__note_strides(w);
@@ -8842,19 +8864,19 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
 /* ------------------------------------------------------------------------------------------- >>kernel */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
    bodies and the forces on walls. Promises: the same bits for any division among threads.
-   May be changed here alone: how a block is worked through, in the order of slots. */
+   May be changed here alone: how a block is processed, in the order of slots. */
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
-    dem__row before, was, ended, past[DEM_STATE_MAX]; /* force and gap of the step before; history at the start of this one */
+    dem__row before, was, ended, past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* of a test of pairs */
+    dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Makes the memory that so many threads work in. */
+/* Makes the working memory of so many threads. Returns 0 when out of memory. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
@@ -8871,13 +8893,14 @@ static inline int dem__make_work(dem_world *w, int threads) {
 
 typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
-/* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits: branches would keep the
+   loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists such contacts of a chunk, and those whose law has ended, in the block from slot base on. How many? */
+/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on. Returns their number. */
 DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
                                      const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8900,7 +8923,8 @@ DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int has_frictio
     for (int a = 0; a < (has_friction ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds what a contact in chunk q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
+/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to that of j or of a
+   wall. */
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
                                 int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
@@ -8919,8 +8943,8 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* Adds what n contacts of chunk q do, slot by slot, in the order of which sums are; leaves to dem__add_postponed what must wait for other
-   threads. */
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another thread must add first for
+   dem__add_postponed. */
 DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk *in = &contacts->chunk[q];
@@ -8929,7 +8953,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
     for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
-        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
         dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
         if (last < own) continue;
         dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
@@ -8940,7 +8964,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     }
 }
 
-/* Prefetches a body of a link or a contact; a wall (less than 0) needs nothing. */
+/* Prefetches a particle of a link or a contact. For a wall (j < 0) any particle will do. */
 DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
@@ -8953,7 +8977,7 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH(&sum[i]);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one: of this chunk or of the one after it. */
+/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
                                   int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8980,14 +9004,14 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.shapes > 0) dem__fill_convex_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its answers. Links have sizes of a contact type only; all that the
-   choice leaves out is constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
+   on features are constant where the loop is compiled. */
 enum { DEM__OF_LINKS = 1 << 20 };
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
-    dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
+    dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
     for (int k = 0; k < n; k++) {
@@ -9000,7 +9024,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, has_friction, &q, &arm_i, &arm_j);
-        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */
+        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -9018,13 +9042,13 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* mean along a step: k/24 less; predict is 1 - 11 k/24 */
             dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
     }
 }
 
-/* Computes the work of walls on their contacts, from powers by the trapezoidal rule. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
@@ -9036,7 +9060,7 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: of the last `marked` contacts that its chunk has listed. */
+/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
 DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
                                    const dem__columns *old, const dem__columns *at, const dem_law *law, dem__edge_fn *correct,
                                    int features) {
@@ -9054,7 +9078,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
         dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, has_friction, &view, &edge.arm_i, &edge.arm_j);
         view.mass = x->types.mass[k];
-        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row, which a law may leave uncomputed */
+        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
@@ -9068,8 +9092,8 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
-/* Evaluates the contacts of a chunk. Each stands alone: it reads its own slot, particles and walls, which do not change meanwhile, and
-   writes its own slot; hence any division among threads gives the same bits. Each block is summed while it is in the cache. */
+/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile, and writes its own
+   slot; therefore any division among threads gives the same bits. Each block is summed while it is in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -9100,7 +9124,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
     }
 }
 
-/* The contacts of chunks first .. end-1, by one thread. */
+/* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
                             int features) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -9117,10 +9141,10 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Finds into how many parts the links are split. */
+/* Returns the number of parts into which the links are split. */
 DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
 
-/* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
+/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -9155,7 +9179,8 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
     dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
 }
 
-/* Evaluates links first .. end - 1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the
+   cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
     dem__work *x = &w->engine->scratch.work[part];
@@ -9322,7 +9347,7 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
    order depends only on the history of the scene, never on threads.
    May be changed here alone: how slots are filled; the order is in the hashes. */
-/* Order of contacts: by i, the last first, then j (walls last), then element. */
+/* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->i[a] != contacts->i[b]) return contacts->i[a] > contacts->i[b];
@@ -9353,7 +9378,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. How many? */
+/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. Returns their number. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -9366,19 +9391,20 @@ static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     return n;
 }
 
-/* One element of an array, most often a double or 32 bits. */
+/* Copies one element of an array, most often of 8 or 4 bytes. */
 DEM_INLINE void dem__copy(char *to, const char *from, size_t size) {
     if (size == 8) memcpy(to, from, 8);
     else if (size == 4) memcpy(to, from, 4);
     else *to = *from;
 }
 
-/* The n elements of an array that `from` lists, one after the other. */
+/* Gathers the n elements of an array that `from` lists. */
 static inline void dem__gather_items(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves what the listed slots hold, one after the other, into the slots of chunks: every parts-th array, from `first` on. */
+/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first, first + parts,
+   ... */
 static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
                                      int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -9411,7 +9437,7 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
-    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
+    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -9419,7 +9445,7 @@ DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
-/* One contact more of particle i, and of all particles of its rigid body, or one less. */
+/* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
@@ -9434,6 +9460,7 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
+/* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
@@ -9441,7 +9468,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: none is searched */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -9483,7 +9510,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to search the types would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each contact has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -9499,8 +9526,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into the chunks that they belong
-   to, and lists their slots there. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their chunks, and lists their
+   slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -9514,7 +9541,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
         while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so all after it */
+        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so are all after it */
         born[q].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
@@ -9527,7 +9554,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Makes the contacts that began since the last call ready, and puts them into the order. */
+/* Completes the contacts that began since the last call, and puts them into the order. gap: before this step [m]. */
 static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
@@ -9594,7 +9621,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c; its timer is set anew. */
+/* Ends the contact in slot c and sets its timer anew. */
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -9612,12 +9639,12 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
-    /* a screen's timer went on for its other bars, but did not wait for this one */
+    /* a screen's timer was running for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
-/* Moves the contact in slot `from` into a free one. */
+/* Moves the contact in slot `from` into a free slot. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
     dem__contacts *contacts = &w->engine->contacts;
     if (contacts->j[from] < 0) {
@@ -9631,7 +9658,7 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Takes out contacts that ended, of those that the last step marked or of all: slots at the end of their chunk fill the gaps. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the gaps. */
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -9660,8 +9687,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
 }
 
-/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
-   other. Many in chunks of equal size, with room to grow. */
+/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read one after the other.
+   Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
@@ -10814,10 +10841,10 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
-/* Tests all pairs and walls once, whatever is skipped; the timers stay. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
-    w->def.skip = 0; /* everything, once; the timers stay */
+    w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
     if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -10828,7 +10855,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts with walls that were taken away, and makes the list of near pairs anew. Returns 0 after a failure. */
+/* Ends the contacts with walls that act no more, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -10839,7 +10866,7 @@ static inline int dem__prepare_lists(dem_world *w) {
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
-/* Finds the damping ratios of all pairs of materials, and whether all were set. */
+/* Computes the damping ratios of all pairs of materials, and whether all were set. */
 static inline void dem__prepare_pairs(dem_world *w) {
     w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
@@ -10851,7 +10878,7 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and makes the contacts that begin, whose slots are listed then. How many, or -1 after a failure. */
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1 after a failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -10871,7 +10898,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     return begun;
 }
 
-/* Makes the kernel's law and the features those of the run, and gives contacts their constants if these have changed. */
+/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
 static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
@@ -10882,10 +10909,10 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     run->law = law;
 }
 
-/* Finds the forces on everything, no time passing, and so the accelerations. Returns 0 after a failure. */
+/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
 static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
     dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
+    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
     if (!dem__reorder_contacts(w)) return 0;
     const double stored = dem__stored_energy(w);
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
@@ -10898,7 +10925,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
-/* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error either. */
 static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -10909,7 +10936,7 @@ static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. Returns 0 after a failure. */
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
     dem__ledger *ledger = &w->engine->ledger;
@@ -10933,13 +10960,13 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
 
 DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
-/* Has particle i a load of links, or had it one? */
+/* Returns whether particle i has links, or its load contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Half a kick of a body by the change of its links' forces, old ones in the sums. What flies has the torque of where it was when they were
-   found, what takes steps that of now. */
+/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
+   where it was computed; a body that takes steps uses the present place for both. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -10960,7 +10987,7 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* The same of a particle; a body is kicked when its first linked particle is met. */
+/* Does the same for a particle. A body is kicked at its first linked particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -10982,7 +11009,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
 }
 
-/* A particle whose links have been evaluated keeps its bound while that holds until they are again. */
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
     if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
@@ -10993,8 +11020,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
-   get what the mean of the old force and the new one would have made. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
+   the velocities to the mean of the old force and the new one. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -11016,7 +11043,7 @@ static inline void dem__step_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
     }
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* when all of a body has been changed */
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
         const dem__rigid *r = dem__rigid_of(w, i);
         const dem_particle *p = &w->particle[i];
         if (!dem__is_linked(w, i)) continue;
@@ -11034,7 +11061,7 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
-/* Finds the contacts that begin in a step, with the walls where they are at its end. */
+/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
 static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__detect(w, w->step + 1);
@@ -11042,7 +11069,7 @@ static inline int dem__find_contacts_that_begin(dem_world *w) {
     return w->status == DEM_OK;
 }
 
-/* Gives the contacts that begin their constants, and tells the law of them. */
+/* Computes the constants of the contacts that begin, and calls the law's hook. */
 static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
     for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
     dem__report_begun(w, law, begun);
@@ -11056,7 +11083,7 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Takes particles that passed an exit out of the lists, and marks their contacts as ended. Did any? */
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.leaving) return 0;
@@ -11072,7 +11099,8 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step; `keep`: forces of contacts are kept for readers; in_field: a constant. Returns 0 after a failure. */
+/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time. Returns 0 after a
+   failure. */
 DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -11105,7 +11133,8 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
 
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
 
-/* So many steps in a force field. At the end flights that are over go on, so that a caller who changes particles meets none. */
+/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who changes particles finds
+   none. */
 static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
     int going = 1;
     for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
@@ -11130,19 +11159,20 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
         return 1;                                                                                                                          \
     }
 
-/* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
+/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Can a law take over the contacts present? Those of a law that keeps as many states go on; a void history can be dropped, and begin. */
+/* Returns whether a law can take over the contacts present. Those of a law that keeps as many states go on; a history that is zero can be
+   dropped, or begin. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
     return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
 }
 
-/* What keeps a run from beginning, or DEM_OK. */
+/* Returns what prevents a run, or DEM_OK. */
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
@@ -11157,10 +11187,10 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     }
     if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION)) return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* loaded: dem_set_links comes first */
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* after loading dem_set_links comes first */
 }
 
-/* Makes the arrays of contacts those that a law, a ledger and threads ask for. Returns 0 without memory; nothing has changed then. */
+/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
 static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
@@ -11178,7 +11208,8 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
-/* The time step over the largest that is stable. Of a spring 2 sqrt(m/k), its contact lasting pi sqrt(m/k); of a dashpot 2 m/gamma. */
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of a dashpot 2
+   m/gamma. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
@@ -11186,7 +11217,7 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
@@ -11197,12 +11228,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
+    w->status = DEM_OK; /* the caller may have mended any other failure */
     if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
-    w->owed = 0.0; /* of a run that fails */
+    w->owed = 0.0; /* if the run fails */
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
@@ -11241,7 +11272,7 @@ DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRI
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not name */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);

@@ -2,7 +2,7 @@
 /* Contacts that begin and end, and their order in slots. Reads bodies, walls, the law; writes contacts, activity and timers. Promises: the
    order depends only on the history of the scene, never on threads.
    May be changed here alone: how slots are filled; the order is in the hashes. */
-/* Order of contacts: by i, the last first, then j (walls last), then element. */
+/* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->i[a] != contacts->i[b]) return contacts->i[a] > contacts->i[b];
@@ -33,7 +33,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. How many? */
+/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. Returns their number. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -46,19 +46,20 @@ static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     return n;
 }
 
-/* One element of an array, most often a double or 32 bits. */
+/* Copies one element of an array, most often of 8 or 4 bytes. */
 DEM_INLINE void dem__copy(char *to, const char *from, size_t size) {
     if (size == 8) memcpy(to, from, 8);
     else if (size == 4) memcpy(to, from, 4);
     else *to = *from;
 }
 
-/* The n elements of an array that `from` lists, one after the other. */
+/* Gathers the n elements of an array that `from` lists. */
 static inline void dem__gather_items(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t n) {
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves what the listed slots hold, one after the other, into the slots of chunks: every parts-th array, from `first` on. */
+/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first, first + parts,
+   ... */
 static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays, int first,
                                      int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -91,7 +92,7 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list, int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
-    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* an array to work in each */
+    a.parts = dem__parts_of(w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -99,7 +100,7 @@ DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
-/* One contact more of particle i, and of all particles of its rigid body, or one less. */
+/* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) w->touching[i] += change, dem__set_mass_share(w, i);
@@ -114,6 +115,7 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
+/* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
@@ -121,7 +123,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more than fit: none is searched */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -163,7 +165,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each has its own: to search the types would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from now on each contact has its own: to search the types would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -179,8 +181,8 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into the chunks that they belong
-   to, and lists their slots there. */
+/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their chunks, and lists their
+   slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk born[DEM__CHUNKS];
@@ -194,7 +196,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
         while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so all after it */
+        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity) q = last; /* and so are all after it */
         born[q].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
@@ -207,7 +209,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Makes the contacts that began since the last call ready, and puts them into the order. */
+/* Completes the contacts that began since the last call, and puts them into the order. gap: before this step [m]. */
 static inline void dem__commit_begun(dem_world *w, double gap) {
     dem__wall_state *walls = &w->engine->walls;
     dem__contacts *contacts = &w->engine->contacts;
@@ -274,7 +276,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c; its timer is set anew. */
+/* Ends the contact in slot c and sets its timer anew. */
 static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -292,12 +294,12 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
         return;
     }
     dem__unlink_wall_contact(w, i, c, -1);
-    /* a screen's timer went on for its other bars, but did not wait for this one */
+    /* a screen's timer was running for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) && dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
 }
 
-/* Moves the contact in slot `from` into a free one. */
+/* Moves the contact in slot `from` into a free slot. */
 static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, const dem__array *list, int n) {
     dem__contacts *contacts = &w->engine->contacts;
     if (contacts->j[from] < 0) {
@@ -311,7 +313,7 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Takes out contacts that ended, of those that the last step marked or of all: slots at the end of their chunk fill the gaps. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the gaps. */
 static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -340,8 +342,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
 }
 
-/* All contacts into the order of their particles i, the last first, else as they were: neighbours in space are then read one after the
-   other. Many in chunks of equal size, with room to grow. */
+/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read one after the other.
+   Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;

@@ -64,13 +64,14 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Accelerations, velocities and spins that a caller may give: products of three, as in energies, stay finite. False for NaN. */
+/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay finite. False for
+   NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && dem__moderate(v.y) && dem__moderate(v.z); }
-/* Places: squares of distances stay finite. */
+/* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
-/* Are the numbers of a law within what a world has room for? */
+/* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
@@ -120,7 +121,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* Room for so many walls, and for the forces of every chunk on them. */
+/* Makes room for `wanted` walls, and for the forces of every chunk on them. Returns 0 when out of memory. */
 static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     dem__engine *e = w->engine;
     const dem_allocator *a = &w->def.allocator;
@@ -147,7 +148,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that few scenes move them. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes. Returns 0 when out of
+   memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -176,7 +178,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
-/* Is a run of the world under way, so that this is a law's hook? */
+/* Returns whether a run of the world is in progress, so that the caller is a law's hook. */
 static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
 
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {

@@ -31,7 +31,7 @@
    Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
              Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
              order in dt with damping, third for the restitution of a linear contact.
-             A pair is not looked at before it can touch. Results do not depend on what is skipped, bit for bit.
+             A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
    Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 540 bytes a

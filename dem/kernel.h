@@ -1,19 +1,19 @@
 /* ------------------------------------------------------------------------------------------- >>kernel */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
    bodies and the forces on walls. Promises: the same bits for any division among threads.
-   May be changed here alone: how a block is worked through, in the order of slots. */
+   May be changed here alone: how a block is processed, in the order of slots. */
 /* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
-    dem__row before, was, ended, past[DEM_STATE_MAX]; /* force and gap of the step before; history at the start of this one */
+    dem__row before, was, ended, past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* of a test of pairs */
+    dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Makes the memory that so many threads work in. */
+/* Makes the working memory of so many threads. Returns 0 when out of memory. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
@@ -30,13 +30,14 @@ static inline int dem__make_work(dem_world *w, int threads) {
 
 typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
 
-/* Did a contact begin or end in this step, by its forces and the gap before? All bits: choices would keep the loop scalar. */
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits: branches would keep the
+   loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
     return (idle ^ (int64_t)(now == 0.0)) & ((idle ^ 1) | (int64_t)(gap_before > 0.0));
 }
 
-/* Marks and lists such contacts of a chunk, and those whose law has ended, in the block from slot base on. How many? */
+/* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on. Returns their number. */
 DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before, const double *was,
                                      const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -59,7 +60,8 @@ DEM_INLINE void dem__add_load(dem__sum *sum, const double *load, int has_frictio
     for (int a = 0; a < (has_friction ? 6 : 3); a++) sum->load[a] += load[a];
 }
 
-/* Adds what a contact in chunk q does, force on i and torques on i and j in out[][k]: to the sum of i, to that of j or of a wall. */
+/* Adds the force on i and the torques on i and j of a contact in chunk q, which are in out[][k], to the sum of i and to that of j or of a
+   wall. */
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k, int has_friction,
                                 int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
@@ -78,8 +80,8 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), t));
 }
 
-/* Adds what n contacts of chunk q do, slot by slot, in the order of which sums are; leaves to dem__add_postponed what must wait for other
-   threads. */
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another thread must add first for
+   dem__add_postponed. */
 DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out, int has_friction) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__chunk *in = &contacts->chunk[q];
@@ -88,7 +90,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
     for (int k = 0; k < n && !waits; k++) dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
     for (int k = 0; k < n && waits; k++) {
-        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall's j is less than 0 */
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
         dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
         if (last < own) continue;
         dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
@@ -99,7 +101,7 @@ DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, in
     }
 }
 
-/* Prefetches a body of a link or a contact; a wall (less than 0) needs nothing. */
+/* Prefetches a particle of a link or a contact. For a wall (j < 0) any particle will do. */
 DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     const dem_particle *p = &w->particle[j < 0 ? 0 : j];
     DEM__PREFETCH(&p->x);
@@ -112,7 +114,7 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH(&sum[i]);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one: of this chunk or of the one after it. */
+/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
                                   int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -139,14 +141,14 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.shapes > 0) dem__fill_convex_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its answers. Links have sizes of a contact type only; all that the
-   choice leaves out is constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
+   on features are constant where the loop is compiled. */
 enum { DEM__OF_LINKS = 1 << 20 };
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n, const dem__columns *old,
                                const dem__columns *at, const dem_law *law, double h, double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
-    dem__row share; /* by itself, so that it is not even computed for a law that does not ask for it */
+    dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
     for (int k = 0; k < n; k++) {
@@ -159,7 +161,7 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, has_friction, &q, &arm_i, &arm_j);
-        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the choice, or the loop does not vectorise */
+        const double predict = is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -177,13 +179,13 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* its work along a step: k/24 less; predict is 1 - 11 k/24 */
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* mean along a step: k/24 less; predict is 1 - 11 k/24 */
             dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
     }
 }
 
-/* Computes the work of walls on their contacts, from powers by the trapezoidal rule. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at, double half) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
@@ -195,7 +197,7 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: of the last `marked` contacts that its chunk has listed. */
+/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
 DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
                                    const dem__columns *old, const dem__columns *at, const dem_law *law, dem__edge_fn *correct,
                                    int features) {
@@ -213,7 +215,7 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
         dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, has_friction, &view, &edge.arm_i, &edge.arm_j);
         view.mass = x->types.mass[k];
-        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not the row, which a law may leave uncomputed */
+        view.share = dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
@@ -227,8 +229,8 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
-/* Evaluates the contacts of a chunk. Each stands alone: it reads its own slot, particles and walls, which do not change meanwhile, and
-   writes its own slot; hence any division among threads gives the same bits. Each block is summed while it is in the cache. */
+/* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile, and writes its own
+   slot; therefore any division among threads gives the same bits. Each block is summed while it is in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law, dem__edge_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -259,7 +261,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
     }
 }
 
-/* The contacts of chunks first .. end-1, by one thread. */
+/* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law, dem__edge_fn *correct,
                             int features) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -276,10 +278,10 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
     }
 }
 
-/* Finds into how many parts the links are split. */
+/* Returns the number of parts into which the links are split. */
 DEM_INLINE int dem__link_parts(const dem_world *w) { return dem__parts_of(w, w->engine->links.count, w->engine->scratch.works); }
 
-/* Adds what links first .. end-1 do to the loads of their bodies, in their order. */
+/* Adds the forces of links first .. end-1 to the loads of their bodies, in the order of the links. */
 DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -314,7 +316,8 @@ DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t ba
     dem__find_turns(w, &x->rows, n, 0.0, 0.5 * w->engine->run.kernel_dt, x->wall, x->walls);
 }
 
-/* Evaluates links first .. end - 1, from where everything is now. A thread that is alone adds up each block while it is in the cache. */
+/* Evaluates links first .. end - 1 at the present positions. If there is only one thread, it adds up each block while it is in the
+   cache. */
 DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law) {
     dem__links *links = &w->engine->links;
     dem__work *x = &w->engine->scratch.work[part];

@@ -2,7 +2,7 @@
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
    listed cannot touch before the next check.
    May be changed here alone: margins and the list's life: no result depends on them. */
-/* The near pairs that a thread finds, and room for so many. */
+/* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
     dem__near *pair;
     ptrdiff_t n, room;
@@ -18,21 +18,21 @@ static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int
     return 1;
 }
 
-/* Spheres that those of a cell may be near to. */
-enum { DEM__CANDIDATES_MAX = 256 }; /* twice what a cell and its neighbours hold in a dense bed of like spheres */
+/* Spheres that may be near to those of a cell. */
+enum { DEM__CANDIDATES_MAX = 256 }; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
     int n;
 } dem__candidates;
 
-/* The nearest image of a distance of two places within the periodic box. */
+/* Returns a difference of coordinates within the periodic box for the nearest image. */
 DEM_INLINE double dem__image(double d, double length) {
     d = d > 0.5 * length ? d - length : d;
     return d < -0.5 * length ? d + length : d;
 }
 
-/* Those of a crowd that are near a sphere: their numbers in it, and how many. Without a branch, which nobody could predict. */
+/* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
 DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count) {
     double room[DEM__CANDIDATES_MAX];
     int m = 0;
@@ -51,7 +51,7 @@ DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, 
 DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Length of the box along an axis, HUGE_VAL where it is not periodic. */
+/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
     return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
 }
@@ -61,7 +61,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* The near pairs of spheres first .. end-1 of the sorted list with those after each that a crowd holds. Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list. Returns 0 if there is
+   no room. */
 static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first, int32_t end,
                                              dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
@@ -77,7 +78,8 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* The near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one level. Returns 0 if there
+   is no room. */
 static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
     const dem__bound *scratch = w->engine->bodies.bound;
@@ -102,7 +104,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
         const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
         const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-        for (int part = 0; part < 2; part++) { /* neighbours in a row of cells are neighbours in the list */
+        for (int part = 0; part < 2; part++) { /* neighbouring cells of a row are neighbours in the list */
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
@@ -119,8 +121,8 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Puts the spheres into cells, one grid for each size class: sorted by class, then by cell. The number of classes; 0 when out of memory.
-   The bounds serve as scratch: a rebuild sets all of them. */
+/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of memory. Uses the bounds
+   as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
@@ -171,8 +173,8 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     return levels;
 }
 
-/* The near pairs of the spheres whose cells begin in first .. end-1 of the sorted list: those of a cell look at the cells around it on
-   their own level and the coarser ones, and there at those after them in the list. Returns 0 if there is no room. */
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are compared with the cells
+   around it, on their own level and on coarser ones, and there with those after them in the list. Returns 0 if there is no room. */
 static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first, ptrdiff_t end,
                                        dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -205,7 +207,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Takes out pairs of particles of one rigid body. */
+/* Removes pairs of particles of one rigid body. */
 static inline void dem__drop_pairs_within_bodies(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
@@ -218,8 +220,8 @@ static inline void dem__drop_pairs_within_bodies(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs: gap below margin. Threads search parts of the sorted spheres; if one has no room, all search again with more.
-   Returns 0 when out of memory. */
+/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one has no room, all
+   search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -247,7 +249,7 @@ static inline int dem__find_pairs(dem_world *w) {
     return 1;
 }
 
-/* The near pairs of each particle, both ways. */
+/* Lists the near pairs of each particle, so that each pair is listed twice. Returns 0 when out of memory. */
 static inline int dem__find_adjacent(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
@@ -278,18 +280,18 @@ static inline void dem__list_wall_contacts(dem_world *w) {
     }
 }
 
-/* Which near pair a live contact is. */
+/* Finds the near pair of each contact and stops its timer. */
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->near[c] < -1) continue; /* of a polyhedron: convex_pairs.h sees to it */
+        if (contacts->near[c] < -1) continue; /* of a polyhedron: see convex_pairs.h */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
     }
 }
 
-/* Near pair p (or -1) is linked, or not any more. */
+/* Sets the distance at which near pair p is in contact, which is larger for linked particles. p = -1: does nothing. */
 DEM_INLINE void dem__mark_link(dem_world *w, int32_t p, int linked) {
     if (p < 0) return;
     dem__near *q = &w->engine->pairs.near[p];
@@ -313,7 +315,7 @@ static inline void dem__find_links(dem_world *w) {
     for (int32_t k = 0; k < (int32_t)w->engine->links.count; k++) dem__list_link(w, k);
 }
 
-/* Timers of all near pairs that do not touch, in pages first .. end-1. */
+/* Sets the timers of all near pairs in pages first .. end-1 that do not touch. */
 DEM_INLINE void dem__set_new_timers(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, w->step);
@@ -338,7 +340,7 @@ static inline void dem__set_all_timers(dem_world *w) {
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Timers for a new list: pairs apart; walls as they are, or all stopped. */
+/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -355,7 +357,8 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* The list waits for somebody to move in the frame of what most do: it drifts at their mean velocity, and falls with them if they fly. */
+/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
+   falls with them if most fly. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -369,7 +372,7 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Notes where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -387,10 +390,10 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
     return 1;
 }
 
-/* Chooses the margin of the list: so that lists last, and what follows from it. */
+/* Chooses the margin of the list, so that lists last long enough, and sets what depends on it. */
 static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
-    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* steps a second, not rounded up */
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
@@ -400,14 +403,14 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
     const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* As much as slow contacts shift; faster ones are rarer than looks at those who are that near. */
+    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
     pairs->gravity_size = dem__length(dem__free_fall(w));
 }
 
-/* Lets bounds of driven walls shrink; sets timers of walls for a list made anew. */
+/* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
-    for (int k = 0; k < w->walls; k++) { /* bounds of driven walls may shrink here */
+    for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double speed = 1.5 * dem__length(a->velocity), spin = 1.5 * fabs(a->spin);
         if (a->asked.drive == DEM_KINEMATIC || (speed > 0.5 * a->speed_bound && spin >= 0.5 * a->spin_bound)) continue;
@@ -421,7 +424,7 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something changed from outside. */
+/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -471,7 +474,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     return 1;
 }
 
-/* Has anything moved so far that an unlisted pair could touch soon? Then rebuild, else say when to ask again. */
+/* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise sets the step of the
+   next check. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     dem__note_strides(w);

@@ -2,10 +2,10 @@
 /* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world can be read, saved
    and freed.
    May be changed here alone: the order of a step (hashes follow). */
-/* Tests all pairs and walls once, whatever is skipped; the timers stay. */
+/* Tests all pairs and walls once, whatever is skipped. The timers stay. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
-    w->def.skip = 0; /* everything, once; the timers stay */
+    w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
     if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -16,7 +16,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts with walls that were taken away, and makes the list of near pairs anew. Returns 0 after a failure. */
+/* Ends the contacts with walls that act no more, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -27,7 +27,7 @@ static inline int dem__prepare_lists(dem_world *w) {
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
 }
 
-/* Finds the damping ratios of all pairs of materials, and whether all were set. */
+/* Computes the damping ratios of all pairs of materials, and whether all were set. */
 static inline void dem__prepare_pairs(dem_world *w) {
     w->engine->run.has_unset_pairs = 0;
     for (int a = 0; a < w->def.materials; a++) {
@@ -39,7 +39,7 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and makes the contacts that begin, whose slots are listed then. How many, or -1 after a failure. */
+/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1 after a failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -59,7 +59,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     return begun;
 }
 
-/* Makes the kernel's law and the features those of the run, and gives contacts their constants if these have changed. */
+/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
 static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
@@ -70,10 +70,10 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     run->law = law;
 }
 
-/* Finds the forces on everything, no time passing, and so the accelerations. Returns 0 after a failure. */
+/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
 static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
     dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before what may run out of memory: a world that fails there can be saved */
+    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
     if (!dem__reorder_contacts(w)) return 0;
     const double stored = dem__stored_energy(w);
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
@@ -86,7 +86,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return w->status == DEM_OK && (!w->engine->field.on || dem__ask_field(w, DEM__FIELD_FLIGHTS, 0));
 }
 
-/* Begins, pauses or resumes the ledger. What happens in a pause is in no sum: the start is moved, so that it is no error either. */
+/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error either. */
 static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -97,7 +97,7 @@ static inline void dem__switch_ledger(dem_world *w, dem_loop_fn loop) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Begins a run: lists, contacts that are already there, their forces and so the accelerations. Returns 0 after a failure. */
+/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
     dem__ledger *ledger = &w->engine->ledger;
@@ -121,13 +121,13 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
 
 DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
-/* Has particle i a load of links, or had it one? */
+/* Returns whether particle i has links, or its load contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Half a kick of a body by the change of its links' forces, old ones in the sums. What flies has the torque of where it was when they were
-   found, what takes steps that of now. */
+/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
+   where it was computed; a body that takes steps uses the present place for both. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -148,7 +148,7 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* The same of a particle; a body is kicked when its first linked particle is met. */
+/* Does the same for a particle. A body is kicked at its first linked particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -170,7 +170,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
 }
 
-/* A particle whose links have been evaluated keeps its bound while that holds until they are again. */
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
     if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
@@ -181,8 +181,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Links by velocity Verlet with a step of their own: their forces are constant between two evaluations, and at each the velocities
-   get what the mean of the old force and the new one would have made. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
+   the velocities to the mean of the old force and the new one. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -204,7 +204,7 @@ static inline void dem__step_links(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
     }
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* when all of a body has been changed */
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
         const dem__rigid *r = dem__rigid_of(w, i);
         const dem_particle *p = &w->particle[i];
         if (!dem__is_linked(w, i)) continue;
@@ -222,7 +222,7 @@ static inline void dem__step_links(dem_world *w) {
     }
 }
 
-/* Finds the contacts that begin in a step, with the walls where they are at its end. */
+/* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
 static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
     else dem__detect(w, w->step + 1);
@@ -230,7 +230,7 @@ static inline int dem__find_contacts_that_begin(dem_world *w) {
     return w->status == DEM_OK;
 }
 
-/* Gives the contacts that begin their constants, and tells the law of them. */
+/* Computes the constants of the contacts that begin, and calls the law's hook. */
 static inline void dem__prepare_begun(dem_world *w, const dem_law *law, ptrdiff_t begun, int features) {
     for (ptrdiff_t k = 0; k < begun; k++) dem__set_constants(w, w->engine->contacts.slots[k], law, features);
     dem__report_begun(w, law, begun);
@@ -244,7 +244,7 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Takes particles that passed an exit out of the lists, and marks their contacts as ended. Did any? */
+/* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.leaving) return 0;
@@ -260,7 +260,8 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step; `keep`: forces of contacts are kept for readers; in_field: a constant. Returns 0 after a failure. */
+/* Advances the world by one step. keep: keeps the forces of contacts for readers; in_field: a constant at compile time. Returns 0 after a
+   failure. */
 DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, int in_field) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -293,7 +294,8 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
 
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) { return dem__step_of(w, kernel, keep, 0); }
 
-/* So many steps in a force field. At the end flights that are over go on, so that a caller who changes particles meets none. */
+/* Runs the steps of a task in a force field. At the end it continues flights that are over, so that a caller who changes particles finds
+   none. */
 static inline int dem__run_in_field(dem_world *w, const dem__field_task *q) {
     int going = 1;
     for (ptrdiff_t n = q->n; n > 0 && going; n--) going = dem__step_of(w, q->kernel, n == 1, 1);
@@ -318,19 +320,20 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
         return 1;                                                                                                                          \
     }
 
-/* Is friction, which a kernel computes, left out of a run? Then its history stays zero. */
+/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Can a law take over the contacts present? Those of a law that keeps as many states go on; a void history can be dropped, and begin. */
+/* Returns whether a law can take over the contacts present. Those of a law that keeps as many states go on; a history that is zero can be
+   dropped, or begin. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
     return !contacts->has_history && (kernel->law->states == 0 || dem__has_void_history(kernel, features));
 }
 
-/* What keeps a run from beginning, or DEM_OK. */
+/* Returns what prevents a run, or DEM_OK. */
 static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *kernel, int features) {
     if (w->def.threads < 1 || w->def.threads > 4096) return DEM_BAD_DEFINITION;
     if (w->status == DEM_NOT_FINITE || w->status == DEM_TOO_FAST) return w->status;
@@ -345,10 +348,10 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     }
     if (w->engine->convex.shapes > 0 && !(kernel->features & DEM_FRICTION)) return DEM_POLYHEDRON; /* others compute no torques */
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
-    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* loaded: dem_set_links comes first */
+    return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK; /* after loading dem_set_links comes first */
 }
 
-/* Makes the arrays of contacts those that a law, a ledger and threads ask for. Returns 0 without memory; nothing has changed then. */
+/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
 static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int ledger) {
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants, had_ledger = w->engine->ledger.on;
@@ -366,7 +369,8 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
     return 1;
 }
 
-/* The time step over the largest that is stable. Of a spring 2 sqrt(m/k), its contact lasting pi sqrt(m/k); of a dashpot 2 m/gamma. */
+/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of a dashpot 2
+   m/gamma. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
@@ -374,7 +378,7 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* dem_run_law for some of a kernel's features: the law's prepare function leaves out friction and rolling that are not among them. */
+/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
     if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
@@ -385,12 +389,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* whatever else it was, the caller may have mended */
+    w->status = DEM_OK; /* the caller may have mended any other failure */
     if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, w->engine->ledger.on || (features & DEM_ENERGY)))
         return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
-    w->owed = 0.0; /* of a run that fails */
+    w->owed = 0.0; /* if the run fails */
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
@@ -429,7 +433,7 @@ DEM_KERNEL(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRI
 DEM_KERNEL(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* the kernels with a ledger compute friction and rolling always; constants of zero take out what the caller did not name */
+    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not name */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, &dem__kernel_linear, features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, &dem__kernel_linear_friction, features);

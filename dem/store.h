@@ -11,14 +11,14 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
     return NULL;
 }
 
-/* The arrays of a group: their addresses, so that growing, freeing and saving are loops. */
+/* An array of a group. Lists of them make growing, freeing and saving loops. */
 typedef struct dem__array {
-    void *address; /* of the pointer */
-    size_t size;   /* of an entry */
+    void *address; /* of the pointer to it */
+    size_t size;   /* of an entry [bytes] */
 } dem__array;
 enum { DEM__ARRAYS_MAX = 96, DEM__STEP_ARRAYS = 3, DEM__OUT_ARRAYS = 9, DEM__OWN_ARRAYS = 4 };
 
-/* Of particles in a force field. */
+/* Lists the arrays of particles in a force field. Returns their number. */
 static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
@@ -31,7 +31,7 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* The shape of particle i, or NULL if it is a sphere. */
+/* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
@@ -87,7 +87,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Lists the arrays of contacts, in the order of how long they hold something: from step to step, ... */
+/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -119,7 +119,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Lists them, and counts those that hold something when a contact is moved to another slot: the first so many. */
+/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS, with_own = with_out - DEM__OUT_ARRAYS;
     return w->engine->run.keeps_wrenches                     ? with_out
@@ -127,10 +127,11 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
                                                              : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* All arrays of a group lie in one block, so that growing works for all or changes nothing. Each begins with a cache line. */
+/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a cache line. Returns 0
+   when out of memory. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes, ptrdiff_t *capacity,
                                   ptrdiff_t wanted) {
-    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* other arrays alone need no more room */
+    ptrdiff_t larger = wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -167,7 +168,7 @@ static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Makes room for so many timers, and for the bytes that are kept beside each. */
+/* Makes room for `count` timers, and for `bytes` beside each in another array. Returns 0 when out of memory. */
 static inline int dem__grow_timers(dem_world *w, dem__timers *t, ptrdiff_t count, void *other, size_t bytes) {
     const dem__array list[] = {{&t->due, DEM__LINE * sizeof *t->due},
                                {&t->list, DEM__LINE * sizeof *t->list},
@@ -181,7 +182,7 @@ static inline int dem__grow_near(dem_world *w, ptrdiff_t count) {
     return dem__grow_timers(w, &pairs->timers, count, &pairs->near, sizeof *pairs->near);
 }
 
-/* Sets the number of timers; those from `kept` on are stopped. */
+/* Sets the number of timers, and stops those from `kept` on. */
 static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t count) {
     t->pages = count / DEM__PAGE + 1;
     for (ptrdiff_t e = kept; e < t->pages * DEM__PAGE; e++) t->due[e] = DEM__STOPPED;
@@ -192,7 +193,7 @@ static inline void dem__stop_timers(dem__timers *t, ptrdiff_t kept, ptrdiff_t co
     }
 }
 
-/* Counts the steps of timers from another one. */
+/* Makes timers count from another step. */
 static inline void dem__count_from(dem__timers *t, int64_t step) {
     const int32_t later = (int32_t)(step - t->from);
     for (ptrdiff_t e = 0; e < t->pages * DEM__PAGE; e++) t->due[e] -= t->due[e] < DEM__NEVER ? later : 0;
@@ -200,7 +201,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* Makes room in one plain array; what it holds is lost. */
+/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
