@@ -961,7 +961,7 @@ DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
 /* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
-/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; they get no force. */
+/* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws call k a slot; for them force is not set. */
 DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
@@ -1062,63 +1062,62 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* ---- convex polyhedra ---- */
-/* Convex polyhedra as a user sees them: types and functions.
-   Relies on types.h.
+/* Convex polyhedra: public types and functions. Relies on types.h.
    May be changed here alone: comments. */
 
-#define DEM_CORNERS_MAX 32                      /* of a polyhedron: a set of corners fits into 32 bits */
-#define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* Euler, as triangles */
+#define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
+#define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
-/* A convex polyhedron with rounded edges and corners: a core, and all that lies within a radius of it. The outer faces are those of the
-   polyhedron that it was made of; the core is that polyhedron, eroded. Volume, centroid and inertia are those of the sharp polyhedron.
-   Lengths are in the frame of the principal axes, from the centroid. Made by the three functions below. */
+/* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of the polyhedron that
+   it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia are those of the sharp polyhedron.
+   Lengths are from the centroid, along the principal axes. Made by the three functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
-    int is_box;                        /* 1: the core is a box along the axes of half lengths `half` */
+    int is_box;                        /* 1: the core is a box along the axes with half lengths `half` */
     double radius;                     /* of rounding [m] */
     double reach;                      /* from the centroid to the farthest point [m] */
     double volume;                     /* [m3] */
     double moment[3];                  /* principal moments of inertia over density [m5] */
-    double share;                      /* of its mass that the outermost corner has in a hit, mean over directions [-] */
-    dem_vec half;                      /* [m] */
-    dem_vec centroid;                  /* in the frame that the polyhedron was given in [m] */
-    dem_vec axis[3];                   /* the principal axes in that frame, right-handed; where moments are equal, those nearest to it */
+    double share;                      /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
+    dem_vec half;                      /* of a box [m] */
+    dem_vec centroid;                  /* in the frame in which the polyhedron was given [m] */
+    dem_vec axis[3];                   /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
     double corner[DEM_CORNERS_MAX][3]; /* of the core [m] */
     double plane[DEM_FACES_MAX][4];    /* of the core: outward normal and distance from the centroid [m] */
     uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
     uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
     uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
-    uint8_t edge_face[DEM_EDGES_MAX][2];    /* its faces: it runs with the corners of the first, against those of the second */
+    uint8_t edge_face[DEM_EDGES_MAX][2];    /* its faces; it runs along the first one's corners, against the second one's */
 } dem_convex;
 
 /* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding: radius over the smallest
-   distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good one. DEM_BAD_ARGUMENT, with *reason (may be NULL)
-   saying why: a number that is not finite or out of range, corners in one plane, a point that is no corner (it lies inside, in a face, on
-   an edge or on another), or a core of more than DEM_CORNERS_MAX corners (where over three faces meet, it may have more of them). */
+   distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. DEM_BAD_ARGUMENT, with the cause in *reason
+   (may be NULL): a number that is not finite or out of range, corners in one plane, a point that is no corner (it lies inside, in a face,
+   on an edge or on another), or a core of more than DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
 DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason);
-/* A box of these lengths along its axes [m] > 0. */
+/* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* From a closed surface of triangles that is convex: refused besides if an edge has not two triangles, or a corner lies outside of a
-   triangle's plane. Triangles in one plane make one face. */
+/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two triangles, and a corner
+   outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world; returns its number from 0 on, or minus a dem_status. It is copied, and stays. */
+/* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any length but 0, scalar
-   first, from the shape's principal axes to the world's; NULL: none is turned. Else as dem_add_spheres. Each is one particle, whose radius
-   is that of the sphere around it.
+   first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as dem_add_spheres. Each is one particle, whose
+   radius is that of the sphere around it.
 
-   A contact is a point: a corner at the other body, or two edges that cross. All are the pair's law between spheres of the rounding radii
-   (a sphere's own) there, with `share` of a polyhedron's mass for the dashpot; so a face on a face has as many springs as points. Points
-   have weights, so that force passes from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (else
+   A contact is a point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with the
+   rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many springs
+   as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise
    DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
-   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow there; what the edges of a
-   polyhedron do at wires, rims and convex edges of a wall is not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow. Contacts of a polyhedron's edges
+   with wires, rims and convex edges of a wall are not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
-DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* the world's; NULL if it is not there */
+DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape); /* owned by the world; NULL if there is none */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);                  /* pairs whose cores overlapped in the last step: 0 is right */
 
 /* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
@@ -1881,13 +1880,13 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
     return 1;
 }
 
-/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions.
-   May be changed here alone: one kind's answers; a new kind is a branch in each function. */
-/* Does a wall act on particles of a group? */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
+   May be changed here alone: one kind of wall; a new kind is a branch in each function. */
+/* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
-/* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
-   becomes a lower bound of the gap. */
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
+   Returns their number; least: a lower limit of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
     dem_vec d = dem__sub(centre, w->position);
     double up = dem__dot(d, w->axis[2]);
@@ -1942,7 +1941,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     return n;
 }
 
-/* The one place that an element of a wall touches, at any gap. */
+/* Finds the one place where an element of a wall is touched, at any gap. */
 static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem__touch *out) {
     double least;
     if (w->kind == DEM_SCREEN) {
@@ -1961,8 +1960,8 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     *out = touch[0];
 }
 
-/* From the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the surface is. Returns 1 if
-   the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the
+   surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
 static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
     const dem_vec d = dem__sub(centre, w->position);
     if (w->kind == DEM_SCREEN) {
@@ -1978,7 +1977,7 @@ static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t
     return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
 }
 
-/* How the normal turns at a cone, which is a ring's at a rim. */
+/* Returns the rate of change of the normal at a cone [1/s]; at a rim it is that of a ring. */
 static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, double radius, dem_vec n, dem_vec u) {
     const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
     dem__touch touch;
@@ -1995,8 +1994,8 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
     return dem__plus(rate, 1.0 / (radius + touch.gap), up);
 }
 
-/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis
-   of a round one, with the sign of the side. */
+/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
+   distance from the axis of a round wall, with the sign of the side. */
 static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
                                        dem_vec u) {
     const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
@@ -2013,11 +2012,12 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     return dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
+/* Returns the velocity of a wall's surface at a point whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
 }
+/* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
     const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));
@@ -2029,17 +2029,17 @@ DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
    Relies on the portable mathematics.
    May be changed here alone: a law's formula. */
 
-/* Drag coefficient times Reynolds number, c_D Re [-], of Re = density |slip| d/viscosity, d the diameter of the sphere of equal volume. The
-   force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
+   the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
 
-/* Stokes 1851. */
+/* Returns c_D Re by Stokes 1851. */
 DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
     (void)gas;
     return reynolds >= 0.0 ? 24.0 : (double)NAN;
 }
 
-/* Schiller & Naumann 1933, for spheres; beyond 1000 Newton's 0.44. */
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres; beyond Re = 1000 by Newton's 0.44. */
 DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
     (void)gas;
     if (!(reynolds >= 0.0)) return (double)NAN;
@@ -2047,23 +2047,23 @@ DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas)
     return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
 }
 
-/* Hoelzer & Sommerfeld 2008, by gas->shape, which dem_shape_of_drag() fills. */
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
     return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
 }
 
-/* Exponent chi of the porosity (Di Felice 1994): the drag on a particle among others is that on one alone, both at the superficial slip,
-   times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single one, both at the
+   superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
 
-/* The frame of a gas at a time: where its centre is, and what turns it. */
+/* The frame of a gas at a time: its centre and its rotation. */
 typedef struct dem__gas_frame {
     dem_vec centre;
-    double s, c; /* sine and cosine of its angle */
+    double s, c; /* sine and cosine of the angle of rotation */
 } dem__gas_frame;
 DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     const double t = time - gas->start;
@@ -2076,17 +2076,18 @@ DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     }
     return f;
 }
-/* v turned by the frame's angle, or with sign -1 back. */
+/* Returns v turned by the frame's angle, or with sign -1 turned back. */
 DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
     const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
     return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
 }
 
-/* A place of the grid: the node below, and how far it is beyond it, in cells. 0 beyond the grid. */
+/* A place of the grid: the node below it, and its distance from that node in cells. */
 typedef struct dem__gas_cell {
     ptrdiff_t first, next[3];
     double part[3];
 } dem__gas_cell;
+/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
 DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
     ptrdiff_t stride = 1;
     cell->first = 0;
@@ -2105,7 +2106,7 @@ DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *c
     }
     return 1;
 }
-/* Trilinear: component `of` of `size` at a place. */
+/* Returns component `of` of `size` at a place, interpolated trilinearly. */
 DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
     double sum = 0.0;
     for (int corner = 0; corner < 8; corner++) {
@@ -2124,14 +2125,14 @@ DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, 
         gas, f, dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1), dem__gas_value(values, cell, 3, 2)), 1.0);
 }
 
-/* Velocity of the gas in the world at x, which lies in a cell. */
+/* Returns the velocity of the gas in the world at x, which lies in a cell. */
 DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
     dem_vec u = gas->drift;
     if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Force of a gas on a particle [N]: drag on its own and in the crowd, pressure gradient, buoyancy. 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -2149,22 +2150,22 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
-/* The kernel of a force field of drag in a gas, by a drag law: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
 #define DEM_GAS(name, drag)                                                                                                                \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
     DEM_FORCE_FIELD(name, name##_force)
 #ifdef DEM__BODIES
 
 /* ----------------------------------------------------------------------------------- >>convex_state */
-/* What the engine keeps of polyhedra. Relies on declarations only.
+/* The engine's state of polyhedra. Relies on declarations only.
    May be changed here alone: what a pair remembers to be found faster. */
 
-/* Where a core is: its centre [m] and where its own axes point. */
+/* Place of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last look at a pair: 12 bytes that change how fast a distance is found, not what it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what it is. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
@@ -2172,24 +2173,24 @@ typedef struct dem__nearest_cache {
 /* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap + radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
-    int32_t taken;      /* a contact has it */
+    int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; by which forces are multiplied: 1, or what an end takes back from a crossing, at least -1 */
+    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1 */
 } dem__convex_point;
 
-/* Two that may touch, of which one at least is a polyhedron: particles i < j, or particle i and wall -1 - j. */
+/* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
 typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
-    int32_t first, count; /* of its points in the step that is being computed */
+    int32_t first, count; /* of its points in the present step */
     dem__nearest_cache cache;
 } dem__convex_pair;
 
-/* Polyhedra. Written by convex.h. Without any all of it is zero. */
+/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
 typedef struct dem__convex_state {
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
-    dem__placed *place;     /* of a particle that is a polyhedron: where the step that is being computed puts it */
+    dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
     dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
@@ -3768,7 +3769,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 
 /* --------------------------------------------------------------------------------------- >>clump-shape */
 /* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
-   May be changed here alone: how volumes and moments are found. */
+   May be changed here alone: how volumes and moments are computed. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -3786,7 +3787,7 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
     c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
 }
 
-/* A sphere's, exactly: r^2/5 is its mean square along an axis. */
+/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
@@ -3801,7 +3802,7 @@ static inline void dem__sort_numbers(double *v, int n) {
     }
 }
 
-/* The first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL: none. */
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
     for (int i = 0; i < n; i++) {
@@ -3816,9 +3817,9 @@ static inline double dem__next_end(int n, const double *at, const double *radius
     return next;
 }
 
-/* Spheres with their centres on a line from `from` along the unit vector u: a body of revolution, whose squared radius is the greatest of
-   parabolas in x; between the places where another is the greatest the integrals are of polynomials, which five points of Gauss's find
-   exactly. */
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
+   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
+   points integrates exactly. */
 static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
     static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
@@ -3833,7 +3834,7 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
                 const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
                 square = s > square ? s : square;
             }
-            const double q = 0.25 * square; /* mean square of a disc across */
+            const double q = 0.25 * square; /* mean square of a disc along its diameter */
             dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
                              dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
             c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
@@ -3843,7 +3844,7 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
     }
 }
 
-/* The part of a line along z through (x, y) that lies in more than one sphere, as often as it does so too much. */
+/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
 static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
     double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
     int m = 0;
@@ -3865,13 +3866,13 @@ static inline void dem__take_surplus(dem__content *c, double area, int n, const 
     }
 }
 
-/* Spheres anywhere: each exactly, less what overlaps, found on 400 x 400 lines that are exact along z. */
+/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
 enum { DEM__CLUMP_LINES = 400 };
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     for (int k = 0; k < n; k++) {
         dem__add_ball(c, 1.0, centre[k], radius[k]);
-        for (int other = 0; other < n; other++) { /* the box of those that overlap others */
+        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
             const double sum = radius[k] + radius[other];
             const dem_vec d = dem__sub(centre[k], centre[other]);
             if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
@@ -3888,8 +3889,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
     }
 }
 
-/* Principal moments and axes of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations. Where it is diagonal already nothing
-   turns. */
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
+   diagonal tensor is left as it is. */
 static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -3910,7 +3911,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
 }
 
-/* Moments that differ by less than what they are known to are equal: then free rotation is exact. */
+/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
 static inline void dem__merge_moments(dem_vec *moments, double known) {
     double *m[3] = {&moments->x, &moments->y, &moments->z};
     for (int k = 0; k < 3; k++) {
@@ -3921,7 +3922,7 @@ static inline void dem__merge_moments(dem_vec *moments, double known) {
         moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
 }
 
-/* Do all centres lie on a line? Its origin and direction; where they are on it. */
+/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
 static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
     double most = 0.0;
     *u = dem_vec3(1.0, 0.0, 0.0);
@@ -3938,13 +3939,13 @@ static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, 
     return 1;
 }
 
-/* Those that lie within another touch nothing: the rest, in order; how many. */
+/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
 static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
     int kept = 0;
     for (int k = 0; k < n; k++) {
         int inner = 0;
         for (int o = 0; o < n && !inner; o++) {
-            const int twin = radius[o] == radius[k] && o > k; /* of twins the first stays */
+            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
             inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
         }
         if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
@@ -3968,7 +3969,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
         size = extent > size ? extent : size;
     }
-    const dem_vec from = c.centre[0]; /* moments about a point within, lengths by its size: no number is too large */
+    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
@@ -4001,7 +4002,7 @@ static inline int dem__is_clump(const dem_clump *c) {
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
     const dem_vec m = c->moments;
     if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the two others */
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
     if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
     for (int k = 0; k < c->spheres; k++) {
         if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
@@ -4013,7 +4014,7 @@ DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }
 
-/* Radius of the sphere about the centre of mass that holds a clump [m]. */
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
 static inline double dem__clump_reach(const dem_clump *c) {
     double reach = 0.0;
     for (int k = 0; k < c->spheres; k++) {
@@ -4023,7 +4024,8 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* A body of a clump's shape, `scale` times as large, of a material; offset and radius: [spheres], filled here. */
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
+   here. */
 static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
                                             double *radius) {
     const double density = w->def.material[material].density, cube = scale * scale * scale;
@@ -4039,7 +4041,7 @@ static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump 
     return def;
 }
 
-/* Are a body's numbers ones to compute with? */
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
 static inline int dem__is_body_def(const dem__body_def *def) {
     const dem_vec m = def->moments;
     if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
@@ -4088,12 +4090,13 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
 
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
     *unit = dem__scale(1.0 / length, v);
     return 1;
 }
 
-/* Completes a frame whose third axis is given: first axis near `along`, or any if that is parallel. */
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
+   third has no direction. */
 static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     dem_vec z, x;
     if (!dem__unit(normal, &z)) return 0;
@@ -4161,7 +4164,7 @@ DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, 
     return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
 }
 
-/* Room for what a mesh or a cone keeps of each contact. */
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
 static inline int dem__make_touch_memory(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -4214,7 +4217,7 @@ DEM_API dem_screen dem_default_screen(void) {
     return s;
 }
 
-/* Has a screen lengths, and no more bars and apertures than integers count? */
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
     return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
@@ -4452,10 +4455,10 @@ typedef struct dem__slot {
    and its tables agree with each other.
    May be changed here alone: how faces are found; tables stay closed and convex. */
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: single precision, as files have it, is enough. */
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
 #define DEM__FLAT 1e-6
 
-/* The planes of a set of points that has all others behind them, and the points in each. */
+/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
 typedef struct dem__hull {
     int faces;
     uint32_t holds[DEM_FACES_MAX];
@@ -4464,7 +4467,7 @@ typedef struct dem__hull {
 
 DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
-/* Half the size of a set of points: the longest half of a side of the box around it. */
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -4475,7 +4478,8 @@ static inline double dem__half_size(const double *x, int n) {
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. 0: there are too many. */
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
+   many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -4487,7 +4491,7 @@ static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, doub
     return 1;
 }
 
-/* The face that three points lie in, if no point is in front of it. 0: there are too many faces. */
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
 static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
     const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
                   cross = dem__cross(u, v);
@@ -4506,7 +4510,7 @@ static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, 
     return 1;
 }
 
-/* The faces of the hull of points. 0: there are too many. */
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
 static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
     hull->faces = 0;
     for (int a = 0; a < n; a++) {
@@ -4519,8 +4523,7 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* The corners of a face, counterclockwise from outside, after those already in the list; how many there are then, 0 if they are no
-   polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -4542,7 +4545,8 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* The edges, from the corners of faces. 0: some edge has not two faces, or is too short, or the surface is none of a ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
+   ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -4565,7 +4569,7 @@ static inline int dem__find_edges(dem_convex *s, double shortest) {
     return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
 }
 
-/* Faces and edges of a shape whose corners are set; NULL, or what is wrong. */
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
 static inline const char *dem__find_surface(dem_convex *s, double flat) {
     dem__hull hull;
     int count = 0, used[DEM_CORNERS_MAX] = {0};
@@ -4587,7 +4591,7 @@ static inline const char *dem__find_surface(dem_convex *s, double flat) {
     return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
 }
 
-/* Volume, centroid and second moments of the polyhedron by signed tetrahedra from the origin to triangles of its faces. */
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
 typedef struct dem__moments {
     double volume;
     dem_vec first;
@@ -4610,7 +4614,7 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi), axis[k][a]: component a of axis k. Diagonal already, it is left as it is. */
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -4637,7 +4641,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Moves the corners to the centroid and turns them to the principal axes; NULL, or what is wrong. */
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
+   wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     double second[3][3], axis[3][3];
@@ -4662,7 +4667,7 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* The point where three planes meet; its determinant, 0 if they hardly do. */
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
 static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
@@ -4673,7 +4678,7 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two that are the same the better determined one stays. 0: there are too many. */
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -4685,7 +4690,8 @@ static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, dou
     return 1;
 }
 
-/* The corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. */
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
+   there are too many. */
 static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
     double sure[DEM_CORNERS_MAX];
     core->corners = 0;
@@ -4704,7 +4710,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
     return 1;
 }
 
-/* The smallest distance of a face from the corner opposite to it. */
+/* Returns the smallest distance of a face from the corner opposite to it. */
 static inline double dem__least_width(const dem_convex *s) {
     double least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -4718,7 +4724,8 @@ static inline double dem__least_width(const dem_convex *s) {
     return least;
 }
 
-/* Is the core a box along the axes, with its middle at the centroid? To the last bit, as its distances are computed from half lengths. */
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
+   because its distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -4731,9 +4738,9 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions,
-   each with the energy that this corner takes up in a hit, which goes as the share. Directions: the middles of 8 x 8 squares on each side
-   of a cube. */
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
+   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
+   8 squares on each side of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {
@@ -4755,7 +4762,7 @@ static inline double dem__mean_share(const dem_convex *s) {
     return sum / weights;
 }
 
-/* The shape from corners about their middle; NULL, or what is wrong. */
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
@@ -4809,7 +4816,7 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
     return dem_make_convex(shape, 8, corner[0], rounding, reason);
 }
 
-/* Has every edge of a mesh one other triangle, which runs along it the other way? */
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
 static inline int dem__is_closed(const dem_mesh *mesh) {
     for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
         const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
@@ -4824,7 +4831,7 @@ static inline int dem__is_closed(const dem_mesh *mesh) {
     return 1;
 }
 
-/* Is every corner of a mesh behind every triangle, or in its plane? */
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
 static inline int dem__is_convex(const dem_mesh *mesh) {
     const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
     for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
@@ -4859,10 +4866,10 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 }
 
 /* --------------------------------------------------------------------------------- >>convex_distance */
-/* Distances between posed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
-   returned is never more than the true one, however few rounds were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle
-   (3 corners, 3 edges, 2 faces) are cores like any other.
-   May be changed here alone: rounds and their order; a separation is never too large. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
+   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: iterations and their order; a separation is never too large. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -4874,7 +4881,7 @@ DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int
     return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
 }
 
-/* The corner of a core that is farthest along u, in its own frame. */
+/* Returns the corner of a core that is farthest along u, in the core's own frame. */
 DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     int best = 0;
     double most = dem__dot(u, dem__point(s->corner[0]));
@@ -4885,7 +4892,7 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* Some corners of the difference of two cores: which they are, where, and by how much the nearest point is of each. */
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
 typedef struct dem__simplex {
     int n;
     uint8_t a[4], b[4];
@@ -4894,14 +4901,14 @@ typedef struct dem__simplex {
 } dem__simplex;
 
 DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
-    for (int k = 0; k < n; k++) { /* kept ascends */
+    for (int k = 0; k < n; k++) { /* `kept` ascends */
         s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
         s->part[k] = part[k];
     }
     s->n = n;
 }
 
-/* The point of segment i, j of a simplex nearest to the origin; the corners it is between are kept. */
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
     const double along = -dem__dot(p, u), length = dem__dot(u, u);
@@ -4917,7 +4924,7 @@ static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     return dem__plus(p, t, u);
 }
 
-/* Of triangle i < j < k, likewise (Ericson 2005, section 5.1.5). */
+/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
 static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
     const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
@@ -4942,7 +4949,7 @@ static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
 }
 
-/* Of a tetrahedron; 0 where it holds the origin. */
+/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
 static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
     const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     dem__simplex best = *s;
@@ -4967,12 +4974,12 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
     return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
 }
 
-/* What is known of two cores. */
+/* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or as much of it as is sure; less than 0 where they overlap */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
     dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
-    int overlap, rounds; /* do they? how many corners were asked for */
+    int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
 DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
@@ -4982,7 +4989,7 @@ DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
 }
 
-/* Begins with the corners of the last look, or with those that face each other. */
+/* Begins with the corners of the last test, or with those that face each other. */
 static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                       const dem__placed *pb, const dem__nearest_cache *cache) {
     s->n = 0;
@@ -4992,8 +4999,8 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
 }
 
-/* The direction along which two overlapping cores are least deep in each other, of the normals of faces and the products of edges (the
-   separating axis theorem). */
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
+   theorem). */
 static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
                                       dem__gap_of_cores *gap) {
     const int axes = a->faces + b->faces + a->edges * b->edges;
@@ -5018,7 +5025,7 @@ static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa
     }
 }
 
-/* The points of the two cores that a simplex is nearest at. */
+/* Computes the points of the two cores that are nearest to each other, from a simplex. */
 static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                        const dem__placed *pb, dem__gap_of_cores *gap) {
     gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
@@ -5028,8 +5035,8 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* Distance and normal of two cores, to 1e-7 of the distance; stops as soon as they are surely farther apart than `enough`. cache: of this
-   pair, read and written, or NULL. */
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
+   of this pair, read and written, or NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
                                  dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -5060,7 +5067,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
     else dem__nearest_points(&s, a, pa, b, pb, gap);
 }
 
-/* A segment, or a triangle, of which the first corner is the centre and the axes are the world's. */
+/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
@@ -5082,7 +5089,7 @@ static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, 
     }
     s->face_start[1] = 3, s->face_start[2] = 6;
 }
-/* A point: the centre of a sphere. */
+/* Makes a core of a point: the centre of a sphere. */
 static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
     dem__segment_core(s, p, x, x, radius);
     s->corners = 1, s->edges = 0;
@@ -5090,13 +5097,13 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 
 /* ----------------------------------------------------------------------------------- >>convex_points */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose whom to look at. Promises: what a point is depends on its own two features; weight times overlap along the normals is the
-   gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are looked at; every point that touches is found. */
+   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+   is the gradient of a potential (of a linear law), and continuous in the motion.
+   May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 64 }; /* of a pair: faces of many corners that lie on each other have not more; further ones are left out */
+enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
 
-/* Signed distance of a point p from a box, in its frame, and the direction away from it. */
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -5111,7 +5118,7 @@ DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
     return dem_axis(out, k);
 }
 
-/* Does the foot of a point p lie within face f? */
+/* Returns whether the foot of a point p lies within face f. */
 DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     const dem_vec n = dem__point(s->plane[f]);
     for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
@@ -5122,7 +5129,7 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Signed distance of a point p from a core that is no box, likewise. */
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
 static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
@@ -5138,7 +5145,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         return height;
     }
     const dem_vec outward = *n;
-    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has no edge, but a corner */
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
@@ -5158,7 +5165,7 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in its two faces the directions away from it, and the sum of their
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
@@ -5166,7 +5173,7 @@ typedef struct dem__placed_edge {
     int number;
 } dem__placed_edge;
 
-/* Corners' heights along a direction, and who is near the other core. */
+/* Heights of corners along a direction, and which corners are near the other core. */
 typedef struct dem__side {
     const dem_convex *shape;
     const dem__placed *place;
@@ -5184,13 +5191,14 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
     }
 }
 
-/* Those corners that are not higher than `low` (or with sign -1 not lower). */
+/* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->near = 0;
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
 }
 
-/* Edge e, if it ends at a near corner. Its faces only tell directions where cores overlap. */
+/* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
+   not needed. */
 static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
@@ -5212,7 +5220,7 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     return 1;
 }
 
-/* By how much the direction n, away from an edge, leans over one of its faces: 0 if it is between their normals. */
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -5222,7 +5230,7 @@ DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     return lean;
 }
 
-/* Where a corner is nearest to an edge: the unit vector from there to it, and the distance. */
+/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
 DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
     const dem_vec d = dem__sub(x, e->from);
     const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
@@ -5231,13 +5239,13 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
     return distance;
 }
 
-/* Two edges that cross, at s and t along them: the unit vector from q to p and the signed distance. 0: they do not. apart: the cores do not
-   overlap, so that nearest points tell the direction. */
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
+   cores do not overlap, so that nearest points tell the direction. */
 static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
                                      double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
-    if (!(square > 1e-12)) return 0; /* parallel: the corners are all */
+    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
     *s = (c * on_q - on_p) / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
@@ -5248,15 +5256,15 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* The points where edge p of a crosses edge q of b, from out on; how many. The energy of the overlap D there is counted beyond what the
-   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, 0 with slope 0 where
-   the crossing reaches an end and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends, with
-   weights. */
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
+   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
+   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
+   with weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* farther within each other: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
     out->gap = -overlap;
@@ -5283,7 +5291,8 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     return n;
 }
 
-/* The points of corners of a at b, from point n on; how many there are then. The numbers of b's corners begin at `key`. */
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
+   changed places. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
     for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
@@ -5293,7 +5302,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
         p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
         p->gap = distance - radii;
-        if (key > 0) { /* they have changed places */
+        if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
@@ -5302,7 +5311,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Those where edges cross. */
+/* Appends the points where edges cross to a list of n. Returns the new number. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
     dem__placed_edge p, other[DEM_EDGES_MAX];
@@ -5317,8 +5326,8 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     return n;
 }
 
-/* The points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. How many? Of a point only its own
-   corner counts, or it would be counted twice. */
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
+   core is a point, only its own corner counts; otherwise it would be counted twice. */
 static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
                                    dem__convex_point *out) {
     dem__side sa, sb;
@@ -6468,16 +6477,16 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
 }
 
 /* ------------------------------------------------------------------------------------------- >>exits */
-/* The record of what passes an exit. Reads bodies; writes the record and marks who leaves. Promises: the order of records does not depend
-   on the order of tests.
-   May be changed here alone: what a record holds (then saved.h, too). */
+/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
+   records does not depend on the order of tests.
+   May be changed here alone: what a record contains (then saved.h, too). */
 
-/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
+/* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or the rigid body that it is a part of, which passes an exit in this step, and marks it to leave at the end of it. */
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -6488,7 +6497,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         const dem__posture p = dem__posture_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the order of tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -6505,7 +6514,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed = fresh;
         bodies->passed_capacity = larger;
     }
-    /* in the order of ids, whatever the order of the looks in this step */
+    /* in the order of ids, whatever the order of tests in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;
@@ -7153,8 +7162,7 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     if (w->def.skip & DEM_SKIP_PAIRS) dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
 }
 
-/* Lists of active particles, and arrays without those that are gone.
-   Relies on store.h's tables.
+/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
 /* Lists active particles in the order of memory. */
@@ -7168,11 +7176,11 @@ static inline void dem__list_active(dem_world *w) {
     }
 }
 
-/* Moves the wall timers of the `left` particles that stay to their new numbers, in scratch.index. */
+/* Moves the wall timers of the `left` particles that stay to their new numbers, which are in scratch.index. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are made anew */
+    if (w->engine->run.needs_lists) return; /* they are built anew */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
             t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -7188,13 +7196,14 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Finds the new number of particle i, or of the first after it that stays. */
+/* Returns the new number of particle i, or of the first after it that stays. */
 static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* The numbers of rigid bodies and of their first particles, after dropped particles have been taken out. Bodies keep the order of those. */
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
+   particles. */
 static inline void dem__compact_bodies(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t n = 0;
@@ -7209,7 +7218,7 @@ static inline void dem__compact_bodies(dem_world *w) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-/* Takes dropped particles out of the arrays, keeping the order of the others. */
+/* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__links *links = &w->engine->links;
@@ -7335,12 +7344,12 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 
 /* ----------------------------------------------------------------------------------- >>convex_pairs */
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: what a contact is depends on its own pair and step,
-   never on what was looked at before, or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are looked at, and when; every point that touches is found. */
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
 
-/* A corner at an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
-   normal in the wall's frame, in 54 parts. */
+/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
+   direction of its normal in the wall's frame, in 54 parts. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
     if (wall->kind != DEM_MESH) return corner;
@@ -7356,7 +7365,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     return corner + DEM_CORNERS_MAX * place;
 }
 
-/* Where polyhedra first .. end-1 will be at a step. */
+/* Places polyhedra first .. end-1 at a step. */
 static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
@@ -7371,7 +7380,8 @@ static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t
     }
 }
 
-/* The points of a sphere at x, seen from the polyhedron's centre: one, or none. sphere_first: it is a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
+   a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
                                         dem__convex_point *out) {
     dem_vec n;
@@ -7384,7 +7394,7 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     return 1;
 }
 
-/* The points of two particles: `at` is measured from the centre of i. */
+/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
 static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
     const dem__convex_state *convex = &w->engine->convex;
@@ -7405,7 +7415,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
 }
 
-/* The points of a particle's corners at a wall, which is where it will be. */
+/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -7432,7 +7442,7 @@ static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair
     return n;
 }
 
-/* A look at all pairs, by several threads, each of which has a share of the points. */
+/* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
     int64_t step, overlaps[DEM__PARTS_MAX];
     ptrdiff_t share;
@@ -7458,7 +7468,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Room for so many points. Their contents are not kept. */
+/* Makes room for so many points, whose contents are lost. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -7471,7 +7481,7 @@ static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* The points of all pairs at a step. Returns 0 when out of memory. */
+/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
 static inline int dem__find_convex_points(dem_world *w, int64_t step) {
     dem__convex_state *convex = &w->engine->convex;
     const int parts = dem__parts(w, convex->pairs);
@@ -7498,7 +7508,8 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
 }
 
-/* Takes the contacts of chunks first .. end-1 to their points of this step; one whose point is gone has a gap, and so ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
+   ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -7517,7 +7528,7 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     }
 }
 
-/* Takes the contacts of polyhedra to a step at which the walls already are, and makes new ones. */
+/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
 static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -7538,7 +7549,7 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
     }
 }
 
-/* The near pair of two particles, or -1. */
+/* Returns the near pair of two particles, or -1. */
 static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     const dem__pairs *pairs = &w->engine->pairs;
     if (w->engine->run.needs_lists) return -1;
@@ -7548,7 +7559,7 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     return -1;
 }
 
-/* The pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
 static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
     const dem__convex_state *convex = &w->engine->convex;
     const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
@@ -7565,7 +7576,7 @@ static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32
     return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
 }
 
-/* How many pairs there are, with pair == NULL, or lists them. */
+/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
 static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
     ptrdiff_t n = 0;
     dem__convex_pair p;
@@ -7589,7 +7600,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, takes them from those that are tested as spheres, and tells contacts which is theirs. 0: out of memory. */
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -7609,7 +7620,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
         const ptrdiff_t q = dem__convex_pair_of(w, i, j);
         contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot be: they touch */
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
     }
     return 1;
 }
@@ -7639,7 +7650,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     return -(int)DEM_OUT_OF_MEMORY;
 }
 
-/* Are n orientations quaternions with a length? */
+/* Returns whether n orientations are quaternions with a direction. */
 static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
     dem_quaternion q;
     for (ptrdiff_t k = 0; k < n && orientations; k++) {
@@ -8739,8 +8750,8 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
 }
 
 /* ------------------------------------------------------------------------------------ >>convex_rows */
-/* Contacts of polyhedra in a block of the kernel: as contacts of spheres about their points, and what their forces do about the centres of
-   the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
    May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
 
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
@@ -8749,25 +8760,26 @@ DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     return dem_vec3(place[0][c], place[1][c], place[2][c]);
 }
-/* From the centre of i to that of the sphere that touches for it. */
+/* Returns the vector from the centre of i to that of the sphere that touches for it. */
 DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     return dem_vec3(place[4][c], place[5][c], place[6][c]);
 }
 
-/* Particle i's mass over what it has at a point of contact: of a sphere all of it; of a polyhedron, which turns aside, the mean. */
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
+   mean. */
 DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? 1.0 / s->share : 1.0;
 }
 
-/* The radius by which particle i touches: its own, or that of its rounding. */
+/* Returns the radius with which particle i touches: its own, or that of its rounding. */
 DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : w->particle[i].radius;
 }
 
-/* The place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
+/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
 static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
     const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
     const ptrdiff_t i = w->engine->contacts.i[c];
@@ -8778,21 +8790,21 @@ static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__tou
                        wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
 }
 
-/* Velocity in the middle of a step, and acceleration, of a point of a body at `arm` from its centre. */
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
-    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm of then */
+    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
     *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
 }
 
-/* The arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
-/* Row k at another body, or at a wall. */
+/* Fills row k of a polyhedron's contact with another body or a wall. */
 static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
                                         dem__wall_row *at) {
     double *const *place = w->engine->contacts.touch;
@@ -8830,7 +8842,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
     }
 }
 
-/* Weights of a block's forces, and torques about the centres of its bodies. */
+/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
 static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
                                                   const dem__columns *at, double half, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8845,14 +8857,15 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!(features & DEM_ENERGY) || weight == 1.0) continue;
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) { /* losses of powers are halves of those of before, which have their weight, and of now */
+        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
             at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
             at->power[a][k] *= weight;
         }
     }
 }
 
-/* First and last steps are not corrected, of the last `marked` contacts that a chunk has listed: the mass at a corner is not the pair's. */
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
+   not the pair's. */
 static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
@@ -9216,9 +9229,10 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     static const dem_link_kernel name = {&(law), name##_loop};
 
 /* ----------------------------------------------------------------------------------------- >>removal */
-/* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
-   a particle that is gone stands in no list.
-   May be changed here alone: the order in which lists forget a particle. */
+/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
+   is gone is in no list.
+   May be changed here alone: the order in which a particle is removed from lists. */
+/* Removes link k from particle i's list, or puts another link in its place. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     dem__links *links = &w->engine->links;
     int32_t *at = &links->first_link[i];
@@ -9226,14 +9240,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
-/* The last of a particle's links by slot: the order of its list depends on what has happened. */
+/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
     for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
-/* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
     if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
@@ -9256,28 +9270,28 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
     }
 }
 
-/* An active particle that dem__check_bounds shall see to. */
+/* Marks an active particle for dem__check_bounds. */
 DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i] != 1) return;
     bodies->activity[i] = 2;
     bodies->to_check[bodies->to_check_count++] = (int32_t)i;
 }
-/* With it those of its rigid body. */
+/* Marks particle i, or all particles of its rigid body. */
 DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__mark_one(w, i);
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
 }
 
-/* Takes particle i out of all lists; its slot goes with the next rebuild. */
+/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
     w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
-    w->engine->links.is_loaded[i] = 0; /* the work of its links is in the books */
+    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
     dem__mark_to_check(w, i);
@@ -9288,7 +9302,7 @@ static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
 }
 
-/* With it those of its rigid body. */
+/* Removes particle i, or all particles of its rigid body, from all lists. */
 static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__detach_one(w, i);
@@ -9310,7 +9324,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
     links->near = near;
-    if (law->states != links->states) { /* other arrays: a new block when there is a link */
+    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;
         links->capacity = 0;
@@ -9735,11 +9749,11 @@ static inline int dem__reorder_contacts(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>remove */
-/* What follows from the removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: what touched nothing else is in flight afterwards.
+/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
+   Promises: a particle that has no contact left is in flight afterwards.
    May be changed here alone: the order of the two. */
 
-/* Takes the old contact force out of the acceleration of particles that touch nothing any more. */
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
@@ -9747,7 +9761,7 @@ static inline void dem__free_untouched(dem_world *w) {
     }
 }
 
-/* Numbers the particles present, after some have been taken out. */
+/* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
     int32_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -9756,7 +9770,7 @@ static inline void dem__number_present(dem_world *w) {
     }
 }
 
-/* Ends the contacts of those who have been taken out. */
+/* Ends the contacts of removed particles. */
 static inline void dem__end_contacts_of_removed(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
@@ -9779,7 +9793,7 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 }
 
 /* ------------------------------------------------------------------------------------------ >>forces */
-/* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
+/* Forces of all links and contacts, on one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads.
    May be changed here alone: how chunks are shared among threads. */
 /* Runs the links' loop on blocks first .. end - 1. */
@@ -9793,20 +9807,20 @@ static inline void dem__evaluate_links(dem_world *w) {
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
-/* An evaluation of all contacts by several threads. */
+/* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
     dem_loop_fn loop;
     int parts, has_friction;
 } dem__evaluation;
 
-/* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
+/* Adds the postponed forces on particles low .. high-1 to their sums. */
 static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         dem__postponed *later = contacts->postponed + in->first;
         if (in->postponed == 0 || in->low >= high || in->high < low) continue;
         for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
-            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the rest has been added */
+            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the others have been added */
             const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
             double *out[9];
             for (int a = 0; a < 9; a++) out[a] = &later->out[a];
@@ -9834,8 +9848,8 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
     else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
-   before has the others. */
+/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later ones; the forces on
+   others are postponed. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
@@ -9843,7 +9857,7 @@ static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     e->loop(w, first, end, part);
 }
 
-/* Finds what the contacts present store and dissipate now, for a ledger that begins. */
+/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
 static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
@@ -9852,7 +9866,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Computes the forces of all contacts and their sums; `keep`: the wrench of each is kept for readers. */
+/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
@@ -10238,9 +10252,10 @@ static inline void dem__check_bounds(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>due */
-/* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no
-   contact begins unseen; a step that cannot be finished leaves no trace.
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
+   that begins is found; a step that cannot be finished leaves no trace.
    May be changed here alone: how due timers are found. */
+/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -10255,14 +10270,14 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Tests the pairs that are due, in pages first .. end-1. */
+/* Tests the due pairs in pages first .. end-1. */
 DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* what is found overwrites what has been tested */
+    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -10282,7 +10297,7 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
 
-/* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
+/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
@@ -10324,7 +10339,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set no later run gets further. */
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
+   place. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -10340,7 +10356,7 @@ static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     }
 }
 
-/* Takes back what was found in a step that cannot be finished. */
+/* Undoes what was found in a step that cannot be finished. Returns 0. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     for (; contacts->begun > 0; contacts->begun--) {
@@ -10361,19 +10377,20 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>field */
-/* A force field: on what flies by steps of its own, on what touches in each step. Reads bodies, the law; writes bodies, their bounds and
-   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped.
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
+   bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
+   whatever is skipped.
    May be changed here alone: how long a flight is, within the accuracy asked for. */
 
-/* What is asked of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
+/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
-    DEM__FIND_FLIGHTS,    /* of particles: begin flights now */
-    DEM__RENEW_FLIGHTS,   /* of particles: keep the flights that the law still gives, begin the others anew */
-    DEM__END_FLIGHTS,     /* of particles: end flights now, from here on they take steps */
-    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the step of h that is being computed */
+    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
     DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
     DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
-    DEM__FIELD_FORCES,    /* on all that take steps: dem__add_field_forces */
+    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
     DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
     DEM__RUN_IN_FIELD     /* n steps */
 };
@@ -10385,7 +10402,7 @@ typedef struct dem__field_task {
     const dem_kernel *kernel; /* of contacts */
 } dem__field_task;
 
-/* Asks for one of the tasks that need only a number; for a run. 0 after a failure. */
+/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
 static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
     dem__field_task q;
     memset(&q, 0, sizeof q);
@@ -10403,7 +10420,7 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* Acceleration by the law of particle i at x with v [m/s2]. */
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     dem_force_point at;
@@ -10418,16 +10435,16 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* What a step of a flight leads to. */
+/* Result of one step of a flight. */
 typedef struct dem__flown {
-    dem_vec way;  /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
-    dem_vec gain; /* of velocity, at its end [m/s] */
+    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
+    dem_vec gain; /* of velocity, at the end [m/s] */
     double work;  /* of the field [J] */
-    double error; /* of place [m] */
-    int zero;     /* the law has given 0 all the way */
+    double error; /* of position [m] */
+    int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* A step of h from x with v at a time, of the fifth order with an error of the fourth (Cash & Karp 1990). */
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990). */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
@@ -10464,14 +10481,14 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     return q;
 }
 
-/* Steps of the world in a time [s], at least one, at most as many as a list can last. */
+/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
 DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     const double n = time * w->engine->pairs.steps_per_second;
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
-/* Steps that a flight from x with v may take by its error, and what they lead to; first: the law's pull there. The error of place of a
-   parabola that is right at both ends is 1/13.5 of what its acceleration differs from the first one times the time squared. */
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right at both ends has an
+   error of position of 1/13.5 of the difference between its acceleration and the first one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
                                   dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -10491,7 +10508,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
         const double h = (double)n * dt;
         *q = dem__fly(w, i, x, v, time, h, law);
         const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
-        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* of the ends, which add up */
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
         if (n == 1 || error <= limit) return n;
         const double part = 0.9 * riddle_cbrt(limit / error);
         const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
@@ -10499,7 +10516,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the parabola is the one that there is. */
+/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     dem_particle *p = &w->particle[i];
@@ -10520,7 +10537,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     field->end_velocity[i] = q.zero ? dem__velocity_at(w, i, (double)(w->step + n - p->origin) * dt) : dem__add(v, q.gain);
 }
 
-/* Is the flight of particle i what the law makes of its origin? Where it is 0: does it stay so to the end? */
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then
+   computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const dem_particle *p = &w->particle[i];
@@ -10540,7 +10558,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     return 1;
 }
 
-/* Ends the flight of particle i now: its place is that on the parabola, its velocity is found anew. */
+/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     dem_particle *p = &w->particle[i];
@@ -10565,7 +10583,7 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     p->a = dem__add(p->a, pull);
 }
 
-/* The law's force on particle i, which takes steps, where the step of h leads and at the velocity that it leads to as far as is known. */
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
     const dem_particle *p = &w->particle[i];
     const dem_vec pull = dem__field_pull(w, i, p->x, dem__plus(p->v, 0.5 * h, p->a), dem__time_of(w, w->step + (h > 0.0)), law);
@@ -10584,13 +10602,14 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
     }
 }
 
-/* A task of the kernel for a list of particles, by one thread or several. */
+/* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__field_task q = *(const dem__field_task *)context;
     (void)part;
     q.particle += first, q.n = end - first;
     w->engine->field.def.kernel(w, &q);
 }
+/* Runs a task of the kernel for a list of particles, on one thread or several. */
 static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
     dem__field_task q;
     memset(&q, 0, sizeof q);
@@ -10598,7 +10617,7 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* What the field has done along a flight up to now: the energy that the particle has gained since its origin [J]. */
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const dem_particle *p = &w->particle[i];
     const double tau = dem__now(w, i);
@@ -10607,7 +10626,7 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
 }
 
-/* Books of all flights what has been done up to now, or of those that leave. */
+/* Books the work of the field on all flights until now, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
@@ -10618,7 +10637,7 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Of particle i in flight: how far its velocity can be from that of its bound to the end of the flight [m/s]. */
+/* Returns how far the velocity of particle i in flight can be from that of its bound until the end of the flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[i];
@@ -10631,7 +10650,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
     return most > end ? most : end;
 }
 
-/* A bound for particle i in flight: it holds for about DEM__FLIGHTS like this one. */
+/* Sets a bound for particle i in flight, which holds for about DEM__FLIGHTS flights like this one. */
 static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -10648,7 +10667,7 @@ static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.shifted[i] = 0.0;
 }
 
-/* Timers of n flights that have just been found, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
+/* Sets the timers of n flights that have just been computed, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
 static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
@@ -10673,13 +10692,13 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
 
 DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
 
-/* Has particle i, which takes steps, been given the acceleration that it has without contacts and without the field? */
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
 
-/* Timers and bounds of all flights, for a list of near pairs made anew. */
+/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
 static inline int dem__list_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0;
@@ -10697,7 +10716,7 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
@@ -10718,7 +10737,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     return dem__list_flights(w);
 }
 
-/* Before a step: flights that are over go on by new ones. */
+/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
 static inline int dem__continue_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n, flying = 0;
@@ -10736,7 +10755,7 @@ static inline int dem__continue_flights(dem_world *w) {
     return dem__follow_flights(w, list, flying);
 }
 
-/* Ends the flights of those whose contacts begin, in the slots that contacts.slots lists. */
+/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
 static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     dem__field *field = &w->engine->field;
     const dem__contacts *contacts = &w->engine->contacts;
@@ -10752,7 +10771,8 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     }
 }
 
-/* The field's forces on those that take steps, to the end of a step; notes who they are. Work by the mean of the forces at both ends. */
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the work by the mean of
+   the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -10770,7 +10790,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     }
 }
 
-/* After a step: those whose last contact is over begin flights. */
+/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
 static inline int dem__begin_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     int32_t *list = field->stepping;
@@ -10778,7 +10798,7 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and a contact has ended */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and its contact has ended */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
     }
     field->steppers = 0;
@@ -10796,7 +10816,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
     return field;
 }
 
-/* Takes the field off: whoever flies falls freely from now on. */
+/* Removes the field: particles in flight fall freely from now on. */
 static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
@@ -10831,7 +10851,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
             return DEM_OUT_OF_MEMORY;
         }
     }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* else the accelerations are those of the field already */
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -11292,9 +11312,8 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>reading */
-/* Getters: states now, energy, contacts and links, apertures of a screen. Readers of a const world.
-   Relies on body.h and the ledger.
-   May be changed here alone: all but what an answer means. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
+   May be changed here alone: all but what a result means. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -11325,7 +11344,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
 }
 
-/* Where a rigid body is now, within the periodic box. */
+/* Returns the position of a rigid body now, within the periodic box. */
 static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
     const double tau = dem__now(w, r->first);
     return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
@@ -11377,7 +11396,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     return sum;
 }
 
-/* The part of the ledger that does not add up [J]. */
+/* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
     return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
            l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
@@ -11407,7 +11426,7 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
 
-/* Normal and point of a contact in a slot or of a link (-1), from where everything is now. */
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
@@ -11465,7 +11484,6 @@ DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j
     return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
 
-/* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     dem_apertures count = {0, 0, 0};
     if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;
@@ -11511,7 +11529,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 
 /* --------------------------------------------------------------------------------------------------- >>gas */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
-   May be changed here alone: how values between nodes are found. */
+   May be changed here alone: how values between nodes are interpolated. */
 DEM_API dem_gas dem_default_gas(void) {
     dem_gas gas;
     memset(&gas, 0, sizeof gas);
@@ -11611,7 +11629,7 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     }
     for (ptrdiff_t k = 0; k < all; k++) {
         const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
-        double room = size; /* of the node: half a cell less at a face of the grid */
+        double room = size; /* volume of the node: half a cell less at a face of the grid */
         for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
         const double left = 1.0 - porosity[k] / room;
         porosity[k] = left > 0.2 ? left : 0.2;
@@ -12823,31 +12841,31 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>records */
-/* A saved world as records: a name, the bytes of an entry, how many, and the entries, little-endian. Knows bytes and memory, no physics.
-   Relies on nothing; saved.h names what is saved, save.h and load.h use both.
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
+   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both.
    May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
 
-/* What becomes a record: n entries of some numbers each, `stride` bytes apart in memory. */
+/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
 typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
     void *data;                 /* of the first entry */
     size_t stride;
-    int numbers, width; /* of an entry; bytes of a number: 1, 4 or 8 */
+    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
 } dem__saved_field;
 #define DEM__DOUBLES(name, first, stride)                                                                                                  \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
 #define DEM__INTEGER(name, first, stride)                                                                                                  \
     { name, &(first), stride, 1, (int)sizeof(first) }
 
-/* Bytes that are written, or counted only, or read. */
+/* Bytes that are written, only counted, or read. */
 typedef struct dem__stream {
     unsigned char *to;         /* NULL: count only */
     const unsigned char *from; /* NULL: write */
     size_t at;
 } dem__stream;
 
-/* FNV-1a of bytes. */
+/* Returns the FNV-1a hash of n bytes. */
 static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
     uint64_t hash = 0xcbf29ce484222325u;
     for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
@@ -12886,13 +12904,13 @@ static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, 
     dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
 }
 
-/* A record that was found: where its entries begin, the bytes of one, how many. */
+/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
 typedef struct dem__record {
     size_t at;
     uint64_t bytes, count;
 } dem__record;
 
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if it does not fit there. */
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit there. */
 static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
     dem__stream s;
     if (end - at < DEM__HEAD_BYTES) return 0;
@@ -12902,7 +12920,7 @@ static inline int dem__read_head(const unsigned char *file, size_t end, size_t a
     return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
 }
 
-/* Is all between at and end whole records? */
+/* Returns whether the bytes from `at` to `end` are whole records. */
 static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
     dem__record r;
     while (at < end) {
@@ -12912,7 +12930,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
     return at == end;
 }
 
-/* Finds the first record of a name among whole ones. */
+/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
     memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
@@ -12952,7 +12970,7 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     return (int)(sizeof fields / sizeof *fields);
 }
 
-/* Tables that agree with each other, and numbers that the code relies on. */
+/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
@@ -12969,7 +12987,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     return sound;
 }
 
-/* Is particle i what its shape, if it has one, needs? */
+/* Returns whether particle i is what its shape, if it has one, needs. */
 static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;
@@ -12978,16 +12996,16 @@ static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>saved */
-/* What of a world is saved, as tables of fields: one row a field. Knows every owner's state; writes none.
+/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
    Relies on records.h for what a row means.
-   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with what is in
-   memory then (zero, or the default); files with a row that is unknown here load without it. The first rows of a group must be there. */
+   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with the value that
+   is in memory (zero, or the default); a row that is unknown here is skipped. The first rows of a group are required. */
 
 enum { DEM__FIELDS_MAX = 64 };
 
-/* Fields with equally many entries. */
+/* Fields with the same number of entries. */
 typedef struct dem__group {
-    int fields, needed; /* the first so many must be there */
+    int fields, needed; /* the first `needed` of them are required */
     dem__saved_field field[DEM__FIELDS_MAX];
 } dem__group;
 
@@ -13009,7 +13027,7 @@ static inline void dem__add_fields(dem__group *g, const char *name, double *cons
     }
 }
 
-/* Numbers of which there is one. */
+/* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
@@ -13143,7 +13161,7 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* Of particles present. */
+/* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -13167,7 +13185,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links nothing of them */
+    if (!links->on) g->fields -= 2; /* without links: not their fields */
     if (w->engine->field.on) {
         dem__field *field = &w->engine->field;
         const dem__saved_field flights[] = {
@@ -13192,7 +13210,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     g->fields += 2;
 }
 
-/* Rigid bodies that are present; their particles' numbers, offsets and arms follow from these and from the particles. */
+/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
 static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
     const size_t s = sizeof *r;
     const dem__saved_field fields[] = {
@@ -13252,7 +13270,7 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* Chunks, of whose slots contacts are. In a file a count has 8 bytes on every machine. */
+/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
     int32_t first_particle;
@@ -13267,7 +13285,7 @@ static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 3);
 }
 
-/* Corners and triangles of the mesh of wall k: two groups of one field each. */
+/* Lists corners and triangles of the mesh of a wall: two groups of one field each. */
 static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
     const dem__saved_field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
     const dem__saved_field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};
@@ -13278,11 +13296,11 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 }
 
 /* ---------------------------------------------------------------------------------------------- >>save */
-/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that threads may save one at once.
+/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
    Relies on saved.h for what is saved, on records.h for how.
    May be changed here alone: the order of groups. */
 
-/* Writes or reads entry `at` of a group's field. Numbers of particles in a file count those present. */
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
@@ -13293,7 +13311,7 @@ static inline void dem__write_entry(dem__stream *s, const dem_world *w, const de
     dem__stream_number(s, &body, sizeof body);
 }
 
-/* Writes a group of n entries that lie one after the other. The first `bodies` fields hold numbers of particles. */
+/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
 static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
     for (int q = 0; q < g->fields && n > 0; q++) {
         dem__begin_record(s, &g->field[q], (uint64_t)n);
@@ -13382,7 +13400,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     dem__stream s = {NULL, NULL, 0};
     if (!world || !world->def.allocator.fn) return 0;
-    dem_world w = *world; /* shares the arrays: tables of fields hold addresses that a reader could write, and this writes none */
+    dem_world w = *world; /* shares the arrays: tables of fields hold writable addresses, but nothing is written */
     dem__write_world(&s, &w);
     const size_t size = s.at + 8;
     if (!buffer || size > capacity) return size;
@@ -13482,17 +13500,17 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 }
 
 /* ---------------------------------------------------------------------------------------------- >>load */
-/* Loading: a world from the records that save.h writes, believed in nothing: every index, count and number that the engine relies on is
-   checked here. Relies on saved.h for the fields, on store.h for room.
-   May be changed here alone: what is checked. Whatever fails, the world is empty afterwards. */
+/* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
+   relies on is checked here. Relies on saved.h for the fields, on store.h for room.
+   May be changed here alone: what is checked. After any failure the world is empty. */
 
-/* A file that is being read: its bytes, and where its records begin and end. */
+/* A file that is read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
     const unsigned char *bytes;
     size_t first, end;
 } dem__file;
 
-/* Is it a saved world of this format, whole and as it was written? */
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
 static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
     uint64_t magic, version, check;
     dem__stream s = {NULL, (const unsigned char *)buffer, 0};
@@ -13504,7 +13522,7 @@ static inline int dem__open_file(dem__file *file, const void *buffer, size_t siz
            dem__are_records(file->bytes, file->first, file->end);
 }
 
-/* Number of entries that a group has in a file: of its first field, which must be there. */
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
 static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
     char name[DEM__NAME_BYTES];
     dem__record r;
@@ -13513,7 +13531,7 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
     return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4 ? (ptrdiff_t)r.count : 0;
 }
 
-/* Finds a field of n entries. 1: there; 0: not, and it may be missing; -1: it must not be missing, or is of another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -13522,7 +13540,7 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n entries that lie one after the other. Returns 0 if the file is not as it should be. */
+/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
 static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
     for (int q = 0; q < g->fields && n > 0; q++) {
         dem__stream s;
@@ -13533,7 +13551,7 @@ static inline int dem__read_group(const dem__file *file, const dem__group *g, pt
     return 1;
 }
 
-/* Reads contacts into their slots. */
+/* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
     if (w->engine->contacts.count == 0) return 1;
     dem__contact_fields(w, g);
@@ -13549,14 +13567,14 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
-/* Reads the definition and single numbers. */
+/* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem__world_fields(w, g);
     if (!dem__read_group(file, g, 1)) return 0;
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
-    /* of older files, which don't say which pairs were set */
+    /* older files do not say which pairs were set */
     for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
@@ -13574,7 +13592,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     return dem__bad_field(&w->def) == NULL;
 }
 
-/* Reads the triangles of a mesh, which a tree is made from anew. */
+/* Reads the triangles of a mesh, and builds its tree anew. */
 static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a, dem__group *g) {
     dem__group triangles;
     dem_status status = DEM_OK;
@@ -13598,7 +13616,7 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-/* Is a loaded wall one that the functions which make and move walls could have made? */
+/* Returns whether a loaded wall could come from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
     if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
@@ -13630,7 +13648,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     return DEM_OK;
 }
 
-/* Reads how contacts lie in chunks. */
+/* Reads how contacts are distributed over chunks. Returns 0 if the file is not valid. */
 static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__group *g, int64_t present) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__saved_chunk chunk[DEM__CHUNKS];
@@ -13671,12 +13689,12 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     return DEM_OK;
 }
 
-/* Makes room for what a file holds. Counts become those of the file. */
+/* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
 static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
     dem__engine *e = w->engine;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
-    e->contacts.count = 0; /* nothing is there yet that growing could keep */
+    e->contacts.count = 0; /* growing has nothing to keep yet */
     if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes, &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
@@ -13693,7 +13711,7 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and gives them their particles. */
+/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid. */
 static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
     if (n == 0) return 1;
@@ -13748,7 +13766,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Are there bodies i and j, a wall or another particle? */
+/* Returns whether i is a particle, and j another one or a wall. */
 static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
@@ -13766,7 +13784,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
     }
-    dem__sort(w, contacts->slots, n); /* none is there twice */
+    dem__sort(w, contacts->slots, n); /* no contact is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
@@ -13776,7 +13794,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     return 1;
 }
 
-/* Makes what is not saved, as it follows from the rest: lists of contacts, activity. */
+/* Derives what is not saved from the rest: lists of contacts, activity. */
 static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;

@@ -1,6 +1,6 @@
 /* --------------------------------------------------------------------------------------- >>clump-shape */
 /* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
-   May be changed here alone: how volumes and moments are found. */
+   May be changed here alone: how volumes and moments are computed. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -18,7 +18,7 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
     c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
 }
 
-/* A sphere's, exactly: r^2/5 is its mean square along an axis. */
+/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
@@ -33,7 +33,7 @@ static inline void dem__sort_numbers(double *v, int n) {
     }
 }
 
-/* The first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL: none. */
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
     for (int i = 0; i < n; i++) {
@@ -48,9 +48,9 @@ static inline double dem__next_end(int n, const double *at, const double *radius
     return next;
 }
 
-/* Spheres with their centres on a line from `from` along the unit vector u: a body of revolution, whose squared radius is the greatest of
-   parabolas in x; between the places where another is the greatest the integrals are of polynomials, which five points of Gauss's find
-   exactly. */
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
+   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
+   points integrates exactly. */
 static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
     static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
@@ -65,7 +65,7 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
                 const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
                 square = s > square ? s : square;
             }
-            const double q = 0.25 * square; /* mean square of a disc across */
+            const double q = 0.25 * square; /* mean square of a disc along its diameter */
             dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
                              dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
             c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
@@ -75,7 +75,7 @@ static inline void dem__add_revolution(dem__content *c, int n, const double *at,
     }
 }
 
-/* The part of a line along z through (x, y) that lies in more than one sphere, as often as it does so too much. */
+/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
 static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
     double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
     int m = 0;
@@ -97,13 +97,13 @@ static inline void dem__take_surplus(dem__content *c, double area, int n, const 
     }
 }
 
-/* Spheres anywhere: each exactly, less what overlaps, found on 400 x 400 lines that are exact along z. */
+/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
 enum { DEM__CLUMP_LINES = 400 };
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     for (int k = 0; k < n; k++) {
         dem__add_ball(c, 1.0, centre[k], radius[k]);
-        for (int other = 0; other < n; other++) { /* the box of those that overlap others */
+        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
             const double sum = radius[k] + radius[other];
             const dem_vec d = dem__sub(centre[k], centre[other]);
             if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
@@ -120,8 +120,8 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
     }
 }
 
-/* Principal moments and axes of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations. Where it is diagonal already nothing
-   turns. */
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
+   diagonal tensor is left as it is. */
 static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
     dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
@@ -142,7 +142,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
 }
 
-/* Moments that differ by less than what they are known to are equal: then free rotation is exact. */
+/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
 static inline void dem__merge_moments(dem_vec *moments, double known) {
     double *m[3] = {&moments->x, &moments->y, &moments->z};
     for (int k = 0; k < 3; k++) {
@@ -153,7 +153,7 @@ static inline void dem__merge_moments(dem_vec *moments, double known) {
         moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
 }
 
-/* Do all centres lie on a line? Its origin and direction; where they are on it. */
+/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
 static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
     double most = 0.0;
     *u = dem_vec3(1.0, 0.0, 0.0);
@@ -170,13 +170,13 @@ static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, 
     return 1;
 }
 
-/* Those that lie within another touch nothing: the rest, in order; how many. */
+/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
 static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
     int kept = 0;
     for (int k = 0; k < n; k++) {
         int inner = 0;
         for (int o = 0; o < n && !inner; o++) {
-            const int twin = radius[o] == radius[k] && o > k; /* of twins the first stays */
+            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
             inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
         }
         if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
@@ -200,7 +200,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
         size = extent > size ? extent : size;
     }
-    const dem_vec from = c.centre[0]; /* moments about a point within, lengths by its size: no number is too large */
+    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);

@@ -7,7 +7,7 @@ static inline int dem__is_clump(const dem_clump *c) {
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
     const dem_vec m = c->moments;
     if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the two others */
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
     if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
     for (int k = 0; k < c->spheres; k++) {
         if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
@@ -19,7 +19,7 @@ DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }
 
-/* Radius of the sphere about the centre of mass that holds a clump [m]. */
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
 static inline double dem__clump_reach(const dem_clump *c) {
     double reach = 0.0;
     for (int k = 0; k < c->spheres; k++) {
@@ -29,7 +29,8 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* A body of a clump's shape, `scale` times as large, of a material; offset and radius: [spheres], filled here. */
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
+   here. */
 static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
                                             double *radius) {
     const double density = w->def.material[material].density, cube = scale * scale * scale;
@@ -45,7 +46,7 @@ static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump 
     return def;
 }
 
-/* Are a body's numbers ones to compute with? */
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
 static inline int dem__is_body_def(const dem__body_def *def) {
     const dem_vec m = def->moments;
     if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;

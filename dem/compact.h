@@ -1,5 +1,4 @@
-/* Lists of active particles, and arrays without those that are gone.
-   Relies on store.h's tables.
+/* Lists of active particles, and arrays without the particles that are gone. Relies on store.h's tables.
    May be changed here alone: when gaps are closed: no result depends on it. */
 
 /* Lists active particles in the order of memory. */
@@ -13,11 +12,11 @@ static inline void dem__list_active(dem_world *w) {
     }
 }
 
-/* Moves the wall timers of the `left` particles that stay to their new numbers, in scratch.index. */
+/* Moves the wall timers of the `left` particles that stay to their new numbers, which are in scratch.index. */
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are made anew */
+    if (w->engine->run.needs_lists) return; /* they are built anew */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
             t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -33,13 +32,14 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Finds the new number of particle i, or of the first after it that stays. */
+/* Returns the new number of particle i, or of the first after it that stays. */
 static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
     while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
     return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
 }
 
-/* The numbers of rigid bodies and of their first particles, after dropped particles have been taken out. Bodies keep the order of those. */
+/* Renumbers rigid bodies and their first particles after dropped particles have been removed. Bodies are in the order of their
+   particles. */
 static inline void dem__compact_bodies(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t n = 0;
@@ -54,7 +54,7 @@ static inline void dem__compact_bodies(dem_world *w) {
     if (bodies->rigid) bodies->rigid_count = n;
 }
 
-/* Takes dropped particles out of the arrays, keeping the order of the others. */
+/* Removes dropped particles from the arrays; the others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__links *links = &w->engine->links;

@@ -1,8 +1,8 @@
 /* --------------------------------------------------------------------------------- >>convex_distance */
-/* Distances between posed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
-   returned is never more than the true one, however few rounds were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle
-   (3 corners, 3 edges, 2 faces) are cores like any other.
-   May be changed here alone: rounds and their order; a separation is never too large. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
+   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: iterations and their order; a separation is never too large. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -14,7 +14,7 @@ DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int
     return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
 }
 
-/* The corner of a core that is farthest along u, in its own frame. */
+/* Returns the corner of a core that is farthest along u, in the core's own frame. */
 DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     int best = 0;
     double most = dem__dot(u, dem__point(s->corner[0]));
@@ -25,7 +25,7 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* Some corners of the difference of two cores: which they are, where, and by how much the nearest point is of each. */
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
 typedef struct dem__simplex {
     int n;
     uint8_t a[4], b[4];
@@ -34,14 +34,14 @@ typedef struct dem__simplex {
 } dem__simplex;
 
 DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
-    for (int k = 0; k < n; k++) { /* kept ascends */
+    for (int k = 0; k < n; k++) { /* `kept` ascends */
         s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
         s->part[k] = part[k];
     }
     s->n = n;
 }
 
-/* The point of segment i, j of a simplex nearest to the origin; the corners it is between are kept. */
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
     const double along = -dem__dot(p, u), length = dem__dot(u, u);
@@ -57,7 +57,7 @@ static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     return dem__plus(p, t, u);
 }
 
-/* Of triangle i < j < k, likewise (Ericson 2005, section 5.1.5). */
+/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
 static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
     const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
@@ -82,7 +82,7 @@ static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
 }
 
-/* Of a tetrahedron; 0 where it holds the origin. */
+/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
 static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
     const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     dem__simplex best = *s;
@@ -107,12 +107,12 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
     return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
 }
 
-/* What is known of two cores. */
+/* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or as much of it as is sure; less than 0 where they overlap */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
     dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
-    int overlap, rounds; /* do they? how many corners were asked for */
+    int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
 DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
@@ -122,7 +122,7 @@ DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
 }
 
-/* Begins with the corners of the last look, or with those that face each other. */
+/* Begins with the corners of the last test, or with those that face each other. */
 static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                       const dem__placed *pb, const dem__nearest_cache *cache) {
     s->n = 0;
@@ -132,8 +132,8 @@ static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, cons
     dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
 }
 
-/* The direction along which two overlapping cores are least deep in each other, of the normals of faces and the products of edges (the
-   separating axis theorem). */
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
+   theorem). */
 static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
                                       dem__gap_of_cores *gap) {
     const int axes = a->faces + b->faces + a->edges * b->edges;
@@ -158,7 +158,7 @@ static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa
     }
 }
 
-/* The points of the two cores that a simplex is nearest at. */
+/* Computes the points of the two cores that are nearest to each other, from a simplex. */
 static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                        const dem__placed *pb, dem__gap_of_cores *gap) {
     gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
@@ -168,8 +168,8 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* Distance and normal of two cores, to 1e-7 of the distance; stops as soon as they are surely farther apart than `enough`. cache: of this
-   pair, read and written, or NULL. */
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
+   of this pair, read and written, or NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
                                  dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -200,7 +200,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
     else dem__nearest_points(&s, a, pa, b, pb, gap);
 }
 
-/* A segment, or a triangle, of which the first corner is the centre and the axes are the world's. */
+/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
@@ -222,7 +222,7 @@ static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, 
     }
     s->face_start[1] = 3, s->face_start[2] = 6;
 }
-/* A point: the centre of a sphere. */
+/* Makes a core of a point: the centre of a sphere. */
 static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
     dem__segment_core(s, p, x, x, radius);
     s->corners = 1, s->edges = 0;

@@ -1,11 +1,11 @@
 /* ----------------------------------------------------------------------------------- >>convex_pairs */
 /* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: what a contact is depends on its own pair and step,
-   never on what was looked at before, or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are looked at, and when; every point that touches is found. */
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
 
-/* A corner at an element of a wall, as corner + 32 * place: a bar of a screen by its number, a place of a mesh by the direction of its
-   normal in the wall's frame, in 54 parts. */
+/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
+   direction of its normal in the wall's frame, in 54 parts. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
     if (wall->kind != DEM_MESH) return corner;
@@ -21,7 +21,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     return corner + DEM_CORNERS_MAX * place;
 }
 
-/* Where polyhedra first .. end-1 will be at a step. */
+/* Places polyhedra first .. end-1 at a step. */
 static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
@@ -36,7 +36,8 @@ static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t
     }
 }
 
-/* The points of a sphere at x, seen from the polyhedron's centre: one, or none. sphere_first: it is a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
+   a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
                                         dem__convex_point *out) {
     dem_vec n;
@@ -49,7 +50,7 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     return 1;
 }
 
-/* The points of two particles: `at` is measured from the centre of i. */
+/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
 static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
     const dem__convex_state *convex = &w->engine->convex;
@@ -70,7 +71,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
 }
 
-/* The points of a particle's corners at a wall, which is where it will be. */
+/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -97,7 +98,7 @@ static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair
     return n;
 }
 
-/* A look at all pairs, by several threads, each of which has a share of the points. */
+/* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
     int64_t step, overlaps[DEM__PARTS_MAX];
     ptrdiff_t share;
@@ -123,7 +124,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Room for so many points. Their contents are not kept. */
+/* Makes room for so many points, whose contents are lost. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -136,7 +137,7 @@ static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* The points of all pairs at a step. Returns 0 when out of memory. */
+/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
 static inline int dem__find_convex_points(dem_world *w, int64_t step) {
     dem__convex_state *convex = &w->engine->convex;
     const int parts = dem__parts(w, convex->pairs);
@@ -163,7 +164,8 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
 }
 
-/* Takes the contacts of chunks first .. end-1 to their points of this step; one whose point is gone has a gap, and so ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
+   ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -182,7 +184,7 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     }
 }
 
-/* Takes the contacts of polyhedra to a step at which the walls already are, and makes new ones. */
+/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
 static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -203,7 +205,7 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
     }
 }
 
-/* The near pair of two particles, or -1. */
+/* Returns the near pair of two particles, or -1. */
 static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     const dem__pairs *pairs = &w->engine->pairs;
     if (w->engine->run.needs_lists) return -1;
@@ -213,7 +215,7 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     return -1;
 }
 
-/* The pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
 static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
     const dem__convex_state *convex = &w->engine->convex;
     const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
@@ -230,7 +232,7 @@ static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32
     return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
 }
 
-/* How many pairs there are, with pair == NULL, or lists them. */
+/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
 static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
     ptrdiff_t n = 0;
     dem__convex_pair p;
@@ -254,7 +256,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, takes them from those that are tested as spheres, and tells contacts which is theirs. 0: out of memory. */
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -274,7 +276,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
         const ptrdiff_t q = dem__convex_pair_of(w, i, j);
         contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot be: they touch */
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
     }
     return 1;
 }
@@ -304,7 +306,7 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     return -(int)DEM_OUT_OF_MEMORY;
 }
 
-/* Are n orientations quaternions with a length? */
+/* Returns whether n orientations are quaternions with a direction. */
 static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
     dem_quaternion q;
     for (ptrdiff_t k = 0; k < n && orientations; k++) {

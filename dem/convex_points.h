@@ -1,12 +1,12 @@
 /* ----------------------------------------------------------------------------------- >>convex_points */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose whom to look at. Promises: what a point is depends on its own two features; weight times overlap along the normals is the
-   gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are looked at; every point that touches is found. */
+   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+   is the gradient of a potential (of a linear law), and continuous in the motion.
+   May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 64 }; /* of a pair: faces of many corners that lie on each other have not more; further ones are left out */
+enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
 
-/* Signed distance of a point p from a box, in its frame, and the direction away from it. */
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -21,7 +21,7 @@ DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
     return dem_axis(out, k);
 }
 
-/* Does the foot of a point p lie within face f? */
+/* Returns whether the foot of a point p lies within face f. */
 DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     const dem_vec n = dem__point(s->plane[f]);
     for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
@@ -32,7 +32,7 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Signed distance of a point p from a core that is no box, likewise. */
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
 static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
@@ -48,7 +48,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         return height;
     }
     const dem_vec outward = *n;
-    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has no edge, but a corner */
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
@@ -68,7 +68,7 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in its two faces the directions away from it, and the sum of their
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
@@ -76,7 +76,7 @@ typedef struct dem__placed_edge {
     int number;
 } dem__placed_edge;
 
-/* Corners' heights along a direction, and who is near the other core. */
+/* Heights of corners along a direction, and which corners are near the other core. */
 typedef struct dem__side {
     const dem_convex *shape;
     const dem__placed *place;
@@ -94,13 +94,14 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
     }
 }
 
-/* Those corners that are not higher than `low` (or with sign -1 not lower). */
+/* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->near = 0;
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
 }
 
-/* Edge e, if it ends at a near corner. Its faces only tell directions where cores overlap. */
+/* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
+   not needed. */
 static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
@@ -122,7 +123,7 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     return 1;
 }
 
-/* By how much the direction n, away from an edge, leans over one of its faces: 0 if it is between their normals. */
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -132,7 +133,7 @@ DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     return lean;
 }
 
-/* Where a corner is nearest to an edge: the unit vector from there to it, and the distance. */
+/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
 DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
     const dem_vec d = dem__sub(x, e->from);
     const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
@@ -141,13 +142,13 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
     return distance;
 }
 
-/* Two edges that cross, at s and t along them: the unit vector from q to p and the signed distance. 0: they do not. apart: the cores do not
-   overlap, so that nearest points tell the direction. */
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
+   cores do not overlap, so that nearest points tell the direction. */
 static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
                                      double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
     const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
-    if (!(square > 1e-12)) return 0; /* parallel: the corners are all */
+    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
     *s = (c * on_q - on_p) / square;
     if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
@@ -158,15 +159,15 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* The points where edge p of a crosses edge q of b, from out on; how many. The energy of the overlap D there is counted beyond what the
-   ends of the edges have of it, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2, 0 with slope 0 where
-   the crossing reaches an end and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends, with
-   weights. */
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
+   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
+   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
+   with weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* farther within each other: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
     out->gap = -overlap;
@@ -193,7 +194,8 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     return n;
 }
 
-/* The points of corners of a at b, from point n on; how many there are then. The numbers of b's corners begin at `key`. */
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
+   changed places. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
     for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
@@ -203,7 +205,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
         p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
         p->gap = distance - radii;
-        if (key > 0) { /* they have changed places */
+        if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
@@ -212,7 +214,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Those where edges cross. */
+/* Appends the points where edges cross to a list of n. Returns the new number. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius;
     dem__placed_edge p, other[DEM_EDGES_MAX];
@@ -227,8 +229,8 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     return n;
 }
 
-/* The points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. How many? Of a point only its own
-   corner counts, or it would be counted twice. */
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
+   core is a point, only its own corner counts; otherwise it would be counted twice. */
 static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
                                    dem__convex_point *out) {
     dem__side sa, sb;

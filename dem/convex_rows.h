@@ -1,6 +1,6 @@
 /* ------------------------------------------------------------------------------------ >>convex_rows */
-/* Contacts of polyhedra in a block of the kernel: as contacts of spheres about their points, and what their forces do about the centres of
-   the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
    May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
 
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
@@ -9,25 +9,26 @@ DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     return dem_vec3(place[0][c], place[1][c], place[2][c]);
 }
-/* From the centre of i to that of the sphere that touches for it. */
+/* Returns the vector from the centre of i to that of the sphere that touches for it. */
 DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     return dem_vec3(place[4][c], place[5][c], place[6][c]);
 }
 
-/* Particle i's mass over what it has at a point of contact: of a sphere all of it; of a polyhedron, which turns aside, the mean. */
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
+   mean. */
 DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? 1.0 / s->share : 1.0;
 }
 
-/* The radius by which particle i touches: its own, or that of its rounding. */
+/* Returns the radius with which particle i touches: its own, or that of its rounding. */
 DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : w->particle[i].radius;
 }
 
-/* The place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
+/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
 static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
     const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
     const ptrdiff_t i = w->engine->contacts.i[c];
@@ -38,21 +39,21 @@ static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__tou
                        wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
 }
 
-/* Velocity in the middle of a step, and acceleration, of a point of a body at `arm` from its centre. */
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
-    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm of then */
+    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
     *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
 }
 
-/* The arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
-/* Row k at another body, or at a wall. */
+/* Fills row k of a polyhedron's contact with another body or a wall. */
 static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
                                         dem__wall_row *at) {
     double *const *place = w->engine->contacts.touch;
@@ -90,7 +91,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
     }
 }
 
-/* Weights of a block's forces, and torques about the centres of its bodies. */
+/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
 static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
                                                   const dem__columns *at, double half, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -105,14 +106,15 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!(features & DEM_ENERGY) || weight == 1.0) continue;
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) { /* losses of powers are halves of those of before, which have their weight, and of now */
+        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
             at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
             at->power[a][k] *= weight;
         }
     }
 }
 
-/* First and last steps are not corrected, of the last `marked` contacts that a chunk has listed: the mass at a corner is not the pair's. */
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
+   not the pair's. */
 static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {

@@ -28,7 +28,7 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     return (int)(sizeof fields / sizeof *fields);
 }
 
-/* Tables that agree with each other, and numbers that the code relies on. */
+/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
@@ -45,7 +45,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     return sound;
 }
 
-/* Is particle i what its shape, if it has one, needs? */
+/* Returns whether particle i is what its shape, if it has one, needs. */
 static inline int dem__is_sound_polyhedron(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     if (convex->shapes == 0 || convex->shape_of[i] == 0) return 1;

@@ -3,10 +3,10 @@
    and its tables agree with each other.
    May be changed here alone: how faces are found; tables stay closed and convex. */
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: single precision, as files have it, is enough. */
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
 #define DEM__FLAT 1e-6
 
-/* The planes of a set of points that has all others behind them, and the points in each. */
+/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
 typedef struct dem__hull {
     int faces;
     uint32_t holds[DEM_FACES_MAX];
@@ -15,7 +15,7 @@ typedef struct dem__hull {
 
 DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
-/* Half the size of a set of points: the longest half of a side of the box around it. */
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
     double size = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -26,7 +26,8 @@ static inline double dem__half_size(const double *x, int n) {
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. 0: there are too many. */
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
+   many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -38,7 +39,7 @@ static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, doub
     return 1;
 }
 
-/* The face that three points lie in, if no point is in front of it. 0: there are too many faces. */
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
 static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
     const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
                   cross = dem__cross(u, v);
@@ -57,7 +58,7 @@ static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, 
     return 1;
 }
 
-/* The faces of the hull of points. 0: there are too many. */
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
 static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
     hull->faces = 0;
     for (int a = 0; a < n; a++) {
@@ -70,8 +71,7 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* The corners of a face, counterclockwise from outside, after those already in the list; how many there are then, 0 if they are no
-   polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -93,7 +93,8 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* The edges, from the corners of faces. 0: some edge has not two faces, or is too short, or the surface is none of a ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
+   ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -116,7 +117,7 @@ static inline int dem__find_edges(dem_convex *s, double shortest) {
     return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
 }
 
-/* Faces and edges of a shape whose corners are set; NULL, or what is wrong. */
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
 static inline const char *dem__find_surface(dem_convex *s, double flat) {
     dem__hull hull;
     int count = 0, used[DEM_CORNERS_MAX] = {0};
@@ -138,7 +139,7 @@ static inline const char *dem__find_surface(dem_convex *s, double flat) {
     return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
 }
 
-/* Volume, centroid and second moments of the polyhedron by signed tetrahedra from the origin to triangles of its faces. */
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
 typedef struct dem__moments {
     double volume;
     dem_vec first;
@@ -161,7 +162,7 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi), axis[k][a]: component a of axis k. Diagonal already, it is left as it is. */
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -188,7 +189,8 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Moves the corners to the centroid and turns them to the principal axes; NULL, or what is wrong. */
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
+   wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     double second[3][3], axis[3][3];
@@ -213,7 +215,7 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* The point where three planes meet; its determinant, 0 if they hardly do. */
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
 static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
@@ -224,7 +226,7 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two that are the same the better determined one stays. 0: there are too many. */
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -236,7 +238,8 @@ static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, dou
     return 1;
 }
 
-/* The corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. */
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
+   there are too many. */
 static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
     double sure[DEM_CORNERS_MAX];
     core->corners = 0;
@@ -255,7 +258,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
     return 1;
 }
 
-/* The smallest distance of a face from the corner opposite to it. */
+/* Returns the smallest distance of a face from the corner opposite to it. */
 static inline double dem__least_width(const dem_convex *s) {
     double least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -269,7 +272,8 @@ static inline double dem__least_width(const dem_convex *s) {
     return least;
 }
 
-/* Is the core a box along the axes, with its middle at the centroid? To the last bit, as its distances are computed from half lengths. */
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
+   because its distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -282,9 +286,9 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Mean of the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), over all directions,
-   each with the energy that this corner takes up in a hit, which goes as the share. Directions: the middles of 8 x 8 squares on each side
-   of a cube. */
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
+   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
+   8 squares on each side of a cube. */
 static inline double dem__mean_share(const dem_convex *s) {
     double sum = 0.0, weights = 0.0;
     for (int k = 0; k < 6 * 64; k++) {
@@ -306,7 +310,7 @@ static inline double dem__mean_share(const dem_convex *s) {
     return sum / weights;
 }
 
-/* The shape from corners about their middle; NULL, or what is wrong. */
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
@@ -360,7 +364,7 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
     return dem_make_convex(shape, 8, corner[0], rounding, reason);
 }
 
-/* Has every edge of a mesh one other triangle, which runs along it the other way? */
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
 static inline int dem__is_closed(const dem_mesh *mesh) {
     for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
         const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
@@ -375,7 +379,7 @@ static inline int dem__is_closed(const dem_mesh *mesh) {
     return 1;
 }
 
-/* Is every corner of a mesh behind every triangle, or in its plane? */
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
 static inline int dem__is_convex(const dem_mesh *mesh) {
     const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
     for (ptrdiff_t t = 0; t < mesh->triangles; t++) {

@@ -1,13 +1,13 @@
 /* ----------------------------------------------------------------------------------- >>convex_state */
-/* What the engine keeps of polyhedra. Relies on declarations only.
+/* The engine's state of polyhedra. Relies on declarations only.
    May be changed here alone: what a pair remembers to be found faster. */
 
-/* Where a core is: its centre [m] and where its own axes point. */
+/* Place of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last look at a pair: 12 bytes that change how fast a distance is found, not what it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what it is. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
@@ -15,24 +15,24 @@ typedef struct dem__nearest_cache {
 /* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap + radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
-    int32_t taken;      /* a contact has it */
+    int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; by which forces are multiplied: 1, or what an end takes back from a crossing, at least -1 */
+    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1 */
 } dem__convex_point;
 
-/* Two that may touch, of which one at least is a polyhedron: particles i < j, or particle i and wall -1 - j. */
+/* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
 typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
-    int32_t first, count; /* of its points in the step that is being computed */
+    int32_t first, count; /* of its points in the present step */
     dem__nearest_cache cache;
 } dem__convex_pair;
 
-/* Polyhedra. Written by convex.h. Without any all of it is zero. */
+/* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
 typedef struct dem__convex_state {
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
-    dem__placed *place;     /* of a particle that is a polyhedron: where the step that is being computed puts it */
+    dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
     dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;

@@ -1,7 +1,8 @@
 /* --------------------------------------------------------------------------------------------- >>due */
-/* Tests of the pairs and walls whose time has come. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: no
-   contact begins unseen; a step that cannot be finished leaves no trace.
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers. Promises: every contact
+   that begins is found; a step that cannot be finished leaves no trace.
    May be changed here alone: how due timers are found. */
+/* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -16,14 +17,14 @@ static inline int dem__fail(dem_world *w, dem_status status) {
     return 0;
 }
 
-/* Tests the pairs that are due, in pages first .. end-1. */
+/* Tests the due pairs in pages first .. end-1. */
 DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdiff_t first, ptrdiff_t end, int64_t step, int rigid) {
     dem__pairs *pairs = &w->engine->pairs;
     int32_t *due = pairs->timers.list + first * DEM__PAGE;
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* what is found overwrites what has been tested */
+    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
     for (ptrdiff_t k = -2 * DEM__AHEAD; k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -43,7 +44,7 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
 
-/* Tests the pairs that are due. Threads take pages of their own, if about as many pairs are due as in the step before. */
+/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
@@ -85,7 +86,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set no later run gets further. */
+/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail at the same
+   place. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -101,7 +103,7 @@ static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     }
 }
 
-/* Takes back what was found in a step that cannot be finished. */
+/* Undoes what was found in a step that cannot be finished. Returns 0. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     for (; contacts->begun > 0; contacts->begun--) {

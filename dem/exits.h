@@ -1,14 +1,14 @@
 /* ------------------------------------------------------------------------------------------- >>exits */
-/* The record of what passes an exit. Reads bodies; writes the record and marks who leaves. Promises: the order of records does not depend
-   on the order of tests.
-   May be changed here alone: what a record holds (then saved.h, too). */
+/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the order of
+   records does not depend on the order of tests.
+   May be changed here alone: what a record contains (then saved.h, too). */
 
-/* Diameter of the sphere of a body's mass, of the material of its first particle [m]. */
+/* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or the rigid body that it is a part of, which passes an exit in this step, and marks it to leave at the end of it. */
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -19,7 +19,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         const dem__posture p = dem__posture_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in the same step: the first of them counts, whatever the order of the looks */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the order of tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -36,7 +36,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed = fresh;
         bodies->passed_capacity = larger;
     }
-    /* in the order of ids, whatever the order of the looks in this step */
+    /* in the order of ids, whatever the order of tests in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;

@@ -1,17 +1,18 @@
 /* ------------------------------------------------------------------------------------------- >>field */
-/* A force field: on what flies by steps of its own, on what touches in each step. Reads bodies, the law; writes bodies, their bounds and
-   timers. Promises: a flight is a parabola from its origin to its end, found at its origin and the same whatever is skipped.
+/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
+   bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
+   whatever is skipped.
    May be changed here alone: how long a flight is, within the accuracy asked for. */
 
-/* What is asked of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
+/* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
-    DEM__FIND_FLIGHTS,    /* of particles: begin flights now */
-    DEM__RENEW_FLIGHTS,   /* of particles: keep the flights that the law still gives, begin the others anew */
-    DEM__END_FLIGHTS,     /* of particles: end flights now, from here on they take steps */
-    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the step of h that is being computed */
+    DEM__FIND_FLIGHTS,    /* of particles: begins flights now */
+    DEM__RENEW_FLIGHTS,   /* of particles: keeps the flights that the law still gives, begins the others anew */
+    DEM__END_FLIGHTS,     /* of particles: ends flights now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE, /* on particles: at the end of the present step, of length h */
     DEM__PREPARE_FIELD,   /* before a run: dem__prepare_flights */
     DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
-    DEM__FIELD_FORCES,    /* on all that take steps: dem__add_field_forces */
+    DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
     DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
     DEM__RUN_IN_FIELD     /* n steps */
 };
@@ -23,7 +24,7 @@ typedef struct dem__field_task {
     const dem_kernel *kernel; /* of contacts */
 } dem__field_task;
 
-/* Asks for one of the tasks that need only a number; for a run. 0 after a failure. */
+/* Runs one of the tasks that need only a number. Returns 0 after a failure. */
 static inline int dem__ask_field(dem_world *w, int task, ptrdiff_t n) {
     dem__field_task q;
     memset(&q, 0, sizeof q);
@@ -41,7 +42,7 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* Acceleration by the law of particle i at x with v [m/s2]. */
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     dem_force_point at;
@@ -56,16 +57,16 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* What a step of a flight leads to. */
+/* Result of one step of a flight. */
 typedef struct dem__flown {
-    dem_vec way;  /* beyond what the velocity at its beginning makes, over its time: the mean gain of velocity [m/s] */
-    dem_vec gain; /* of velocity, at its end [m/s] */
+    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
+    dem_vec gain; /* of velocity, at the end [m/s] */
     double work;  /* of the field [J] */
-    double error; /* of place [m] */
-    int zero;     /* the law has given 0 all the way */
+    double error; /* of position [m] */
+    int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* A step of h from x with v at a time, of the fifth order with an error of the fourth (Cash & Karp 1990). */
+/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990). */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
@@ -102,14 +103,14 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     return q;
 }
 
-/* Steps of the world in a time [s], at least one, at most as many as a list can last. */
+/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
 DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     const double n = time * w->engine->pairs.steps_per_second;
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
-/* Steps that a flight from x with v may take by its error, and what they lead to; first: the law's pull there. The error of place of a
-   parabola that is right at both ends is 1/13.5 of what its acceleration differs from the first one times the time squared. */
+/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right at both ends has an
+   error of position of 1/13.5 of the difference between its acceleration and the first one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
                                   dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -129,7 +130,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
         const double h = (double)n * dt;
         *q = dem__fly(w, i, x, v, time, h, law);
         const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
-        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* of the ends, which add up */
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
         if (n == 1 || error <= limit) return n;
         const double part = 0.9 * riddle_cbrt(limit / error);
         const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
@@ -137,7 +138,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the parabola is the one that there is. */
+/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     dem_particle *p = &w->particle[i];
@@ -158,7 +159,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     field->end_velocity[i] = q.zero ? dem__velocity_at(w, i, (double)(w->step + n - p->origin) * dt) : dem__add(v, q.gain);
 }
 
-/* Is the flight of particle i what the law makes of its origin? Where it is 0: does it stay so to the end? */
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0 to the end. Then
+   computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const dem_particle *p = &w->particle[i];
@@ -178,7 +180,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     return 1;
 }
 
-/* Ends the flight of particle i now: its place is that on the parabola, its velocity is found anew. */
+/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     dem_particle *p = &w->particle[i];
@@ -203,7 +205,7 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     p->a = dem__add(p->a, pull);
 }
 
-/* The law's force on particle i, which takes steps, where the step of h leads and at the velocity that it leads to as far as is known. */
+/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity predicted for it. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
     const dem_particle *p = &w->particle[i];
     const dem_vec pull = dem__field_pull(w, i, p->x, dem__plus(p->v, 0.5 * h, p->a), dem__time_of(w, w->step + (h > 0.0)), law);
@@ -222,13 +224,14 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
     }
 }
 
-/* A task of the kernel for a list of particles, by one thread or several. */
+/* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__field_task q = *(const dem__field_task *)context;
     (void)part;
     q.particle += first, q.n = end - first;
     w->engine->field.def.kernel(w, &q);
 }
+/* Runs a task of the kernel for a list of particles, on one thread or several. */
 static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
     dem__field_task q;
     memset(&q, 0, sizeof q);
@@ -236,7 +239,7 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* What the field has done along a flight up to now: the energy that the particle has gained since its origin [J]. */
+/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const dem_particle *p = &w->particle[i];
     const double tau = dem__now(w, i);
@@ -245,7 +248,7 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
 }
 
-/* Books of all flights what has been done up to now, or of those that leave. */
+/* Books the work of the field on all flights until now, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
@@ -256,7 +259,7 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Of particle i in flight: how far its velocity can be from that of its bound to the end of the flight [m/s]. */
+/* Returns how far the velocity of particle i in flight can be from that of its bound until the end of the flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[i];
@@ -269,7 +272,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i) {
     return most > end ? most : end;
 }
 
-/* A bound for particle i in flight: it holds for about DEM__FLIGHTS like this one. */
+/* Sets a bound for particle i in flight, which holds for about DEM__FLIGHTS flights like this one. */
 static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -286,7 +289,7 @@ static inline void dem__bound_flight(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.shifted[i] = 0.0;
 }
 
-/* Timers of n flights that have just been found, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
+/* Sets the timers of n flights that have just been computed, and new bounds for those that leave theirs. Returns 0 if one is too fast. */
 static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
@@ -311,13 +314,13 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
 
 DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
 
-/* Has particle i, which takes steps, been given the acceleration that it has without contacts and without the field? */
+/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
 }
 
-/* Timers and bounds of all flights, for a list of near pairs made anew. */
+/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
 static inline int dem__list_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0;
@@ -335,7 +338,7 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Begins a run: flights that the caller has changed begin anew, and so do those of particles that are new. */
+/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
@@ -356,7 +359,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     return dem__list_flights(w);
 }
 
-/* Before a step: flights that are over go on by new ones. */
+/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
 static inline int dem__continue_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n, flying = 0;
@@ -374,7 +377,7 @@ static inline int dem__continue_flights(dem_world *w) {
     return dem__follow_flights(w, list, flying);
 }
 
-/* Ends the flights of those whose contacts begin, in the slots that contacts.slots lists. */
+/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
 static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     dem__field *field = &w->engine->field;
     const dem__contacts *contacts = &w->engine->contacts;
@@ -390,7 +393,8 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     }
 }
 
-/* The field's forces on those that take steps, to the end of a step; notes who they are. Work by the mean of the forces at both ends. */
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the work by the mean of
+   the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -408,7 +412,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     }
 }
 
-/* After a step: those whose last contact is over begin flights. */
+/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
 static inline int dem__begin_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     int32_t *list = field->stepping;
@@ -416,7 +420,7 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and a contact has ended */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__feels_no_field(w, i)) /* it has a load, and its contact has ended */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
     }
     field->steppers = 0;
@@ -434,7 +438,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
     return field;
 }
 
-/* Takes the field off: whoever flies falls freely from now on. */
+/* Removes the field: particles in flight fall freely from now on. */
 static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
@@ -469,7 +473,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
             return DEM_OUT_OF_MEMORY;
         }
     }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* else the accelerations are those of the field already */
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;

@@ -1,5 +1,5 @@
 /* ------------------------------------------------------------------------------------------ >>forces */
-/* Forces of all links and contacts, by one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
+/* Forces of all links and contacts, on one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads.
    May be changed here alone: how chunks are shared among threads. */
 /* Runs the links' loop on blocks first .. end - 1. */
@@ -13,20 +13,20 @@ static inline void dem__evaluate_links(dem_world *w) {
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
-/* An evaluation of all contacts by several threads. */
+/* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
     dem_loop_fn loop;
     int parts, has_friction;
 } dem__evaluation;
 
-/* Adds what the threads that evaluated the contacts could not to the sums of particles low .. high-1. */
+/* Adds the postponed forces on particles low .. high-1 to their sums. */
 static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         dem__postponed *later = contacts->postponed + in->first;
         if (in->postponed == 0 || in->low >= high || in->high < low) continue;
         for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
-            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the rest has been added */
+            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the others have been added */
             const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
             double *out[9];
             for (int a = 0; a < 9; a++) out[a] = &later->out[a];
@@ -54,8 +54,8 @@ static inline void dem__add_postponed(dem_world *w, int has_friction) {
     else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to the particles whose contacts are all in this share or in later ones; the share
-   before has the others. */
+/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later ones; the forces on
+   others are postponed. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
     dem__chunk *chunk = w->engine->contacts.chunk;
@@ -63,7 +63,7 @@ static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     e->loop(w, first, end, part);
 }
 
-/* Finds what the contacts present store and dissipate now, for a ledger that begins. */
+/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
 static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
@@ -72,7 +72,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Computes the forces of all contacts and their sums; `keep`: the wrench of each is kept for readers. */
+/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;

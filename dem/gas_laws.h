@@ -3,17 +3,17 @@
    Relies on the portable mathematics.
    May be changed here alone: a law's formula. */
 
-/* Drag coefficient times Reynolds number, c_D Re [-], of Re = density |slip| d/viscosity, d the diameter of the sphere of equal volume. The
-   force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
+/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], for Re = density |slip| d/viscosity, d the diameter of
+   the sphere of equal volume. The force is (pi/8) viscosity d (c_D Re) slip: finite, and right, at rest. NaN for Re < 0. */
 typedef double (*dem_drag_fn)(double reynolds, const dem_gas *gas);
 
-/* Stokes 1851. */
+/* Returns c_D Re by Stokes 1851. */
 DEM_INLINE double dem_drag_stokes(double reynolds, const dem_gas *gas) {
     (void)gas;
     return reynolds >= 0.0 ? 24.0 : (double)NAN;
 }
 
-/* Schiller & Naumann 1933, for spheres; beyond 1000 Newton's 0.44. */
+/* Returns c_D Re by Schiller & Naumann 1933, for spheres; beyond Re = 1000 by Newton's 0.44. */
 DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas) {
     (void)gas;
     if (!(reynolds >= 0.0)) return (double)NAN;
@@ -21,23 +21,23 @@ DEM_INLINE double dem_drag_schiller_naumann(double reynolds, const dem_gas *gas)
     return reynolds > 0.0 ? 24.0 + 3.6 * riddle_exp(0.687 * riddle_log(reynolds)) : 24.0;
 }
 
-/* Hoelzer & Sommerfeld 2008, by gas->shape, which dem_shape_of_drag() fills. */
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, const dem_gas *gas) {
     return gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
 }
 
-/* Exponent chi of the porosity (Di Felice 1994): the drag on a particle among others is that on one alone, both at the superficial slip,
-   times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
+/* Returns the exponent chi of the porosity (Di Felice 1994). The drag on a particle among others is that on a single one, both at the
+   superficial slip, times porosity^-chi. reynolds: at the superficial slip [-] >= 0. */
 DEM_INLINE double dem_di_felice(double reynolds) {
     if (!(reynolds >= 0.0)) return (double)NAN;
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
 
-/* The frame of a gas at a time: where its centre is, and what turns it. */
+/* The frame of a gas at a time: its centre and its rotation. */
 typedef struct dem__gas_frame {
     dem_vec centre;
-    double s, c; /* sine and cosine of its angle */
+    double s, c; /* sine and cosine of the angle of rotation */
 } dem__gas_frame;
 DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     const double t = time - gas->start;
@@ -50,17 +50,18 @@ DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     }
     return f;
 }
-/* v turned by the frame's angle, or with sign -1 back. */
+/* Returns v turned by the frame's angle, or with sign -1 turned back. */
 DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
     const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
     return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
 }
 
-/* A place of the grid: the node below, and how far it is beyond it, in cells. 0 beyond the grid. */
+/* A place of the grid: the node below it, and its distance from that node in cells. */
 typedef struct dem__gas_cell {
     ptrdiff_t first, next[3];
     double part[3];
 } dem__gas_cell;
+/* Finds the cell of a place in the frame. Returns 0 beyond the grid. */
 DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *cell) {
     ptrdiff_t stride = 1;
     cell->first = 0;
@@ -79,7 +80,7 @@ DEM_INLINE int dem__gas_cell_of(const dem_gas *gas, dem_vec at, dem__gas_cell *c
     }
     return 1;
 }
-/* Trilinear: component `of` of `size` at a place. */
+/* Returns component `of` of `size` at a place, interpolated trilinearly. */
 DEM_INLINE double dem__gas_value(const double *values, const dem__gas_cell *cell, int size, int of) {
     double sum = 0.0;
     for (int corner = 0; corner < 8; corner++) {
@@ -98,14 +99,14 @@ DEM_INLINE dem_vec dem__gas_vector(const dem_gas *gas, const dem__gas_frame *f, 
         gas, f, dem_vec3(dem__gas_value(values, cell, 3, 0), dem__gas_value(values, cell, 3, 1), dem__gas_value(values, cell, 3, 2)), 1.0);
 }
 
-/* Velocity of the gas in the world at x, which lies in a cell. */
+/* Returns the velocity of the gas in the world at x, which lies in a cell. */
 DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, const dem__gas_cell *cell, dem_vec x) {
     dem_vec u = gas->drift;
     if (gas->spin != 0.0) u = dem__plus(u, gas->spin, dem__cross(gas->axis, dem__sub(x, f->centre)));
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Force of a gas on a particle [N]: drag on its own and in the crowd, pressure gradient, buoyancy. 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -123,7 +124,7 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
-/* The kernel of a force field of drag in a gas, by a drag law: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
+/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or one of yours. */
 #define DEM_GAS(name, drag)                                                                                                                \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) { return dem_gas_force(at, (const dem_gas *)at->user, drag); }              \
     DEM_FORCE_FIELD(name, name##_force)

@@ -1,15 +1,15 @@
 /* ---------------------------------------------------------------------------------------------- >>load */
-/* Loading: a world from the records that save.h writes, believed in nothing: every index, count and number that the engine relies on is
-   checked here. Relies on saved.h for the fields, on store.h for room.
-   May be changed here alone: what is checked. Whatever fails, the world is empty afterwards. */
+/* Loading: makes a world from the records that save.h writes, and trusts none of them: every index, count and number that the engine
+   relies on is checked here. Relies on saved.h for the fields, on store.h for room.
+   May be changed here alone: what is checked. After any failure the world is empty. */
 
-/* A file that is being read: its bytes, and where its records begin and end. */
+/* A file that is read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
     const unsigned char *bytes;
     size_t first, end;
 } dem__file;
 
-/* Is it a saved world of this format, whole and as it was written? */
+/* Returns whether the bytes are a whole and unchanged saved world of this format. */
 static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
     uint64_t magic, version, check;
     dem__stream s = {NULL, (const unsigned char *)buffer, 0};
@@ -21,7 +21,7 @@ static inline int dem__open_file(dem__file *file, const void *buffer, size_t siz
            dem__are_records(file->bytes, file->first, file->end);
 }
 
-/* Number of entries that a group has in a file: of its first field, which must be there. */
+/* Returns the number of entries of a group in a file: of its first field, which is required. */
 static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
     char name[DEM__NAME_BYTES];
     dem__record r;
@@ -30,7 +30,7 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
     return dem__find_record(file->bytes, file->first, file->end, name, &r) && r.count < INT32_MAX / 4 ? (ptrdiff_t)r.count : 0;
 }
 
-/* Finds a field of n entries. 1: there; 0: not, and it may be missing; -1: it must not be missing, or is of another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -39,7 +39,7 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads a group of n entries that lie one after the other. Returns 0 if the file is not as it should be. */
+/* Reads a group of n consecutive entries. Returns 0 if the file is not valid. */
 static inline int dem__read_group(const dem__file *file, const dem__group *g, ptrdiff_t n) {
     for (int q = 0; q < g->fields && n > 0; q++) {
         dem__stream s;
@@ -50,7 +50,7 @@ static inline int dem__read_group(const dem__file *file, const dem__group *g, pt
     return 1;
 }
 
-/* Reads contacts into their slots. */
+/* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
     if (w->engine->contacts.count == 0) return 1;
     dem__contact_fields(w, g);
@@ -66,14 +66,14 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
-/* Reads the definition and single numbers. */
+/* Reads the definition and single numbers. Returns 0 if the file is not valid. */
 static inline int dem__read_world(const dem__file *file, dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem__world_fields(w, g);
     if (!dem__read_group(file, g, 1)) return 0;
     dem__material_fields(w->def.material, g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX)) return 0;
-    /* of older files, which don't say which pairs were set */
+    /* older files do not say which pairs were set */
     for (int k = 0; k < DEM_MATERIALS_MAX * DEM_MATERIALS_MAX; k++) w->def.pair[k / DEM_MATERIALS_MAX][k % DEM_MATERIALS_MAX].given = 1;
     dem__pair_fields(&w->def.pair[0][0], g);
     if (!dem__read_group(file, g, DEM_MATERIALS_MAX * DEM_MATERIALS_MAX)) return 0;
@@ -91,7 +91,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     return dem__bad_field(&w->def) == NULL;
 }
 
-/* Reads the triangles of a mesh, which a tree is made from anew. */
+/* Reads the triangles of a mesh, and builds its tree anew. */
 static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a, dem__group *g) {
     dem__group triangles;
     dem_status status = DEM_OK;
@@ -115,7 +115,7 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-/* Is a loaded wall one that the functions which make and move walls could have made? */
+/* Returns whether a loaded wall could come from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
     if (a->material < 0 || a->material >= w->def.materials || a->kind < DEM_PLANE || a->kind > DEM_MESH) return 0;
@@ -147,7 +147,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
     return DEM_OK;
 }
 
-/* Reads how contacts lie in chunks. */
+/* Reads how contacts are distributed over chunks. Returns 0 if the file is not valid. */
 static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__group *g, int64_t present) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__saved_chunk chunk[DEM__CHUNKS];
@@ -188,12 +188,12 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     return DEM_OK;
 }
 
-/* Makes room for what a file holds. Counts become those of the file. */
+/* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
 static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff_t links, ptrdiff_t passed) {
     dem__engine *e = w->engine;
     dem__array list[DEM__ARRAYS_MAX];
     const ptrdiff_t live = e->contacts.count;
-    e->contacts.count = 0; /* nothing is there yet that growing could keep */
+    e->contacts.count = 0; /* growing has nothing to keep yet */
     if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes, &e->bodies.capacity, present + 1))
         return 0;
     if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
@@ -210,7 +210,7 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     return 1;
 }
 
-/* Reads rigid bodies, for which there is room, and gives them their particles. */
+/* Reads rigid bodies, for which there is room, and assigns their particles to them. Returns 0 if the file is not valid. */
 static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__group *g, ptrdiff_t n) {
     dem__bodies *bodies = &w->engine->bodies;
     if (n == 0) return 1;
@@ -265,7 +265,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Are there bodies i and j, a wall or another particle? */
+/* Returns whether i is a particle, and j another one or a wall. */
 static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
@@ -283,7 +283,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
     }
-    dem__sort(w, contacts->slots, n); /* none is there twice */
+    dem__sort(w, contacts->slots, n); /* no contact is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
@@ -293,7 +293,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
     return 1;
 }
 
-/* Makes what is not saved, as it follows from the rest: lists of contacts, activity. */
+/* Derives what is not saved from the rest: lists of contacts, activity. */
 static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;

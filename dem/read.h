@@ -1,7 +1,6 @@
 /* ----------------------------------------------------------------------------------------------- >>reading */
-/* Getters: states now, energy, contacts and links, apertures of a screen. Readers of a const world.
-   Relies on body.h and the ledger.
-   May be changed here alone: all but what an answer means. */
+/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. Relies on body.h and the ledger.
+   May be changed here alone: all but what a result means. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -32,7 +31,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
     return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn, dem__opposite_turn(r->frame));
 }
 
-/* Where a rigid body is now, within the periodic box. */
+/* Returns the position of a rigid body now, within the periodic box. */
 static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
     const double tau = dem__now(w, r->first);
     return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
@@ -84,7 +83,7 @@ DEM_API dem_vec dem_momentum(const dem_world *world) {
     return sum;
 }
 
-/* The part of the ledger that does not add up [J]. */
+/* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
     return l->kinetic + l->rotational + l->elastic + l->potential + l->normal_loss + l->sliding_loss + l->rolling_loss + l->removed -
            l->start - l->added - l->wall_work - l->external_work - l->field_work - l->link_work;
@@ -114,7 +113,7 @@ DEM_API dem_energy_ledger dem_energy(const dem_world *world) {
 
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world) { return world && world->engine ? world->engine->contacts.count : 0; }
 
-/* Normal and point of a contact in a slot or of a link (-1), from where everything is now. */
+/* Computes normal and point of the contact in a slot, or of a link (slot -1), from the present positions. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
@@ -172,7 +171,6 @@ DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j
     return world && i >= 0 && i < world->count ? dem__link_of(world, i, j, element) : -1;
 }
 
-/* A bar's neighbours: element = 2 index + family, where bar `index` lies at (index - 1/2) pitch. */
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     dem_apertures count = {0, 0, 0};
     if (!world || wall < 0 || wall >= world->walls || world->wall[wall].kind != DEM_SCREEN) return count;

@@ -1,29 +1,29 @@
 /* ------------------------------------------------------------------------------------------- >>records */
-/* A saved world as records: a name, the bytes of an entry, how many, and the entries, little-endian. Knows bytes and memory, no physics.
-   Relies on nothing; saved.h names what is saved, save.h and load.h use both.
+/* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows bytes and memory,
+   no physics. Relies on nothing; saved.h names what is saved, save.h and load.h use both.
    May be changed here alone: how a record lies in the file (then DEM__FORMAT, too). */
 
-/* What becomes a record: n entries of some numbers each, `stride` bytes apart in memory. */
+/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
 typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
     void *data;                 /* of the first entry */
     size_t stride;
-    int numbers, width; /* of an entry; bytes of a number: 1, 4 or 8 */
+    int numbers, width; /* numbers of an entry; bytes of a number: 1, 4 or 8 */
 } dem__saved_field;
 #define DEM__DOUBLES(name, first, stride)                                                                                                  \
     { name, &(first), stride, (int)(sizeof(first) / (sizeof(double))), sizeof(double) }
 #define DEM__INTEGER(name, first, stride)                                                                                                  \
     { name, &(first), stride, 1, (int)sizeof(first) }
 
-/* Bytes that are written, or counted only, or read. */
+/* Bytes that are written, only counted, or read. */
 typedef struct dem__stream {
     unsigned char *to;         /* NULL: count only */
     const unsigned char *from; /* NULL: write */
     size_t at;
 } dem__stream;
 
-/* FNV-1a of bytes. */
+/* Returns the FNV-1a hash of n bytes. */
 static inline uint64_t dem__checksum(const unsigned char *bytes, size_t n) {
     uint64_t hash = 0xcbf29ce484222325u;
     for (size_t k = 0; k < n; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
@@ -62,13 +62,13 @@ static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, 
     dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
 }
 
-/* A record that was found: where its entries begin, the bytes of one, how many. */
+/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
 typedef struct dem__record {
     size_t at;
     uint64_t bytes, count;
 } dem__record;
 
-/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if it does not fit there. */
+/* Reads the head of the record at `at` of a file whose records end at `end`. Returns 0 if the record does not fit there. */
 static inline int dem__read_head(const unsigned char *file, size_t end, size_t at, dem__record *r) {
     dem__stream s;
     if (end - at < DEM__HEAD_BYTES) return 0;
@@ -78,7 +78,7 @@ static inline int dem__read_head(const unsigned char *file, size_t end, size_t a
     return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
 }
 
-/* Is all between at and end whole records? */
+/* Returns whether the bytes from `at` to `end` are whole records. */
 static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
     dem__record r;
     while (at < end) {
@@ -88,7 +88,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
     return at == end;
 }
 
-/* Finds the first record of a name among whole ones. */
+/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
     memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {

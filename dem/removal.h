@@ -1,7 +1,8 @@
 /* ----------------------------------------------------------------------------------------- >>removal */
-/* Particles that leave, and links, which end with them. Reads bodies, walls, pairs; writes the record of exits, links and lists. Promises:
-   a particle that is gone stands in no list.
-   May be changed here alone: the order in which lists forget a particle. */
+/* Particles that leave, and their links, which end with them. Reads bodies, walls, pairs; writes links and lists. Promises: a particle that
+   is gone is in no list.
+   May be changed here alone: the order in which a particle is removed from lists. */
+/* Removes link k from particle i's list, or puts another link in its place. */
 static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t replacement) {
     dem__links *links = &w->engine->links;
     int32_t *at = &links->first_link[i];
@@ -9,14 +10,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
-/* The last of a particle's links by slot: the order of its list depends on what has happened. */
+/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
     for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
-/* Ends a link; the last one takes its slot. Its force stays until links are evaluated next. */
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
     if (w->engine->links.law && w->engine->links.law->ended) w->engine->links.law->ended(w, k, w->user);
@@ -39,28 +40,28 @@ static inline void dem__cut_link(dem_world *w, int32_t k) {
     }
 }
 
-/* An active particle that dem__check_bounds shall see to. */
+/* Marks an active particle for dem__check_bounds. */
 DEM_INLINE void dem__mark_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i] != 1) return;
     bodies->activity[i] = 2;
     bodies->to_check[bodies->to_check_count++] = (int32_t)i;
 }
-/* With it those of its rigid body. */
+/* Marks particle i, or all particles of its rigid body. */
 DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__mark_one(w, i);
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__mark_one(w, r->first + k);
 }
 
-/* Takes particle i out of all lists; its slot goes with the next rebuild. */
+/* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
     dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
     w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
-    w->engine->links.is_loaded[i] = 0; /* the work of its links is in the books */
+    w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
     dem__mark_to_check(w, i);
@@ -71,7 +72,7 @@ static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     for (int k = 0; k < w->walls; k++) dem__stop_timer(&w->engine->walls.timers, (int32_t)i * w->walls + k);
 }
 
-/* With it those of its rigid body. */
+/* Removes particle i, or all particles of its rigid body, from all lists. */
 static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) dem__detach_one(w, i);
@@ -93,7 +94,7 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
     links->near = near;
-    if (law->states != links->states) { /* other arrays: a new block when there is a link */
+    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;
         links->capacity = 0;

@@ -1,9 +1,9 @@
 /* ------------------------------------------------------------------------------------------- >>remove */
-/* What follows from the removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
-   Promises: what touched nothing else is in flight afterwards.
+/* Consequences of a removal of particles: the ends of their contacts, the numbers of those present. Reads bodies; writes contacts.
+   Promises: a particle that has no contact left is in flight afterwards.
    May be changed here alone: the order of the two. */
 
-/* Takes the old contact force out of the acceleration of particles that touch nothing any more. */
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
@@ -11,7 +11,7 @@ static inline void dem__free_untouched(dem_world *w) {
     }
 }
 
-/* Numbers the particles present, after some have been taken out. */
+/* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
     int32_t n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -20,7 +20,7 @@ static inline void dem__number_present(dem_world *w) {
     }
 }
 
-/* Ends the contacts of those who have been taken out. */
+/* Ends the contacts of removed particles. */
 static inline void dem__end_contacts_of_removed(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {

@@ -1,9 +1,9 @@
 /* ---------------------------------------------------------------------------------------------- >>save */
-/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that threads may save one at once.
+/* Saving: writes the groups of saved.h as records. Reads a const world and writes nothing of it, so that several threads may save one.
    Relies on saved.h for what is saved, on records.h for how.
    May be changed here alone: the order of groups. */
 
-/* Writes or reads entry `at` of a group's field. Numbers of particles in a file count those present. */
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at, int is_body) {
     if (!is_body) {
         dem__stream_entry(s, f, at);
@@ -14,7 +14,7 @@ static inline void dem__write_entry(dem__stream *s, const dem_world *w, const de
     dem__stream_number(s, &body, sizeof body);
 }
 
-/* Writes a group of n entries that lie one after the other. The first `bodies` fields hold numbers of particles. */
+/* Writes a group of n consecutive entries. The first `bodies` fields are indices of particles. */
 static inline void dem__write_group(dem__stream *s, const dem_world *w, const dem__group *g, ptrdiff_t n, int bodies) {
     for (int q = 0; q < g->fields && n > 0; q++) {
         dem__begin_record(s, &g->field[q], (uint64_t)n);
@@ -103,7 +103,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity) {
     dem__stream s = {NULL, NULL, 0};
     if (!world || !world->def.allocator.fn) return 0;
-    dem_world w = *world; /* shares the arrays: tables of fields hold addresses that a reader could write, and this writes none */
+    dem_world w = *world; /* shares the arrays: tables of fields hold writable addresses, but nothing is written */
     dem__write_world(&s, &w);
     const size_t size = s.at + 8;
     if (!buffer || size > capacity) return size;

@@ -1,14 +1,14 @@
 /* --------------------------------------------------------------------------------------------- >>saved */
-/* What of a world is saved, as tables of fields: one row a field. Knows every owner's state; writes none.
+/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none.
    Relies on records.h for what a row means.
-   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with what is in
-   memory then (zero, or the default); files with a row that is unknown here load without it. The first rows of a group must be there. */
+   May be changed here alone: what is saved. A new field is a row here and nothing else: old files, which lack it, load with the value that
+   is in memory (zero, or the default); a row that is unknown here is skipped. The first rows of a group are required. */
 
 enum { DEM__FIELDS_MAX = 64 };
 
-/* Fields with equally many entries. */
+/* Fields with the same number of entries. */
 typedef struct dem__group {
-    int fields, needed; /* the first so many must be there */
+    int fields, needed; /* the first `needed` of them are required */
     dem__saved_field field[DEM__FIELDS_MAX];
 } dem__group;
 
@@ -30,7 +30,7 @@ static inline void dem__add_fields(dem__group *g, const char *name, double *cons
     }
 }
 
-/* Numbers of which there is one. */
+/* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
     dem__engine *e = w->engine;
     dem_def *d = &w->def;
@@ -164,7 +164,7 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* Of particles present. */
+/* Lists the fields of particles present. */
 static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -188,7 +188,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         DEM__DOUBLES("particle.evaluated_at", links->evaluated_at[0], sizeof *links->evaluated_at),
     };
     dem__set_fields(g, fields, sizeof fields, 8);
-    if (!links->on) g->fields -= 2; /* without links nothing of them */
+    if (!links->on) g->fields -= 2; /* without links: not their fields */
     if (w->engine->field.on) {
         dem__field *field = &w->engine->field;
         const dem__saved_field flights[] = {
@@ -213,7 +213,7 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
     g->fields += 2;
 }
 
-/* Rigid bodies that are present; their particles' numbers, offsets and arms follow from these and from the particles. */
+/* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
 static inline void dem__body_fields(dem__rigid *r, dem__group *g) {
     const size_t s = sizeof *r;
     const dem__saved_field fields[] = {
@@ -273,7 +273,7 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* Chunks, of whose slots contacts are. In a file a count has 8 bytes on every machine. */
+/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
     int32_t first_particle;
@@ -288,7 +288,7 @@ static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 3);
 }
 
-/* Corners and triangles of the mesh of wall k: two groups of one field each. */
+/* Lists corners and triangles of the mesh of a wall: two groups of one field each. */
 static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, dem__group *vertices, dem__group *triangles) {
     const dem__saved_field corners[] = {{"mesh00.vertex", vertex, sizeof *vertex, 3, sizeof(double)}};
     const dem__saved_field triples[] = {{"mesh00.triangle", corner, 3 * sizeof *corner, 3, sizeof *corner}};

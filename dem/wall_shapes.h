@@ -1,10 +1,10 @@
-/* The questions that every kind of wall answers: where it is touched, how its normal turns, how its surface moves. Pure functions.
-   May be changed here alone: one kind's answers; a new kind is a branch in each function. */
-/* Does a wall act on particles of a group? */
+/* What every kind of wall computes: where it is touched, how its normal turns, how its surface moves. Pure functions.
+   May be changed here alone: one kind of wall; a new kind is a branch in each function. */
+/* Returns whether a wall acts on particles of a group. */
 DEM_INLINE int dem__acts_on(const dem_wall *w, int32_t group) { return (int)(w->groups >> (group >= 0 && group < 31 ? group : 31) & 1u); }
 
-/* All places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap); *least
-   becomes a lower bound of the gap. */
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and those that overlap).
+   Returns their number; least: a lower limit of the gap. */
 static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out, double *least) {
     dem_vec d = dem__sub(centre, w->position);
     double up = dem__dot(d, w->axis[2]);
@@ -59,7 +59,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
     return n;
 }
 
-/* The one place that an element of a wall touches, at any gap. */
+/* Finds the one place where an element of a wall is touched, at any gap. */
 static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem__touch *out) {
     double least;
     if (w->kind == DEM_SCREEN) {
@@ -78,8 +78,8 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
     *out = touch[0];
 }
 
-/* From the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the surface is. Returns 1 if
-   the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
+/* Computes the vector from the axis or centre of a wall that is round at an element to a sphere's centre, and how far from there the
+   surface is. Returns 1 if the sphere is outside, -1 if inside, 0 if the place is not round or has no normal. */
 static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t element, dem_vec *from, double *inner) {
     const dem_vec d = dem__sub(centre, w->position);
     if (w->kind == DEM_SCREEN) {
@@ -95,7 +95,7 @@ static inline double dem__reach_round(const dem_wall *w, dem_vec centre, int32_t
     return !(dem__dot(*from, *from) > 0.0) ? 0.0 : w->inside ? -1.0 : 1.0;
 }
 
-/* How the normal turns at a cone, which is a ring's at a rim. */
+/* Returns the rate of change of the normal at a cone [1/s]; at a rim it is that of a ring. */
 static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, double radius, dem_vec n, dem_vec u) {
     const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
     dem__touch touch;
@@ -112,8 +112,8 @@ static inline dem_vec dem__normal_rate_of_cone(const dem_wall *w, dem_vec d, dou
     return dem__plus(rate, 1.0 / (radius + touch.gap), up);
 }
 
-/* How the normal n at a place of a wall turns [1/s] while a sphere moves at u in the wall's own frame. inverse: 1 / distance from the axis
-   of a round one, with the sign of the side. */
+/* Returns the rate of change of the normal n at a place of a wall [1/s] for a sphere that moves at u in the wall's own frame. inverse: 1 /
+   distance from the axis of a round wall, with the sign of the side. */
 static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double radius, int32_t element, dem_vec n, double inverse,
                                        dem_vec u) {
     const dem_vec side = dem__sub(u, dem__scale(dem__dot(u, n), n));
@@ -130,11 +130,12 @@ static inline dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double
     return dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Velocity and acceleration of a sliding wall's surface at a point, whose normal is n. */
+/* Returns the velocity of a wall's surface at a point whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
 }
+/* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
     const dem_vec omega = dem__scale(w->spin, w->spin_axis), arm = dem__sub(point, w->position);
     const dem_vec inward = dem__cross(omega, dem__cross(omega, arm));

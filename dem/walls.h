@@ -4,12 +4,13 @@
 
 static inline int dem__unit(dem_vec v, dem_vec *unit) {
     double length = dem__length(v);
-    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* of less the squares have lost their figures */
+    if (!(length >= 1e-140 && length <= DBL_MAX)) return 0; /* squares of shorter lengths lose digits */
     *unit = dem__scale(1.0 / length, v);
     return 1;
 }
 
-/* Completes a frame whose third axis is given: first axis near `along`, or any if that is parallel. */
+/* Completes a frame whose third axis is given. The first axis is near `along`, or any if that is parallel to the third. Returns 0 if the
+   third has no direction. */
 static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     dem_vec z, x;
     if (!dem__unit(normal, &z)) return 0;
@@ -77,7 +78,7 @@ DEM_API int dem_add_sphere_wall(dem_world *world, int material, dem_vec centre, 
     return dem__add_round(world, DEM_SPHERE, material, centre, dem_vec3(0, 0, 1), radius, inside);
 }
 
-/* Room for what a mesh or a cone keeps of each contact. */
+/* Makes room for what contacts with meshes and cones keep. Returns 0 when out of memory. */
 static inline int dem__make_touch_memory(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__array list[DEM__ARRAYS_MAX];
@@ -130,7 +131,7 @@ DEM_API dem_screen dem_default_screen(void) {
     return s;
 }
 
-/* Has a screen lengths, and no more bars and apertures than integers count? */
+/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
     return dem__positive(w->aperture) && dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
