@@ -544,7 +544,7 @@ typedef struct dem_gas {
     int n[3];                        /* number of nodes along each axis, corners included, >= 2 where there are values */
     const double *velocity;          /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at
                                         rest */
-    const double *pressure_gradient; /* likewise [Pa/m]; its force -V grad p is added; NULL: none */
+    const double *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
     const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
     dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
     double spin, start;              /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
@@ -749,7 +749,7 @@ DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *sha
                                 int by_mass); /* more than DEM_SIZES_MAX: refused later */
 DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass);
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
-/* By Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
+/* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
 /* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes 12 tries on average
    at most, and never more than 10000. */
@@ -1316,6 +1316,7 @@ DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, doubl
     r->rolling_power += torque * speed * speed;
 }
 
+/* Computes forces, energies and history of a linear contact. features: a constant at compile time. */
 DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
     double spring = -p[DEM__K] * c->gap, force = spring + p[DEM__GAMMA] * c->closing;
@@ -1380,6 +1381,7 @@ enum {
 };
 enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
 
+/* Computes forces, energies and history of a Hertz contact. features: a constant at compile time. */
 DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
@@ -2509,6 +2511,7 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
 }
 
+/* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -2628,6 +2631,7 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
+/* Lists the arrays of links. Returns their number. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
@@ -2764,6 +2768,7 @@ static inline int dem__is_law(const dem_law *law) {
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
@@ -2775,6 +2780,7 @@ static const char *dem__bad_pair(const dem_pair_def *p) {
     return NULL;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";
@@ -4112,6 +4118,7 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     return 1;
 }
 
+/* Adds a wall at rest. Returns its index, or minus a dem_status. */
 static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
@@ -6106,6 +6113,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     return DEM_OK;
 }
 
+/* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
 static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
                                       double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
@@ -7448,6 +7456,7 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
+/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;
@@ -9829,7 +9838,7 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
+/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last share): it made nearly
    all of them itself, so they are in its cache. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;
@@ -10151,6 +10160,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
+/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
@@ -11551,6 +11561,7 @@ static inline int dem__is_grid(const dem_gas *gas) {
     return number < 1073741824.0;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
@@ -12680,6 +12691,7 @@ typedef struct dem__load {
     dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
 } dem__load;
 
+/* Adds what a point carries, and what its images carry, to the cells around them. */
 static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
@@ -13771,6 +13783,7 @@ static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
 
+/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__links *links = &w->engine->links;

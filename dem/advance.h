@@ -258,6 +258,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -1.0 / b->mass, slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
+/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {

@@ -100,7 +100,7 @@ DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *sha
                                 int by_mass); /* more than DEM_SIZES_MAX: refused later */
 DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass);
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
-/* By Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
+/* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
 /* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes 12 tries on average
    at most, and never more than 10000. */

@@ -104,6 +104,7 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
+/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;

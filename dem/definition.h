@@ -77,6 +77,7 @@ static inline int dem__is_law(const dem_law *law) {
            law->vectors <= law->history / 3 && law->constants >= 0 && law->constants <= DEM_CONSTANTS_MAX;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__positive(p->stiffness)) return "pair.stiffness";
     if (!(p->tangential_ratio >= 0.0 && p->tangential_ratio <= 1.0)) return "pair.tangential_ratio";
@@ -88,6 +89,7 @@ static const char *dem__bad_pair(const dem_pair_def *p) {
     return NULL;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_field(const dem_def *def) {
     if (!def) return "def";
     if (def->cookie != 0x6d656452u) return "cookie";

@@ -35,7 +35,7 @@ static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high
     }
 }
 
-/* Each thread adds the postponed forces on the particles of the share before its own (the first thread: of the last share): it made nearly
+/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last share): it made nearly
    all of them itself, so they are in its cache. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__evaluation *e = (const dem__evaluation *)context;

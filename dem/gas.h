@@ -22,6 +22,7 @@ static inline int dem__is_grid(const dem_gas *gas) {
     return number < 1073741824.0;
 }
 
+/* Returns the name of the first bad field, or NULL. */
 static const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";

@@ -36,6 +36,7 @@ DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, doubl
     r->rolling_power += torque * speed * speed;
 }
 
+/* Computes forces, energies and history of a linear contact. features: a constant at compile time. */
 DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
     double spring = -p[DEM__K] * c->gap, force = spring + p[DEM__GAMMA] * c->closing;
@@ -100,6 +101,7 @@ enum {
 };
 enum { DEM__FT, DEM__AREA = 3 }; /* tangential force [N], contact radius [m] */
 
+/* Computes forces, energies and history of a Hertz contact. features: a constant at compile time. */
 DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r, int features) {
     const double *p = c->constants;
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);

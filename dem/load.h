@@ -270,6 +270,7 @@ static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
 
+/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__links *links = &w->engine->links;

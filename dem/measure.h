@@ -331,6 +331,7 @@ typedef struct dem__load {
     dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
 } dem__load;
 
+/* Adds what a point carries, and what its images carry, to the cells around them. */
 static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at, const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);

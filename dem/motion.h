@@ -100,6 +100,7 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     return DEM_OK;
 }
 
+/* Makes a force or a torque the only drive of a wall, which keeps its speed along the axis. */
 static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, dem_vec centre, dem_vec axis, double inertia, double load,
                                       double damping) {
     if (dem__is_running(w)) return DEM_BUSY;

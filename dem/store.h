@@ -37,6 +37,7 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
 }
 
+/* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__links *links = &w->engine->links;
@@ -156,6 +157,7 @@ static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, v
     return 1;
 }
 
+/* Lists the arrays of links. Returns their number. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;

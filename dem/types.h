@@ -381,7 +381,7 @@ typedef struct dem_gas {
     int n[3];                        /* number of nodes along each axis, corners included, >= 2 where there are values */
     const double *velocity;          /* at the nodes, relative to the frame, in its axes [m/s], shape [n[2]][n[1]][n[0]][3]; NULL: at
                                         rest */
-    const double *pressure_gradient; /* likewise [Pa/m]; its force -V grad p is added; NULL: none */
+    const double *pressure_gradient; /* at the nodes, in its axes [Pa/m], same shape; its force -V grad p is added; NULL: none */
     const double *porosity;          /* at the nodes [-], 0 < .. <= 1, shape [n[2]][n[1]][n[0]]; NULL: 1 */
     dem_vec centre, axis, drift;     /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
     double spin, start;              /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */

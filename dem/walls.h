@@ -26,6 +26,7 @@ static inline int dem__frame(dem_wall *wall, dem_vec normal, dem_vec along) {
     return 1;
 }
 
+/* Adds a wall at rest. Returns its index, or minus a dem_status. */
 static inline int dem__add_wall(dem_world *w, const dem_wall *wall) {
     if (w->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
     if (!dem__grow_walls(w, w->walls + 1)) return -(int)DEM_OUT_OF_MEMORY;
