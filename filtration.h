@@ -79,14 +79,14 @@
 #define FILTRATION__INLINE static inline
 #endif
 
-/* Asks for memory into the second cache. */
+/* Prefetches memory into the second cache. */
 #if defined(__GNUC__)
 #define FILTRATION__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define FILTRATION__PREFETCH(address) ((void)(address))
 #endif
 
-/* No node of a row reads what another of the row writes. */
+/* No node of a row reads what another node of the row writes. */
 #if defined(__clang__)
 #define FILTRATION__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #elif defined(__GNUC__)
@@ -95,8 +95,8 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* On x86-64 the kernels are there twice, for AVX2 and without: same bits, as neither fuses. Not on Windows, where gcc does not keep the
-   stack aligned for wide vectors (its bug 54412): there -mavx2 for the whole program brings the speed. */
+/* x86-64: the kernels are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows, where gcc
+   does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
     __attribute__((target("avx2"))) FILTRATION__FAST static void name##_wide parameters { call; }                                          \
@@ -136,14 +136,14 @@ typedef enum filtration_status { FILTRATION_STATUSES(FILTRATION__ENUM) FILTRATIO
 /* clang-format on */
 FILTRATION_API const char *filtration_status_text(filtration_status status); /* never NULL; static storage */
 
-/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, else grows. fn NULL: malloc, realloc, free. */
+/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, otherwise it resizes. fn NULL: malloc, realloc, free. */
 typedef struct filtration_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
 } filtration_memory;
 
 /* Parallel hook: runs task(context, 0 .. tasks - 1), in any order, on any thread, and returns when all are done. fn NULL: OpenMP if the
-   compiler has it, else one after the other. */
+   compiler has it, otherwise one after the other. */
 typedef struct filtration_parallel {
     void (*fn)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *user;
@@ -186,61 +186,65 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
 /* ==== >>process: filtration equation (1) to (3), filter curves, compressible cakes ==== */
 
 /* ---- laws. dp: pressure difference [Pa], mu: viscosity of the filtrate [Pa s], A: filter area [m2]; all > 0. product: r_K K_S [1/m2], the
-   resistance of a metre of cake times the cake volume that a volume of filtrate leaves, >= 0. medium: R_M [1/m] >= 0. ---- */
+   resistance per metre of cake times the cake volume per filtrate volume, >= 0. medium: R_M [1/m] >= 0. ---- */
 
-/* (1) filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0 [1/m]. */
+/* (1) Returns the filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0 [1/m]. */
 static inline double filtration_velocity(double dp, double mu, double cake, double medium);
-/* (1) the other way round: resistance dp / (mu v) [1/m]; velocity v > 0 [m/s]. */
+/* (1) Returns the resistance dp / (mu v) [1/m]; velocity v > 0 [m/s]. */
 static inline double filtration_resistance(double dp, double mu, double velocity);
-/* R_C = r_K h [1/m] of a cake of height h >= 0 [m]; specific: r_K >= 0 [1/m2]. */
+/* Returns R_C = r_K h [1/m] of a cake of height h >= 0 [m]; specific: r_K >= 0 [1/m2]. */
 static inline double filtration_cake_resistance(double specific, double height);
-/* (2) R_M = R_M0 + R_MI [1/m]: clean medium, and interference of the first layer; both >= 0. */
+/* (2) Returns R_M = R_M0 + R_MI [1/m]: clean medium, and interference of the first layer; both >= 0. */
 static inline double filtration_medium_resistance(double clean, double interference);
-/* (3) slope mu r_K K_S / (2 A^2 dp) [s/m6] and intercept mu R_M / (A dp) [s/m3] of t / V over V, and back. */
+/* (3) Returns the slope mu r_K K_S / (2 A^2 dp) [s/m6] or the intercept mu R_M / (A dp) [s/m3] of t / V over V, or their inverses. */
 static inline double filtration_slope(double product, double dp, double mu, double A);
 static inline double filtration_intercept(double medium, double dp, double mu, double A);
 static inline double filtration_product_of_slope(double slope, double dp, double mu, double A);        /* [1/m2] */
 static inline double filtration_medium_of_intercept(double intercept, double dp, double mu, double A); /* [1/m] */
-/* (3) time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >= 0. */
+/* (3) Returns the time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >= 0. */
 static inline double filtration_time_of_volume(double slope, double intercept, double V);
-/* Its inverse: volume [m3] after the time t >= 0 [s]; slope and intercept not both 0. */
+/* Returns the volume [m3] after a time t >= 0 [s], the inverse; slope and intercept not both 0. */
 static inline double filtration_volume_of_time(double slope, double intercept, double t);
-/* Pressure difference [Pa] at the filtrate velocity v >= 0 [m/s] after V / A = w >= 0 [m] of filtrate. */
+/* Returns the pressure difference [Pa] at the filtrate velocity v >= 0 [m/s] after V / A = w >= 0 [m] of filtrate. */
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w);
 
-/* Power law of a compressible cake: value at the pressure difference p [Pa], value_1 (p / p_1)^exponent; value_1 >= 0, p >= 0, p_1 > 0. */
+/* Returns value_1 (p / p_1)^exponent, the power law of a compressible cake at the pressure difference p [Pa]; value_1 >= 0, p >= 0, p_1 >
+   0. */
 static inline double filtration_power_law(double value_1, double exponent, double p, double p_1);
-/* Mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: local value at p times 1 - n (Tiller 1953). */
+/* Returns the mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: the local value at p times 1 - n
+   (Tiller 1953). */
 static inline double filtration_mean_of_local(double local, double n);
-/* Mean share of solid [-] of a cake, from the local one at p (power law, exponent beta >= 0) where the local resistance has the exponent
-   n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
+/* Returns the mean solid fraction of a cake [-] from the local one at p (power law with exponent beta >= 0), where the local resistance has
+   the exponent n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
 static inline double filtration_mean_solid(double local, double n, double beta);
 
 #define FILTRATION_KOZENY_CARMAN 180.0 /* constant of Carman (1937); Ergun (1952): 150 */
-/* Kozeny-Carman: r_K = constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter d > 0 [m], constant > 0. */
+/* Returns r_K by Kozeny-Carman, constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter d > 0 [m], constant
+   > 0. */
 static inline double filtration_kozeny_carman(double porosity, double d, double constant);
-/* Its inverse: porosity [-] of a cake with r_K > 0. */
+/* Returns the porosity [-] of a cake with r_K > 0, the inverse. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant);
-/* K_S [-] from shares: solid volume share c of the suspension and porosity e of the cake, c / (1 - e - c); c >= 0, c + e < 1. */
+/* Returns K_S [-] from the solid volume fraction c of the suspension and the porosity e of the cake, c / (1 - e - c); c >= 0, c + e < 1. */
 static inline double filtration_cake_ratio(double c, double porosity);
-/* K_S [-] from the filtrate: solid volume in the cake over its solid share and the filtrate, solid / ((1 - e) V); V > 0 [m3]. */
+/* Returns K_S [-] from the solid volume in the cake, its porosity e and the filtrate volume V > 0 [m3], solid / ((1 - e) V). */
 static inline double filtration_cake_ratio_of_solid(double solid, double porosity, double V);
-/* K_S [-] from the height of the cake, h A / V. */
+/* Returns K_S [-] from the height of the cake, h A / V. */
 static inline double filtration_cake_ratio_of_height(double height, double A, double V);
-/* Specific resistance by mass, alpha = r_K / (rho_s (1 - e)) [m/kg]; density of the solid > 0 [kg/m3]. */
+/* Returns the specific resistance by mass, alpha = r_K / (rho_s (1 - e)) [m/kg]; density of the solid > 0 [kg/m3]. */
 static inline double filtration_mass_resistance(double specific, double porosity, double density);
 
-/* Two-sided quantile of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0, need not be whole. */
+/* Returns the two-sided quantile t of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0, not necessarily
+   whole. */
 static inline double filtration_student(double confidence, double freedom);
 
 /* ---- size distributions: n classes of mean size d > 0 [m] (arrays of the caller, [n]) ---- */
-/* shares[i] d[i]^power, made to add up to 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns back. out may be shares.
-   BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
+/* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns them back.
+   out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
 FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out);
-/* Cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0] must be
-   0: what is below the first size has no number. BAD_ARGUMENT. out may be Q3. */
+/* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0]
+   must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
 FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out);
-/* Sauter diameter [m] of volume shares. NaN where filtration_convert_shares would refuse. */
+/* Returns the Sauter diameter [m] of volume shares; NaN where filtration_convert_shares would refuse. */
 FILTRATION_API double filtration_sauter(size_t n, const double *d, const double *volume_shares);
 
 /* ---- an operation: constant rate until the pressure is reached, then constant pressure ---- */
@@ -249,10 +253,10 @@ typedef struct filtration_operation {
     double area;            /* [m2] > 0; default 1 */
     double medium;          /* R_M [1/m] >= 0; default 0 */
     double product;         /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
-    double compressibility; /* exponent n of r_K K_S over the pressure difference in the cake [-], 0 .. below 1; default 0 */
+    double compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
     double reference;       /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
     double pressure;        /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
-    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: no such stage (constant pressure); default HUGE_VAL */
+    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
 } filtration_operation;
 
 typedef struct filtration_point {
@@ -264,12 +268,12 @@ typedef struct filtration_point {
 } filtration_point;
 
 FILTRATION_API filtration_operation filtration_operation_default(void);
-/* BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0; pressure and rate not both
-   HUGE_VAL. */
+/* Returns BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0, pressure and rate
+   not both HUGE_VAL. */
 FILTRATION_API filtration_status filtration_operation_check(const filtration_operation *o, const char **field);
-/* The point at which the first stage ends. time infinite: it never ends; 0: there is none. */
+/* Finds the point at which the first stage ends. time infinite: it never ends; 0: there is no such stage. */
 FILTRATION_API filtration_status filtration_change_over(const filtration_operation *o, filtration_point *point);
-/* The point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
+/* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
 FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume, filtration_point *point);
 FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time, filtration_point *point);
 
@@ -279,21 +283,22 @@ typedef struct filtration_curve_def {
     double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
     double viscosity;      /* [Pa s] > 0; default 1e-3 */
     double area;           /* [m2] > 0; default 2e-3 */
-    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
+    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
     double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;     /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
-    double volume_error;   /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
-    double start_time;     /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
+    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and each t / V has the same weight;
+                              default 0 */
+    double volume_error;   /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
+    double start_time;     /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
-    double first_volume;   /* readings from here ... [m3] >= 0; default 0 */
-    double last_volume;    /* ... to here [m3]; default HUGE_VAL */
-    int automatic;         /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
+    double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
+    double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
+    int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
     size_t least_readings; /* of a stretch, >= 5; default 6 */
-    double bend_level;     /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
-                               default 0.1 */
+    double bend_level;     /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
+                              default 0.1 */
     double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
     double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
@@ -301,10 +306,10 @@ typedef struct filtration_curve_def {
 typedef struct filtration_estimate {
     double value;
     double error;     /* standard error */
-    double low, high; /* interval of the stated confidence */
+    double low, high; /* confidence interval */
 } filtration_estimate;
 
-/* What a reader of the result should know. */
+/* Remarks about a result. */
 #define FILTRATION_REMARKS(X)                                                                                                              \
     X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
     X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
@@ -324,7 +329,7 @@ typedef struct filtration_curve {
     size_t first, last;                           /* indices of the first and last reading used */
     size_t used;                                  /* readings used */
     double freedom;                               /* degrees of freedom [-] */
-    double student;                               /* factor of the interval of slope and intercept [-] */
+    double student;                               /* factor from standard error to interval, of slope and intercept [-] */
     double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
     double r2;                                    /* coefficient of determination [-] */
     double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
@@ -334,19 +339,19 @@ typedef struct filtration_curve {
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
-/* BAD_DEF and the name of the first bad field (field may be NULL). */
+/* Returns BAD_DEF and the name of the first bad field (field may be NULL). */
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *def, const char **field);
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
    are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, or time runs backwards; FEW_DATA: fewer than
    least_readings; NO_SOLUTION: all at one volume, or out of the range of doubles. */
 FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
                                                      filtration_curve *result);
-/* Resistance [1/m] of the clean medium: mean of dp t A / (mu V) over the readings from the start to last_volume [m3] > 0, before any
-   cake. Errors as above. Readings where t / V still rises are the caller's to leave out. */
+/* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
+   0, before there is a cake. Errors as above. The caller leaves out readings where t / V still rises. */
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
                                                            const double *volume, double last_volume, filtration_estimate *medium);
-/* Time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as above (0 for
-   the pressure measured at), with the interval that slope and intercept leave. */
+/* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
+   above (0 for the measured pressure), with the interval that follows from slope and intercept. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time);
 
@@ -354,24 +359,23 @@ FILTRATION_API filtration_status filtration_predict(const filtration_curve *curv
    Relies on base.h.
    May be changed here alone: comments. */
 
-/* ==== >>solids: what stands in the fluid ==== */
+/* ==== >>solids: solids at rest in the fluid ==== */
 
-/* A solid at rest, by functions of the caller, called in filtration_fluid_init and when spheres touch it. */
+/* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
 typedef struct filtration_solid {
-    /* Signed distance from a point [m] to the surface [m], > 0 in the fluid. The sign and the zero must be right; elsewhere it may be
-       smaller than the true distance, never larger. Points lie up to a voxel outside the box: periodic solids repeat themselves. NULL:
-       no solid. */
+    /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere it may be smaller
+       than the true distance, never larger. Points may lie up to a voxel outside the box, where periodic solids repeat. NULL: no solid. */
     double (*distance)(const void *self, const double point[3]);
-    /* Fraction of the way from a fluid point to a solid one at which the surface lies, above 0 .. 1 [-]. NULL: found from `distance`. */
+    /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
 } filtration_solid;
 
-/* The solids below keep their own data; filtration_..._solid() makes of it a filtration_solid that points to the data, which must outlive
-   the fluid. */
+/* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
+   fluid. */
 
-/* Fraction of the way from a point in the fluid to one in the solid at which the surface lies, 0 .. 1 [-], by the distance alone, to 1e-9.
-   For links shorter than what is between two surfaces. NaN if the ends do not lie on two sides. */
+/* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 .. 1, from the distance
+   alone, to 1e-9. For links shorter than the space between two surfaces. NaN if both ends are on the same side. */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]);
 
 typedef enum filtration_weave {
@@ -379,53 +383,53 @@ typedef enum filtration_weave {
     FILTRATION_TWILL_WEAVE  /* 2/2 twill: over two, under two: repeats after 4 wires */
 } filtration_weave;
 
-/* Woven wire cloth in a plane z = centre: round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. Their axes go through wire / 2
-   above and below the plane at crossings, straight between crossings on one side and as half a cosine wave between two sides. A cut
-   across the axis, as it slopes, is a circle. Warp wires lie along y, over the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill) or
-   (i + j) mod 2 = 0 (plain). */
+/* Woven wire cloth in a plane z = centre, of round wires at x, y = (i + 1/2) pitch, pitch = wire + opening. At crossings their axes are
+   wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A section
+   perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2 (twill)
+   or (i + j) mod 2 = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
     double centre; /* z of the plane [m] */
-    double reach;  /* distances above it may be given too small [m] > 0; as large as the largest sphere's radius at least */
+    double reach;  /* distances above this may be returned too small [m] > 0; at least the largest sphere's radius */
 } filtration_cloth;
 
-/* A cloth with a reach of 4 wires. BAD_ARGUMENT: wire, opening not > 0 and finite, centre not finite, unknown weave. */
+/* Makes a cloth with a reach of 4 wires. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown weave. */
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
-/* Length after which it repeats along x and y [m]: a box of a periodic fluid is a multiple of it. */
+/* Returns the length after which the cloth repeats along x and y [m]; a periodic box is a multiple of it. */
 static inline double filtration_cloth_period(const filtration_cloth *cloth) {
     return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
 }
-/* Share of the plane not covered, seen from above: (opening / pitch)^2 [-]. */
+/* Returns the fraction of the plane that is open, seen from above: (opening / pitch)^2 [-]. */
 static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     const double ratio = cloth->opening / (cloth->wire + cloth->opening);
     return ratio * ratio;
 }
 static inline double filtration_cloth_thickness(const filtration_cloth *cloth) { return 2.0 * cloth->wire; } /* [m] */
-/* Signed distance from its surface [m], > 0 outside; NaN for places a thousand million pitches away. */
+/* Returns the signed distance from its surface [m], > 0 outside; NaN for points 1e9 pitches away. */
 FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, const double point[3]);
 FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *cloth);
 
-/* Spheres and fibres (cylinders with round ends) in a box, periodic on chosen axes. */
+/* Spheres and fibres (cylinders with round ends) in a box, which may be periodic along its axes. */
 typedef struct filtration_bed {
     ptrdiff_t n;
     double box[3];            /* [m] */
     int periodic[3];          /* 1: the bed repeats itself along this axis */
-    double reach;             /* distances above it are given as it [m] */
+    double reach;             /* distances above this are returned as this [m] */
     const double *a;          /* [n][3] centres, or first ends [m]; the caller's */
     const double *b;          /* [n][3] second ends [m]; NULL: spheres */
     const double *radius;     /* [n] [m] > 0 */
-    filtration_memory memory; /* private from here on: which objects are near which part of the box */
+    filtration_memory memory; /* private from here on: the objects near each part of the box */
     int cells[3];
     size_t entries;
     size_t *start;
     struct filtration__bed_entry *entry;
 } filtration_bed;
 
-/* Arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed. BAD_ARGUMENT: a number is not finite,
-   a radius, an edge of the box or the reach not > 0. NO_MEMORY. */
+/* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed. BAD_ARGUMENT: a
+   number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
                                                      const double *radius, const double box[3], const int periodic[3], double reach,
                                                      const filtration_memory *memory);
@@ -433,34 +437,35 @@ FILTRATION_API void filtration_bed_free(filtration_bed *bed);
 FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed);
 
-/* An image of cubes, as from a tomograph. */
+/* A voxel image of cubes, as from tomography. */
 typedef struct filtration_image {
     int n[3];                   /* cubes along x, y, z, each >= 1 */
     double edge;                /* of a cube [m] > 0 */
     double origin[3];           /* lower corner [m] */
-    int periodic[3];            /* 1: the image repeats itself along this axis; else it is fluid outside */
-    int reach;                  /* distances above it may be given too small [cubes] >= 1 */
+    int periodic[3];            /* 1: the image repeats along this axis; 0: outside is fluid */
+    int reach;                  /* distances above this may be returned too small [cubes] >= 1 */
     const unsigned char *solid; /* [n[2]][n[1]][n[0]], x fastest, nonzero: solid; the caller's */
 } filtration_image;
 
-/* BAD_ARGUMENT if a field is out of range. */
+/* Returns BAD_ARGUMENT if a field is out of range. */
 FILTRATION_API filtration_status filtration_image_check(const filtration_image *image);
 FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);
 
-/* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving.
-   Relies on base.h, solids_api.h (filtration_solid).
+/* api.h: the resolved fluid as its user sees it: definition, spheres, solid, state, steps, measuring, saving. Relies on base.h,
+   solids_api.h (filtration_solid).
    May be changed here alone: comments, defaults (in fluid.h: filtration_fluid_default_def). */
 
 /* ==== >>fluid ==== */
 
-/* A sphere, a wire or a wall that is cut by a lattice link, fluid node to solid node, at the fraction q of its length. */
+/* Law at a lattice link from a fluid node to a solid one, which the surface of a sphere, a wire or a wall cuts at the fraction q of its
+   length. */
 typedef enum filtration_boundary {
     FILTRATION_CENTRAL_LINEAR, /* central linear interpolation (Ginzburg et al. 2008): second order; default */
-    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, a staircase */
+    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, so that it becomes a staircase */
 } filtration_boundary;
 
-/* What fills a node that a sphere leaves. */
+/* How a node that a sphere leaves is filled. */
 typedef enum filtration_refill {
     FILTRATION_REFILL_NONEQUILIBRIUM, /* equilibrium of the neighbours' density and the wall's velocity, and the non-equilibrium part of
                                          the fluid neighbour along the normal; default */
@@ -470,35 +475,38 @@ typedef enum filtration_refill {
 
 /* How the fluid's force on a sphere is measured. */
 typedef enum filtration_force_mode {
-    FILTRATION_MOMENTUM_EXCHANGE, /* over the links, Galilean invariant (Wen et al. 2014), mean of two steps; default */
-    FILTRATION_SHEAR_LAYER        /* the paper's (9): shear over a layer of one voxel, no pressure; for comparison: biased by -1.5 dx / R */
+    FILTRATION_MOMENTUM_EXCHANGE, /* sum over the links, Galilean invariant (Wen et al. 2014), mean of two steps; default */
+    FILTRATION_SHEAR_LAYER        /* the paper's (9): shear over a layer of one voxel, without pressure; for comparison: its bias is -1.5 dx
+                                     / R */
 } filtration_force_mode;
 
 typedef enum filtration_lattice { FILTRATION_D3Q19, FILTRATION_D3Q15 } filtration_lattice;
-typedef enum filtration_precision { FILTRATION_DOUBLE, FILTRATION_FLOAT } filtration_precision; /* of what is stored of the fluid */
+typedef enum filtration_precision { FILTRATION_DOUBLE, FILTRATION_FLOAT } filtration_precision; /* of the stored populations */
 
 /* Kinds of the box's six faces. Periodic faces come in pairs. */
 typedef enum filtration_face {
     FILTRATION_PERIODIC,
-    FILTRATION_WALL,     /* no slip, at the face, which may move within its plane */
-    FILTRATION_PRESSURE, /* given pressure, open */
-    FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. A sphere cut by it gives the force on the part inside the box */
+    FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
+    FILTRATION_PRESSURE, /* open, at a given pressure */
+    FILTRATION_SYMMETRY  /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
+                            box */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
-/* Everything that does not change in time. Made by filtration_fluid_default_def(). The box reaches from 0 to nodes[a] * voxel on each
+/* Everything that does not change in time. Made by filtration_fluid_default_def(). The box extends from 0 to nodes[a] * voxel along each
    axis; node i lies at (i + 1/2) voxel. */
 typedef struct filtration_fluid_def {
     uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
-    int nodes[3];      /* along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows along x of 64 and more are fastest */
+    int nodes[3];      /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
+                          fastest */
     double voxel;      /* distance of nodes [m] > 0; default 2.5e-6 */
     double density;    /* of the fluid [kg/m3] > 0; default 1000 */
     double viscosity;  /* dynamic [Pa s] > 0; default 1e-3 */
-    double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1: sets the time step (tau - 1/2) voxel^2 / (3 nu) */
-    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. More damps sound: below about
-                            100 where spheres move */
-    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16: walls half way are exact; < 0 is refused;
-                            HUGE_VAL: one relaxation time (BGK) */
+    double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
+    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
+                          below about 100 where spheres move */
+    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16, with which walls half way are exact; HUGE_VAL: one
+                          relaxation time (BGK) */
     filtration_lattice lattice;     /* default D3Q19; D3Q15 is stored in doubles only */
     filtration_precision precision; /* default DOUBLE */
     filtration_boundary boundary;   /* default CENTRAL_LINEAR */
@@ -506,28 +514,29 @@ typedef struct filtration_fluid_def {
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
     double face_velocity[6][3];     /* of WALL faces, within their plane [m/s]; default 0 */
-    double face_pressure[6];        /* of PRESSURE faces [Pa], over the mean; default 0 */
-    double body_force[3];           /* on the fluid [N/m3]; default 0. Gravity is not put here: pressure is dynamic */
+    double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
+    double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, > 0 .. 0.5; default 0.3 */
-    int skip;                       /* 1: slabs that are all solid and fluid at exact rest are not updated; 0: all; same bits; default 1 */
-    int threads;                    /* >= 1; default 1; same bits for any number */
-    filtration_parallel parallel;   /* default: OpenMP if there */
+    int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
+                                       1 */
+    int threads;                    /* number of threads >= 1; default 1; same bits for any number */
+    filtration_parallel parallel;   /* default: OpenMP if the compiler has it */
     filtration_memory memory;       /* default: realloc and free */
 } filtration_fluid_def;
 
-/* Spheres, in arrays of the caller. A step reads the first four and writes force and torque. */
+/* Spheres, in arrays of the caller. A step reads the first four arrays and writes force and torque. */
 typedef struct filtration_spheres {
     ptrdiff_t n;      /* number, >= 0; may grow from step to step */
-    double *centre;   /* [n][3] [m]; on periodic axes anywhere */
+    double *centre;   /* [n][3] [m]; anywhere on periodic axes */
     double *velocity; /* [n][3] [m/s] */
     double *spin;     /* [n][3] angular velocity [rad/s] */
-    double *radius;   /* [n] [m] > 0; 0: there is no sphere at this index */
-    double *force;    /* [n][3] of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
+    double *radius;   /* [n] [m] > 0; 0: no sphere at this index */
+    double *force;    /* [n][3] force of the fluid on the sphere [N], without buoyancy (pressure is dynamic) */
     double *torque;   /* [n][3] about the centre [N m] */
 } filtration_spheres;
 
-/* Why a run stopped. */
+/* Causes for which a run stopped. */
 #define FILTRATION_CAUSES(X)                                                                                                               \
     X(FILTRATION_NO_CAUSE, "nothing is wrong")                                                                                             \
     X(FILTRATION_NOT_FINITE, "a population is infinite or not a number")                                                                   \
@@ -538,81 +547,83 @@ FILTRATION_API const char *filtration_cause_text(filtration_cause cause); /* nev
 
 typedef struct filtration_problem {
     filtration_cause cause;
-    int node[3];          /* the first bad node, by z, y, x; of FILTRATION_SPHERE: {index, 0, 0} */
-    int64_t step;         /* at which it was found */
-    double speed;         /* there, in lattice units [-] */
-    double cell_reynolds; /* there, u dx / nu [-]: above 20 to 30 the flow between two nodes is not resolved */
+    int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
+    int64_t step;         /* step at which it was found */
+    double speed;         /* speed there, in lattice units [-] */
+    double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
 struct filtration__lattice;
 
-/* The fluid's state. Read the fields, change it by functions. */
+/* The state of the fluid. Its fields are read only; functions change it. */
 typedef struct filtration_fluid {
-    filtration_fluid_def def;            /* a copy; tau, body_force, faces as they are now */
+    filtration_fluid_def def;            /* a copy of the definition, with the present tau, body_force and faces */
     double time;                         /* [s] */
     double dt;                           /* time step [s] */
-    int64_t steps;                       /* taken */
-    double mass_correction;              /* density added by filtration_fluid_keep_mass so far, over def.density [-] */
-    int64_t updates;                     /* nodes updated so far, skipped ones not counted */
+    int64_t steps;                       /* number of steps taken */
+    double mass_correction;              /* density that filtration_fluid_keep_mass has added so far, over def.density [-] */
+    int64_t updates;                     /* number of node updates so far, without skipped ones */
     filtration_problem problem;          /* of the last step */
     struct filtration__lattice *lattice; /* private */
 } filtration_fluid;
 
 FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void);
-/* BAD_DEF if a field is out of range; *field (may be NULL) then names it; static storage. */
+/* Returns BAD_DEF if a field is out of range; then *field (may be NULL) is its name, in static storage. */
 FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field);
-/* Sets up a fluid at rest. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
+/* Makes a fluid at rest. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
 FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def);
 FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid);
-/* Bytes that a definition will allocate, without spheres and links [B]; 0 for a bad one. */
+/* Returns the memory that a definition will allocate, without spheres and links [B]; 0 for an invalid one. */
 FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
 
-/* One time step: the fluid flows around the spheres where they are now; force and torque are of this step. Then the caller moves the
-   spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. After an error the fluid
-   can be read, saved and freed. */
+/* Takes one time step: the fluid flows around the spheres where they are now, and force and torque are set to those of this step. Then the
+   caller moves the spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. After an
+   error the fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
-/* Steps with spheres that stay where they are (their surfaces may move: velocity and spin hold). */
+/* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
 /* ---- changes during a run ---- */
-/* Another time step, by another tau: the flow is rescaled (velocity, pressure, stress keep their SI values). */
+/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
-/* A flow to start from: fn gives velocity [m/s] and pressure [Pa] at a point [m]. Equilibrium, and the stress of its velocity differences.
-   */
+/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. Populations are equilibrium plus the stress of the
+   velocity's differences. */
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
-/* Adds to every fluid node the same density so that its mean is def.density: what the nodes that spheres cover and leave have taken or
-   brought. For closed boxes; mass_correction keeps the sum of what was added. */
+/* Adds the same density to every fluid node, so that its mean is def.density: it compensates for nodes that spheres cover and leave. For
+   closed boxes; mass_correction is the sum of what was added. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
 
 /* ---- measuring ---- */
 typedef struct filtration_sample {
     double velocity[3]; /* [m/s]; 0 in solids */
     double pressure;    /* dynamic, over the mean [Pa]; 0 in solids */
-    int owner;          /* -1 fluid, -2 solid, else the index of the sphere */
+    int owner;          /* -1 fluid, -2 solid, otherwise the index of the sphere */
 } filtration_sample;
-/* At node (x, y, z), each 0 .. nodes - 1 (BAD_ARGUMENT else). */
+/* Samples node (x, y, z), each 0 .. nodes - 1; otherwise BAD_ARGUMENT. */
 FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample);
-/* Whole fields, arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure [nz][ny][nx], owner [nz][ny][nx]. */
+/* Copies whole fields into arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure [nz][ny][nx], owner
+   [nz][ny][nx]. */
 FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner);
-/* Mean over the whole box, solids counted as 0: superficial velocity [m/s]. */
+/* Computes the superficial velocity [m/s]: the mean over the whole box, with 0 in solids. */
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]);
-/* Volume flow along an axis (0 x, 1 y, 2 z) over the cross-section of the box at a slab of nodes: superficial velocity [m/s]. */
+/* Returns the superficial velocity [m/s] along an axis (0 x, 1 y, 2 z): volume flow through a slab of nodes over the box's
+   cross-section. */
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);                       /* of the liquid [kg] */
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid);                   /* share of fluid nodes [-] */
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
 
-/* ---- saving: the caller's functions take and give bytes; 0: refused. A run that is loaded goes on with the same bits. */
+/* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run goes on with the same bits. */
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Into a fluid of filtration_fluid_init with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or STREAM the
-   fluid is at rest at time 0. */
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid). After BAD_DATA or
+   STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
@@ -621,29 +632,29 @@ typedef struct filtration_motion_def {
     uint32_t cookie;
     double density;     /* of the spheres [kg/m3] > 0; default 2200 */
     double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
-    double modulus;     /* reduced modulus E* of two spheres touching [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
-    double restitution; /* coefficient of restitution of the dry contact [-], above 0 .. 1; default 0.5 */
+    double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
+    double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
     double friction;    /* Coulomb coefficient [-] >= 0; default 0.3 */
     int sub_steps;      /* contact steps in a fluid step, >= 1; default 10 */
-    int lubrication;    /* 1: force of the film thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
-    double least_gap;   /* of the lubrication, over the diameter [-] > 0; default 1e-3: roughness */
+    int lubrication;    /* 1: adds the force of films thinner than 2/3 voxel, for pairs, the solid and walls; default 1 */
+    double least_gap;   /* smallest gap of lubrication, over the diameter [-] > 0; default 1e-3: roughness */
     int fixed_axes[3];  /* 1: no motion along this axis (symmetry); default 0 */
-    int spin;           /* 0: spheres do not turn; default 1 */
+    int spin;           /* 0: spheres do not rotate; default 1 */
 } filtration_motion_def;
 FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
 FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
 
-/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, force and torque of the fluid held): centre, velocity and spin
-   change. contact [n][3] (may be NULL): mean contact and lubrication force in
-   the step [N]. Walls and the solid of the fluid are touched as they are. share: of the force that a symmetric box sees (1, 2 or 4: the
-   force is multiplied by it). */
+/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
+   and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
-/* Sub-steps in the contact time of two equal spheres (Hertz) [-]; should be 10 or more. dt: of the fluid [s]; radius [m], speed of approach
-   [m/s], all > 0, NaN else. */
+/* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
+   radius [m], speed of approach [m/s], all > 0, otherwise NaN. */
 FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
-/* Lubrication force [N] along the normal on two spheres (r2 HUGE_VAL: a wall); gap [m], closing velocity [m/s] > 0 closing, viscosity
-   [Pa s], cutoff: gap where it begins [m], least: smallest gap [m]. Repulsive > 0. (Brenner 1961; Nguyen and Ladd 2002.) */
+/* Returns the lubrication force along the normal on two spheres (r2 HUGE_VAL: a wall) [N], > 0 repulsive. gap [m]; closing: approach
+   velocity [m/s], > 0 closing; viscosity [Pa s]; cutoff: gap at which it begins [m]; least: smallest gap [m]. (Brenner 1961; Nguyen and
+   Ladd 2002.) */
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
                                                    double least);
 
@@ -651,18 +662,18 @@ FILTRATION_API double filtration_lubrication_force(double r1, double r2, double 
 
 typedef struct filtration_permeability_result {
     double permeability;  /* k = mu v / (pressure gradient) [m2] */
-    double resistance;    /* dp / (mu v) [1/m] of the box's length */
+    double resistance;    /* dp / (mu v) over the box's length [1/m] */
     double velocity;      /* superficial, along the axis [m/s] */
     double pressure_drop; /* over the box [Pa] */
     double porosity;      /* of the box [-] */
     double reynolds;      /* largest speed * voxel / nu [-] */
     double change;        /* relative change of the velocity in the last test interval [-] */
-    int64_t steps;        /* taken */
+    int64_t steps;        /* number taken */
 } filtration_permeability_result;
 
-/* Drives the fluid along an axis by pressure_drop [Pa] over the box, as a body force, until the flow changes by less than tolerance
-   (default 1e-5 for 0) in the time that momentum needs to spread over the pores. spheres (may be NULL) rest. NOT_STEADY after max_steps.
-   The flow stays in fluid and may be read. */
+/* Drives the fluid along an axis by pressure_drop [Pa] over the box, applied as a body force, until the flow changes by less than tolerance
+   (0: 1e-5) in the time that momentum needs to spread over the pores. spheres (may be NULL) are at rest. NOT_STEADY after max_steps. The
+   flow remains in fluid and may be read. */
 FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
@@ -825,8 +836,8 @@ static inline double riddle_asin(double x) {
 /* clang-format on */
 /* <<portable-math */
 
-/* process_laws.h: the filtration equation and its kin, pure functions of scalars.
-   Relies on base.h, process_api.h, the portable mathematics.
+/* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
+   mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
 
 /* ==== >>process ==== */
@@ -874,7 +885,7 @@ static inline double filtration_time_of_volume(double slope, double intercept, d
 static inline double filtration_volume_of_time(double slope, double intercept, double t) {
     if (!(slope >= 0.0 && intercept >= 0.0 && slope + intercept > 0.0 && t >= 0.0)) return (double)NAN;
     if (t == 0.0) return 0.0;
-    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t)); /* no difference of near numbers */
+    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t)); /* avoids the difference of nearly equal numbers */
 }
 
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w) {
@@ -902,7 +913,8 @@ static inline double filtration_kozeny_carman(double porosity, double d, double 
     return constant * ratio * ratio / (porosity * porosity * porosity);
 }
 
-/* With y^2 the porosity: s y^3 + y^2 = 1, s = d sqrt(r_K / constant). Newton from the right of the root of a convex function. */
+/* With y^2 the porosity: s y^3 + y^2 = 1, s = d sqrt(r_K / constant). Solved by Newton's method from the right of the root of a convex
+   function. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant) {
     if (!(specific > 0.0 && d > 0.0 && constant > 0.0)) return (double)NAN;
     const double s = d * sqrt(specific / constant);
@@ -936,7 +948,7 @@ static inline double filtration_mass_resistance(double specific, double porosity
 
 /* ---- Student's distribution ---- */
 
-/* Logarithm of the beta function B(a, 1/2), a > 0: the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
 static inline double filtration__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
@@ -944,7 +956,7 @@ static inline double filtration__log_beta_half(double a) {
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
-/* Continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
+/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
 static inline double filtration__beta_fraction(double a, double b, double x) {
     const double tiny = 1e-300;
     double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
@@ -966,7 +978,7 @@ static inline double filtration__beta_fraction(double a, double b, double x) {
     return h;
 }
 
-/* P(|T| > t), t >= 0, and the density of |T| there. */
+/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
 static inline double filtration__student_tail(double freedom, double t, double *density) {
     const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
     const double log_x = -riddle_log1p(t * t / freedom), log_beta = filtration__log_beta_half(a);
@@ -983,7 +995,7 @@ static inline double filtration_student(double confidence, double freedom) {
     double low = 0.0, high = 1.0, density;
     while (high < 1e150 && filtration__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
     double t = high;
-    for (int i = 0; i < 200; i++) { /* Newton, kept in the bracket */
+    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
         const double excess = filtration__student_tail(freedom, t, &density) - (1.0 - confidence);
         if (excess > 0.0) low = t;
         else high = t;
@@ -995,40 +1007,42 @@ static inline double filtration_student(double confidence, double freedom) {
     return t;
 }
 
-/* settling_laws.h: one sphere that settles: Stokes' law, inertia, side walls, bottom. To compare a resolved simulation with.
-   Relies on base.h, the portable mathematics.
+/* settling_laws.h: settling of a single sphere: Stokes' law, inertia, side walls, bottom; for comparison with a resolved simulation. Relies
+   on base.h, the portable mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
 
 /* ==== >>settling: drag of one sphere over Stokes' 3 pi mu d v [-]; NaN outside the stated range ==== */
 
-/* Terminal velocity by Stokes' law (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s]. */
+/* Returns the terminal velocity by Stokes' law, (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s]. */
 static inline double filtration_stokes_velocity(double density_difference, double gravity, double d, double mu) {
     return d > 0.0 && mu > 0.0 ? density_difference * gravity * d * d / (18.0 * mu) : (double)NAN;
 }
 
-/* Inertia, Schiller and Naumann (1935): 1 + 0.15 Re^0.687, 0 <= Re <= 1000, Re = v d rho / mu. */
+/* Returns the factor of inertia, Schiller and Naumann (1935): 1 + 0.15 Re^0.687, 0 <= Re <= 1000, Re = v d rho / mu. */
 static inline double filtration_schiller_naumann(double reynolds) {
     return reynolds >= 0.0 && reynolds <= 1000.0 ? 1.0 + 0.15 * riddle_pow(reynolds, 0.687) : (double)NAN;
 }
 
-/* Axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's constant, first order. */
+/* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's
+   constant, first order. */
 static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
-/* The same, Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
+/* Returns the same by Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
 static inline double filtration_wall_faxen(double ratio) {
     if (!(ratio >= 0.0 && ratio < 0.6)) return (double)NAN;
     const double cube = ratio * ratio * ratio;
     return 1.0 / (1.0 - 2.104 * ratio + 2.09 * cube - 0.95 * cube * ratio * ratio);
 }
 
-/* The same, Haberman and Sayre (1958): to 2 % up to a ratio of 0.5; NaN from 0.8 on. */
+/* Returns the same by Haberman and Sayre (1958): to 2 % up to a ratio of 0.5; NaN from 0.8 on. */
 static inline double filtration_wall_haberman_sayre(double ratio) {
     if (!(ratio >= 0.0 && ratio < 0.8)) return (double)NAN;
     const double cube = ratio * ratio * ratio, fifth = cube * ratio * ratio;
     return (1.0 - 0.75857 * fifth) / (1.0 - 2.1050 * ratio + 2.0865 * cube - 1.7068 * fifth + 0.72603 * fifth * ratio);
 }
 
-/* Towards a plane, Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the two leading terms of lubrication. */
+/* Returns the factor towards a plane by Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the two leading terms
+   of lubrication. */
 static inline double filtration_wall_brenner(double gap_over_radius) {
     const double gap = gap_over_radius;
     if (!(gap > 0.0)) return (double)NAN;
@@ -1036,7 +1050,7 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
     if (gap > 1e6) return 1.0 + 1.125 / gap;
     const double alpha = riddle_log1p(gap + sqrt(gap * (gap + 2.0))), sinh_1 = sqrt(gap * (gap + 2.0)), sinh_2 = 2.0 * sinh_1 * (1.0 + gap);
     double sum = 0.0;
-    for (int n = 1; n < 2000; n++) { /* with every hyperbolic function over exp((2n + 1) alpha) / 2 */
+    for (int n = 1; n < 2000; n++) { /* every hyperbolic function is divided by exp((2n + 1) alpha) / 2 */
         const double odd = 2.0 * n + 1.0, e = riddle_exp(-odd * alpha), scale = 2.0 * e;
         const double upper = 2.0 * (1.0 - e * e) + scale * odd * sinh_2;
         const double lower = 2.0 * (1.0 - e) * (1.0 - e) - scale * odd * odd * sinh_1 * sinh_1;
@@ -1134,8 +1148,8 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
     return bad ? FILTRATION_BAD_ARGUMENT : FILTRATION_OK;
 }
 
-/* Share q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the medium's.
-   Newton from the left of the root of a concave function. */
+/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the
+   medium's. Solved by Newton's method from the left of the root of a concave function. */
 static inline double filtration__cake_share(const filtration_operation *o, double w) {
     const double n = o->compressibility;
     if (o->medium == 0.0) return 1.0;
@@ -1153,7 +1167,7 @@ static inline double filtration__cake_share(const filtration_operation *o, doubl
     return q;
 }
 
-/* Resistance of cake and medium [1/m] at the constant pressure. */
+/* Returns the resistance of cake and medium at the constant pressure [1/m]. */
 static inline double filtration__total_resistance(const filtration_operation *o, double w) {
     if (!(o->product > 0.0 && w > 0.0)) return o->medium;
     if (o->compressibility == 0.0) return o->product * w + o->medium;
@@ -1161,8 +1175,8 @@ static inline double filtration__total_resistance(const filtration_operation *o,
     return o->product * riddle_pow(in_cake / o->reference, o->compressibility) * w + o->medium;
 }
 
-/* Integral of the resistance over w: closed for an incompressible cake, else 8 Gauss points in panels that halve towards the start, where
-   the cake takes up the pressure. */
+/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss points in panels that
+   halve towards the start, where the cake takes up the pressure. */
 static inline double filtration__resistance_integral(const filtration_operation *o, double from, double to) {
     static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959, 0.96028985649753623168};
     static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054, 0.10122853629037625915};
@@ -1180,7 +1194,7 @@ static inline double filtration__resistance_integral(const filtration_operation 
     return sum;
 }
 
-/* The stage of constant rate, at w. */
+/* Returns the point at a volume in the stage of constant rate. */
 static inline filtration_point filtration__rate_point(const filtration_operation *o, double volume) {
     filtration_point p;
     const double n = o->compressibility, stress = o->viscosity * (o->rate / o->area), w = volume / o->area;
@@ -1218,7 +1232,7 @@ FILTRATION_API filtration_status filtration_change_over(const filtration_operati
     return FILTRATION_OK;
 }
 
-/* The stage of constant pressure, which begins at `start`. */
+/* Returns the point at a volume in the stage of constant pressure, which begins at `start`. */
 static inline filtration_point filtration__pressure_point(const filtration_operation *o, const filtration_point *start, double volume) {
     filtration_point p;
     const double w = volume / o->area;
@@ -1245,14 +1259,14 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     if (!point || !(time >= 0.0 && filtration__is_finite(time)) || filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
     if (time <= start.time) return filtration_at_volume(o, start.time > 0.0 ? time * o->rate : 0.0, point);
-    /* as if the cake were incompressible, at the pressure's resistance: a volume that is too small */
+    /* starts as if the cake were incompressible, with its resistance at the pressure: the volume is too small */
     const double factor = o->viscosity / (o->pressure * o->area);
     const double stiff = o->product * riddle_pow(o->pressure / o->reference, o->compressibility);
     const double slope = 0.5 * factor * stiff / o->area, intercept = factor * (stiff * start.volume / o->area + o->medium);
     double volume = start.volume + filtration_volume_of_time(slope, intercept, time - start.time);
     *point = filtration__pressure_point(o, &start, volume);
     if (o->compressibility > 0.0 && filtration__is_finite(point->time)) {
-        for (int i = 0; point->time < time; i++) { /* to the right of the root, then Newton: time is convex in volume */
+        for (int i = 0; point->time < time; i++) { /* goes to the right of the root, then Newton's method: time is convex in volume */
             if (i == 100) return FILTRATION_NO_SOLUTION;
             volume = start.volume + 2.0 * (volume - start.volume);
             *point = filtration__pressure_point(o, &start, volume);
@@ -1334,7 +1348,8 @@ typedef struct filtration__readings {
     double x_scale, y_scale;
 } filtration__readings;
 
-/* Abscissa V + V1, ordinate (t - t1) / (V - V1), both scaled, and weight 1 / variance of reading i. 0: it is left out. */
+/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1), both scaled, and the weight 1 / variance of reading i. Returns 0 if it is
+   left out. */
 static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *weight) {
     const filtration_curve_def *d = r->def;
     const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
@@ -1349,16 +1364,16 @@ static inline int filtration__reading(const filtration__readings *r, size_t i, d
     return 1;
 }
 
-/* Weighted straight line, and the parabola and the cubic orthogonal to it. x' = x - mean_x. */
+/* Weighted straight line, and the parabola and the cubic that are orthogonal to it. x' = x - mean_x. */
 typedef struct filtration__line {
     size_t n;
     double weights, mean_x, mean_y, sxx, sxy, syy, low, high; /* low, high: range of x */
     double curvature[2];                                      /* factors of the parabola x'^2 ..., of the cubic x'^3 ... */
-    double explained;                                         /* sum of weighted squares that both explain */
-    double squares, neighbours;                               /* sum of weighted squared residuals; of neighbours' products */
+    double explained;                                         /* sum of weighted squares that the two explain */
+    double squares, neighbours;                               /* sum of weighted squared residuals; of products of neighbouring ones */
 } filtration__line;
 
-/* Means and moments up to the straight line; returns the sum of weight x'^3. */
+/* Computes means and moments for the straight line. Returns the sum of weight x'^3. */
 static inline double filtration__fit_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
     double x, y, weight, cubes = 0.0;
     memset(line, 0, sizeof *line);
@@ -1380,7 +1395,7 @@ static inline double filtration__fit_line(const filtration__readings *r, size_t 
     return cubes;
 }
 
-/* The line, its residuals, and by the three-term recurrence of orthogonal polynomials (Forsythe 1957) what is bent. */
+/* Fits the line, its residuals and, by the three-term recurrence of orthogonal polynomials (Forsythe 1957), the parabola and the cubic. */
 static inline void filtration__fit(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
     const double skew = filtration__fit_line(r, first, last, line) / line->sxx, spread = line->sxx / line->weights;
     double x, y, weight, before = 0.0, s22 = 0.0, s33 = 0.0, in_2 = 0.0, in_3 = 0.0, shift = 0.0;
@@ -1402,14 +1417,14 @@ static inline void filtration__fit(const filtration__readings *r, size_t first, 
     line->explained = line->curvature[0] * in_2 + line->curvature[1] * in_3;
 }
 
-/* Largest departure of parabola and cubic from the line over the stretch, about, over the mean ordinate. */
+/* Returns about the largest departure of parabola and cubic from the line, over the mean ordinate. */
 static inline double filtration__bend(const filtration__line *line) {
     const double half = 0.5 * (line->high - line->low);
     return (fabs(line->curvature[0]) + fabs(line->curvature[1]) * half) * half * half / line->mean_y;
 }
 
-/* Do parabola and cubic explain more than chance would make them (F test with 2 and n - 4 degrees of freedom), and more than the tolerance?
-   A parabola alone would not see the S of flat, steep, less steep. */
+/* Returns whether a stretch is straight: parabola and cubic explain no more than chance would (F test with 2 and n - 4 degrees of freedom),
+   or no more than the tolerance. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line) {
     if (!(line->sxx > 0.0)) return 0;
     if (filtration__bend(line) <= r->def->tolerance) return 1;
@@ -1418,9 +1433,9 @@ static inline int filtration__is_straight(const filtration__readings *r, const f
     return riddle_exp(-0.5 * freedom * riddle_log1p(line->explained / rest)) >= r->def->bend_level;
 }
 
-/* The stretch over the widest range of volumes that is straight, of up to `grid` starts and ends; first and last unchanged if there is
-   none. A fifth is then cut off at an end beyond which the curve bends: the test passes readings whose bend hides in the scatter, and they
-   would draw the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
+/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
+   Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
+   bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
 static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading, size_t *last_reading) {
     const size_t first = *first_reading, last = *last_reading, readings = last - first + 1, least = r->def->least_readings;
     size_t grid = readings <= 20000 ? 48 : 12;
@@ -1450,8 +1465,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
     return e;
 }
 
-/* An estimate that is factor times another, whose factor has a relative standard error of its own, known well (Welch 1947 and Satterthwaite
-   1946 for the degrees of freedom). */
+/* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
+   Satterthwaite 1946 for the degrees of freedom). */
 static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative, double confidence,
                                                     double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
@@ -1461,7 +1476,7 @@ static inline filtration_estimate filtration__times(filtration_estimate e, doubl
     return filtration__estimate(value, error, filtration_student(confidence, freedom * ratio * ratio * ratio * ratio));
 }
 
-/* Reads and checks; first and last are the outermost readings that count. */
+/* Checks the readings; first and last: the outermost ones that count. */
 static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t *first, size_t *last, size_t *count) {
     double x, y, weight;
     r->x_scale = r->y_scale = 1.0;
@@ -1482,7 +1497,8 @@ static inline filtration_status filtration__take(filtration__readings *r, size_t
     return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
-/* Intervals of the line, widened if neighbouring residuals are alike: m readings then count as m (1 - r) / (1 + r). */
+/* Computes the intervals of the line. They are widened if neighbouring residuals correlate: m readings then count as m (1 - r) / (1 +
+   r). */
 static inline void filtration__intervals(const filtration__readings *r, const filtration__line *line, filtration_curve *c) {
     const filtration_curve_def *d = r->def;
     const double m = (double)line->n, slope = line->sxy / line->sxx, y_over_x = r->y_scale / r->x_scale;
@@ -1580,13 +1596,14 @@ FILTRATION_API filtration_status filtration_predict(const filtration_curve *curv
     return filtration__is_finite(time->value) && filtration__is_finite(time->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
-/* solids.h: signed distances of woven cloth, beds and voxel images.
-   Relies on base.h, solids_api.h, process.h (filtration__is_finite), the portable mathematics.
-   May be changed here alone: how a distance is found. */
+/* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
+   portable mathematics.
+   May be changed here alone: how a distance is computed. */
 
 /* ==== >>solids ==== */
 
-/* The sign change of the distance along a link: regula falsi that halves the weight of an end that stays (Dowell and Jarratt 1971). */
+/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
+   1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
@@ -1594,7 +1611,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
     int side = 0;
     for (int i = 0; i < 60 && high - low > 1e-9; i++) {
         double q = at_high < 0.0 ? low + (high - low) * at_low / (at_low - at_high) : high;
-        if (i % 3 == 2) q = 0.5 * (low + high); /* and never slower than halving every third time */
+        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, for a guaranteed speed */
         for (int a = 0; a < 3; a++) point[a] = fluid[a] + q * (in_solid[a] - fluid[a]);
         const double here = solid->distance(solid->self, point);
         if (here == 0.0) return q;
@@ -1623,13 +1640,13 @@ FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, 
     return FILTRATION_OK;
 }
 
-/* +1 where wire `own` lies above the plane at its crossing with wire `other`. */
+/* Returns +1 where wire `own` lies above the plane at its crossing with wire `other`, otherwise -1. */
 static inline double filtration__cloth_side(const filtration_cloth *cloth, int warp, int own, int other) {
     const int sum = own + other, over = cloth->weave == FILTRATION_TWILL_WEAVE ? (sum & 3) < 2 : (sum & 1) == 0;
     return over == warp ? 1.0 : -1.0;
 }
 
-/* Height of the axis of a wire over the plane at the place s along it, and its first two derivatives. */
+/* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
 static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first, double *second) {
     const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place), amplitude = 0.5 * cloth->wire;
     const double here = filtration__cloth_side(cloth, warp, own, (int)crossing);
@@ -1641,8 +1658,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the axis of a wire at the place s along it; aside, along, z: the point from its middle line.
-   Its first and second derivative by s over 2. */
+/* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
+   derivatives by s. aside, along, z: the point relative to the wire's middle line. */
 static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {
     double first, second;
@@ -1652,7 +1669,8 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton. */
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
+   Newton's method. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -1678,8 +1696,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
-/* The nearest of the wires along one direction; across: place across them, along: along them. Others lie no nearer than their axes do
-   seen from above. */
+/* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
+   than its axis is, seen from above. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
                                                 double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
@@ -1699,7 +1717,7 @@ FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, c
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
     const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
-        return (double)NAN; /* more wires than integers count, or none that _make made */
+        return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, point[0], point[1], z, cloth->reach);
     return filtration__wires_distance(cloth, 0, point[1], point[0], z, nearest);
@@ -1719,7 +1737,7 @@ FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *c
 
 typedef struct filtration__bed_entry {
     ptrdiff_t index;
-    int image[3]; /* in edges of the box */
+    int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
 static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
@@ -1735,7 +1753,7 @@ static inline double filtration__capsule_distance(const double point[3], const d
     return sqrt(square) - radius;
 }
 
-/* Range of cells that object i, moved by an image, can be near to. 0: none. */
+/* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
 static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3], int to[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
@@ -1749,7 +1767,7 @@ static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, 
     return 1;
 }
 
-/* Images of object i along axis k that can be near the box. */
+/* Finds the images of object i that can be near the box. */
 static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i, int low[3], int high[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
@@ -1760,7 +1778,7 @@ static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i
     }
 }
 
-/* Counts the entries of each cell into start[cell + 1] (entry NULL), or files them, start[cell] being where the next goes. */
+/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next one goes. */
 static inline void filtration__bed_file(const filtration_bed *bed, size_t *start, filtration__bed_entry *entry) {
     int low[3], high[3], image[3], from[3], to[3];
     for (ptrdiff_t i = 0; i < bed->n; i++) {
@@ -1802,7 +1820,7 @@ static inline int filtration__bed_is_good(const filtration_bed *bed) {
         if (!filtration__is_positive(bed->box[k])) return 0;
     for (ptrdiff_t i = 0; i < bed->n; i++) {
         if (!filtration__is_positive(bed->radius[i])) return 0;
-        for (int k = 0; k < 3; k++) { /* no more than some thousand boxes away: images are counted in int */
+        for (int k = 0; k < 3; k++) { /* at most some thousand boxes away: images are counted in int */
             const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a;
             if (!((fabs(a) + fabs(b) + bed->radius[i] + bed->reach) / bed->box[k] < 1e4)) return 0;
         }
@@ -1842,7 +1860,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
         return FILTRATION_NO_MEMORY;
     }
     filtration__bed_file(bed, bed->start, bed->entry);
-    memmove(bed->start + 1, bed->start, cells * sizeof *bed->start); /* filing has moved each start to the next */
+    memmove(bed->start + 1, bed->start, cells * sizeof *bed->start); /* storing has moved each start to the next one */
     bed->start[0] = 0;
     return FILTRATION_OK;
 }
@@ -1887,7 +1905,7 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
     return FILTRATION_OK;
 }
 
-/* Whether cube (c) is solid; beyond a face that is not periodic it is not. */
+/* Returns whether cube c is solid; beyond a face that is not periodic it is not. */
 static inline int filtration__cube_is_solid(const filtration_image *m, const int c[3]) {
     int at[3];
     for (int k = 0; k < 3; k++) {
@@ -1898,7 +1916,7 @@ static inline int filtration__cube_is_solid(const filtration_image *m, const int
     return m->solid[((size_t)at[2] * (size_t)m->n[1] + (size_t)at[1]) * (size_t)m->n[0] + (size_t)at[0]] != 0;
 }
 
-/* Distance from the place p [cubes] to cube c, 0 inside. */
+/* Returns the distance from the place p to cube c [cubes]; 0 inside. */
 static inline double filtration__cube_distance(const double p[3], const int c[3]) {
     double square = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -1917,7 +1935,8 @@ FILTRATION_API double filtration_image_distance(const filtration_image *m, const
     }
     const int own = filtration__cube_is_solid(m, home);
     double nearest = m->reach;
-    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next is farther than what is found */
+    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next one is farther away than the
+                                                                            nearest found */
         for (c[2] = home[2] - ring; c[2] <= home[2] + ring; c[2]++)
             for (c[1] = home[1] - ring; c[1] <= home[1] + ring; c[1]++) {
                 const int on_shell = abs(c[2] - home[2]) == ring || abs(c[1] - home[1]) == ring;
@@ -1939,21 +1958,20 @@ FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *i
     return solid;
 }
 
-/* lattice.h: the two sets of directions, how populations lie in memory, and how a step finds them.
-   Relies on base.h and api.h.
+/* lattice.h: the two sets of directions, the layout of populations in memory, and where a step finds them. Relies on base.h and api.h.
    May be changed here alone: nothing; every later part addresses populations through the functions here. */
 
 /* ==== >>lattice ==== */
 
-#define FILTRATION__Q 19     /* most directions */
+#define FILTRATION__Q 19     /* largest number of directions */
 #define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
-#define FILTRATION__TASKS 64 /* parts of a step that threads share: fixed, so that sums have one order */
+#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have one order */
 #define FILTRATION__FLUID (-1)
 #define FILTRATION__SOLID (-2)
-#define FILTRATION__FRESH (-3) /* left by a sphere, not filled yet */
+#define FILTRATION__FRESH (-3) /* left by a sphere, not yet filled */
 enum { FILTRATION__ROW_SOLID = 1, FILTRATION__ROW_BAD = 2 };
 
-/* Directions: rest, then pairs of opposite ones, so that the opposite of i is known without a table. */
+/* Directions: rest, then pairs of opposite ones, so that the opposite of i needs no table. */
 static const signed char filtration__c19[19][3] = {{0, 0, 0},  {1, 0, 0},   {-1, 0, 0},  {0, 1, 0},  {0, -1, 0}, {0, 0, 1},   {0, 0, -1},
                                                    {1, 1, 0},  {-1, -1, 0}, {1, -1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, -1}, {1, 0, -1},
                                                    {-1, 0, 1}, {0, 1, 1},   {0, -1, -1}, {0, 1, -1}, {0, -1, 1}};
@@ -1969,29 +1987,29 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
-/* A sphere in lattice units, as the owner map knows it. */
+/* A sphere in lattice units, as in the owner map. */
 typedef struct filtration__ball {
-    double centre[3], velocity[3], spin[3], radius; /* radius 0: none */
+    double centre[3], velocity[3], spin[3], radius; /* radius 0: no sphere */
     double force[2][3], torque[2][3];               /* of this step and the one before */
-    int64_t steps;                                  /* since it was put in */
+    int64_t steps;                                  /* number of steps since it was added */
 } filtration__ball;
 
 /* Relaxation and forcing of one step, of the kernel's precision. */
 typedef struct filtration__rates {
     double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
-    double force[3];          /* on a node, lattice units [-] */
+    double force[3];          /* on a node, in lattice units [-] */
     double limit;             /* of the squared speed [-] */
 } filtration__rates;
 
 typedef struct filtration__lattice {
-    int q, single; /* directions; 1: float */
+    int q, single; /* number of directions; 1: floats */
     int nx, ny, nz;
     int ghost_y, ghost_z;     /* 1: rows beyond the faces exist */
-    int lead;                 /* numbers before node 0 of a row; the last of them is the halo */
-    ptrdiff_t stride, bundle; /* numbers from direction to direction, from row to row */
-    ptrdiff_t rows;           /* ghosts included */
+    int lead;                 /* numbers before node 0 of a row; the last one is the halo */
+    ptrdiff_t stride, bundle; /* numbers between directions, between rows */
+    ptrdiff_t rows;           /* number of rows, with ghosts */
     void *f;                  /* deviations h = f - w [-] */
-    void *block;              /* what was allocated for it */
+    void *block;              /* allocated block that contains f */
     size_t block_bytes;
     const signed char (*c)[3];
     filtration_face face[6];
@@ -1999,10 +2017,10 @@ typedef struct filtration__lattice {
     double w[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
-    int odd;                    /* which half of the pair of steps comes next */
+    int odd;                    /* which step of the pair comes next */
     int32_t *owner;             /* [nz][ny][nx]: FILTRATION__FLUID, FILTRATION__SOLID or a sphere */
     unsigned char *row_state;   /* [nz][ny]: FILTRATION__ROW_SOLID, FILTRATION__ROW_BAD */
-    unsigned char *slab_active; /* [nz]: 0 at exact rest */
+    unsigned char *slab_active; /* [nz]: 0: at exact rest */
     filtration__link *links;
     ptrdiff_t link_count;
     filtration__ball *balls;
@@ -2010,21 +2028,21 @@ typedef struct filtration__lattice {
     ptrdiff_t fluid_nodes, solid_nodes;
     double to_velocity, to_pressure, to_force; /* SI per lattice unit */
     double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
-    int bad[FILTRATION__TASKS];                /* 1: a row of the task has FILTRATION__ROW_BAD */
+    int bad[FILTRATION__TASKS];                /* 1: a row of the task is FILTRATION__ROW_BAD */
     int64_t updated[FILTRATION__TASKS];        /* nodes */
 } filtration__lattice;
 
-/* Coordinate on an axis of n nodes, wrapped if periodic. */
+/* Returns a coordinate on an axis of n nodes, wrapped; i is at most n beyond. */
 static inline int filtration__wrap(int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; }
 
-/* The row at (y, z), each -1 .. n: wrapped on periodic axes, a ghost beyond faces of another kind. */
+/* Returns the row at (y, z), each -1 .. n: wrapped on periodic axes, a ghost row beyond other faces. */
 static inline ptrdiff_t filtration__row(const filtration__lattice *l, int y, int z) {
     y = l->ghost_y ? y + 1 : filtration__wrap(y, l->ny);
     z = l->ghost_z ? z + 1 : filtration__wrap(z, l->nz);
     return (ptrdiff_t)z * (l->ny + 2 * l->ghost_y) + y;
 }
 
-/* Place of direction i at node x of a row. */
+/* Returns the place of direction i at node x of a row. */
 static inline ptrdiff_t filtration__place(const filtration__lattice *l, ptrdiff_t row, int i, int x) {
     return row * l->bundle + i * l->stride + l->lead + x;
 }
@@ -2038,28 +2056,29 @@ static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, doub
     else ((double *)l->f)[place] = h;
 }
 
-/* One lattice, in place (Bailey et al. 2009). An even step reads and writes at the node itself, an odd one at its neighbours; both write
-   each outgoing population where the opposite one was read. So places are of two kinds: at home, and abroad. */
+/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al. 2009): an even step
+   reads and writes at the node itself, an odd one at its neighbours; both write each outgoing population where they read the opposite one.
+   So there are two kinds of places: `home` and `abroad`. */
 static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
     return filtration__place(l, filtration__row(l, y, z), i, x);
 }
 
-/* Where a step that goes abroad reads direction i of a node: the opposite slot of the node that it comes from. */
+/* Returns where an odd step reads direction i of a node: the opposite slot of the node that it comes from. */
 static inline ptrdiff_t filtration__abroad(const filtration__lattice *l, int x, int y, int z, int i) {
     const signed char *c = l->c[i];
     return filtration__place(l, filtration__row(l, y - c[1], z - c[2]), filtration__opposite(i), x - c[0]);
 }
 
-/* Between steps, where the last step left the outgoing population i of a node. */
+/* Returns where the last step left the outgoing population i of a node; between steps. */
 static inline ptrdiff_t filtration__outgoing(const filtration__lattice *l, int x, int y, int z, int i) {
     int j = filtration__opposite(i);
     return l->odd ? filtration__home(l, x, y, z, j) : filtration__abroad(l, x, y, z, j);
 }
 
-/* Between steps, where the next step reads the incoming population i of a node. */
+/* Returns where the next step reads the incoming population i of a node; between steps. */
 static inline ptrdiff_t filtration__incoming(const filtration__lattice *l, int x, int y, int z, int i) {
     if (l->odd) return filtration__abroad(l, x, y, z, i);
-    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo: folded back when the step begins */
+    if (l->periodic_x && x == 0 && l->c[i][0] > 0) x = l->nx; /* still in the halo, which is folded back when the step begins */
     else if (l->periodic_x && x == l->nx - 1 && l->c[i][0] < 0) x = -1;
     return filtration__home(l, x, y, z, i);
 }
@@ -2068,7 +2087,7 @@ static inline ptrdiff_t filtration__node(const filtration__lattice *l, int x, in
     return ((ptrdiff_t)z * l->ny + y) * l->nx + x;
 }
 
-/* Even part of the equilibrium over its weight, and the odd part: r + 4.5 (c.u)^2 - 1.5 u^2, 3 c.u (He and Luo 1997). */
+/* Returns the equilibrium of direction i: weight times r + 3 c.u + 4.5 (c.u)^2 - 1.5 u^2 (He and Luo 1997). */
 static inline double filtration__equilibrium(const filtration__lattice *l, int i, double r, const double u[3]) {
     const signed char *c = l->c[i];
     double cu = c[0] * u[0] + c[1] * u[1] + c[2] * u[2];
@@ -2082,10 +2101,10 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third
-   for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns
-   whether a node is faster than the limit or not a number. A call does `n` nodes from `first` on; memory that the next row needs is asked
-   for into the second cache: the hardware follows too few of so many streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
+   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
+   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
+   into the second cache, because hardware prefetchers follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -2115,7 +2134,7 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the stress out of equilibrium. c2: squared length of the outer directions, rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
@@ -2200,7 +2219,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *con
     return bad != 0;
 }
 
-/* A row of n nodes: whole cache lines first, as their loops have no end to look after. */
+/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
 #define FILTRATION__ROW(nodes, directions)                                                                                                 \
     const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
     int bad = 0, x = 0;                                                                                                                    \
@@ -2236,10 +2255,10 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third
-   for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns
-   whether a node is faster than the limit or not a number. A call does `n` nodes from `first` on; memory that the next row needs is asked
-   for into the second cache: the hardware follows too few of so many streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
+   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
+   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
+   into the second cache, because hardware prefetchers follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -2269,7 +2288,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the stress out of equilibrium. c2: squared length of the outer directions, rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
@@ -2354,7 +2373,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *con
     return bad != 0;
 }
 
-/* A row of n nodes: whole cache lines first, as their loops have no end to look after. */
+/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
 #define FILTRATION__ROW(nodes, directions)                                                                                                 \
     const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
     int bad = 0, x = 0;                                                                                                                    \
@@ -2380,8 +2399,8 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 #undef FILTRATION__SETUP
 #undef FILTRATION__ROW
 
-/* collide.h: one half of a pair of steps over all rows: halos of periodic rows, collision, who is skipped, where it diverged.
-   Relies on lattice.h and kernel.h.
+/* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
+   lattice.h and kernel.h.
    May be changed here alone: everything. */
 
 /* ==== >>collide ==== */
@@ -2398,7 +2417,7 @@ FILTRATION__KERNEL(filtration__collide15d_forced, double, filtration__row15d, 1)
 
 static inline int filtration__forced(const filtration__rates *r) { return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0; }
 
-/* Collides the nodes of a row: p[i] is where direction i of its node 0 is read. */
+/* Collides the nodes of a row. p[i]: where direction i of node 0 is read. Returns whether a node is bad. */
 static inline int filtration__collide_row(const filtration__lattice *l, const ptrdiff_t *place) {
     int bad = 0, forced = filtration__forced(&l->rates);
     if (l->single) {
@@ -2417,7 +2436,7 @@ static inline int filtration__collide_row(const filtration__lattice *l, const pt
     return bad;
 }
 
-/* Gives what left a periodic row through its halo to the nodes at the other end, before an even step. */
+/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
 static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -2426,7 +2445,7 @@ static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* Copies the ends of a periodic row to its halo, where an odd step reads them, after an even step. */
+/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
 static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -2472,8 +2491,8 @@ static void filtration__collide_task(void *context, int task) {
     }
 }
 
-/* A slab at exact rest stays so until a neighbour moves. An odd step reads the slabs beside it and writes to them: what moves reaches two
-   slabs farther. */
+/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
+   slabs farther. always: wakes all. */
 static inline void filtration__wake(filtration__lattice *l, int always) {
     unsigned char *a = l->slab_active;
     int reach = l->odd ? 2 : 0;
@@ -2492,7 +2511,7 @@ static inline void filtration__wake(filtration__lattice *l, int always) {
     }
 }
 
-/* Whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. What flows there is not
+/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
    resolved; lubrication stands for it. */
 static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
     int fluid = 0;
@@ -2504,7 +2523,8 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
-/* Looks at the nodes of a row for the first that is too fast or not a number; solids and films do not count and are put to rest. */
+/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
+   is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
     for (int x = 0; x < l->nx; x++) {
         double u[3] = {0, 0, 0}, r = 0.0;
@@ -2529,7 +2549,7 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
     return 0;
 }
 
-/* Whether the rows marked bad have a bad fluid node. */
+/* Returns whether a row marked bad has a bad fluid node. */
 static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
     for (int task = 0; task < FILTRATION__TASKS; task++) {
         ptrdiff_t first, end;
@@ -2543,15 +2563,16 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
     return 0;
 }
 
-/* faces.h: what enters through the box's faces that are not periodic: walls, given pressure, mirrors.
-   Relies on lattice.h, collide.h (task_range).
+/* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
+   (task_range).
    May be changed here alone: everything. */
 
 /* ==== >>faces ==== */
 
 #define FILTRATION__BLOCK 64
 
-/* Which face a population leaves by: a wall goes before an open face, that before a mirror. crossed: axes, as bits. Returns 0: none. */
+/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
+   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
 static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
     const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
     int found = 0;
@@ -2566,7 +2587,7 @@ static inline int filtration__crossing(const filtration__lattice *l, int x, int 
     return found;
 }
 
-/* The direction with the signs of some axes (as bits) turned. */
+/* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
     for (int j = 0; j < l->q; j++) {
         int same = 1;
@@ -2576,7 +2597,7 @@ static inline int filtration__turned(const filtration__lattice *l, int i, int ax
     return i;
 }
 
-/* The node at (p[0], p[1], p[2]), beyond the box by at most one: wrapped, or mirrored with bits of the axes in *mirrored. Returns 0 beyond
+/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
    walls and open faces. */
 static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
     const int n[3] = {l->nx, l->ny, l->nz};
@@ -2609,7 +2630,7 @@ static inline void filtration__store(filtration__lattice *l, ptrdiff_t place, in
     else memcpy((double *)l->f + place, h, (size_t)n * sizeof *h);
 }
 
-/* Velocity of n nodes of a row after collision. */
+/* Computes the velocity of n nodes of a row after collision. */
 static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z, double u[3][FILTRATION__BLOCK]) {
     double h[FILTRATION__BLOCK];
     for (int a = 0; a < 3; a++)
@@ -2621,7 +2642,7 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Given pressure: anti-bounce-back (Ginzburg et al. 2008). */
+/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
 static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
     for (int k = 0; k < n; k++) {
         double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
@@ -2630,14 +2651,14 @@ static inline void filtration__open(const filtration__lattice *l, int i, double 
     }
 }
 
-/* n nodes of a row, at most FILTRATION__BLOCK, all of one kind: none or all at an end of the row. */
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
     int have_velocity = 0;
     for (int i = 1; i < l->q; i++) {
         int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
         if (!kind) continue;
-        if (kind == 1) { /* a mirror: what comes in left the mirrored neighbour */
+        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
             int m[3] = {x, y, z}, none;
             for (int a = 0; a < 3; a++)
                 if (!(crossed >> a & 1)) m[a] += l->c[i][a];
@@ -2679,19 +2700,18 @@ static void filtration__face_task(void *context, int task) {
     }
 }
 
-/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest.
-   Relies on faces.h.
+/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
    May be changed here alone: the law (filtration__bounce). */
 
 /* ==== >>links ==== */
 
-/* A link from a fluid node along i to a solid, and what lies around it. */
+/* A link from a fluid node along i to a solid. */
 typedef struct filtration__cut {
     int x, y, z, i;
     double fraction; /* q [-] */
 } filtration__cut;
 
-/* The outgoing population i of the node behind (against i); 0 if that node is not fluid. */
+/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
 static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
     int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
     if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
@@ -2700,8 +2720,9 @@ static inline int filtration__behind(const filtration__lattice *l, const filtrat
     return 1;
 }
 
-/* What comes back along a link, put where the next step reads it: central linear interpolation (Ginzburg et al. 2008), half way where
-   there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back: the returning one. */
+/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
+   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
+   the returning one. */
 static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
     int opposite = filtration__opposite(k->i);
     double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
@@ -2736,7 +2757,7 @@ static inline void filtration__point(const filtration_fluid_def *def, int x, int
     point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
 }
 
-/* Whether the neighbour of a node along i is of the solid at rest; beyond walls and open faces there is none. */
+/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
 static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
     int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
@@ -2751,7 +2772,7 @@ static inline double filtration__solid_fraction(const filtration_fluid_def *def,
     return q >= 0.0 && q <= 1.0 ? q : 0.5;
 }
 
-/* Marks the solid's nodes and lists its links. Called twice: first to count (links NULL). */
+/* Lists the links of the solid. Called twice: first only to count them (links NULL). */
 static inline void filtration__list_links(const filtration_fluid_def *def, filtration__lattice *l) {
     l->link_count = 0;
     for (int z = 0; z < l->nz; z++)
@@ -2769,6 +2790,7 @@ static inline void filtration__list_links(const filtration_fluid_def *def, filtr
             }
 }
 
+/* Marks the nodes of the solid, and the rows that are all solid. */
 static inline void filtration__mark_solid(const filtration_fluid_def *def, filtration__lattice *l) {
     for (int z = 0; z < l->nz; z++)
         for (int y = 0; y < l->ny; y++) {
@@ -2786,7 +2808,7 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
-/* Force of the last step on the solid at rest, lattice units: momentum exchanged over its links (Ladd 1994). */
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
 static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
     force[0] = force[1] = force[2] = 0.0;
     for (ptrdiff_t n = 0; n < l->link_count; n++) {
@@ -2798,13 +2820,13 @@ static inline void filtration__solid_force(const filtration__lattice *l, double 
     }
 }
 
-/* spheres.h: moving spheres on the lattice: which nodes they cover, their links, the force on them, nodes that they leave.
-   Relies on links.h.
+/* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
+   links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
 
 /* ==== >>spheres ==== */
 
-/* Nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
+/* Finds the nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
 static inline void filtration__chord(const filtration__ball *b, int y, int z, int *first, int *end) {
     double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
     *first = 1, *end = 0;
@@ -2813,13 +2835,13 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
 }
 
-/* Rows that a sphere may reach along an axis. */
+/* Finds the rows that a sphere may cover along an axis. */
 static inline void filtration__extent(const filtration__ball *b, int axis, int *first, int *end) {
     *first = (int)ceil(b->centre[axis] - b->radius);
     *end = (int)floor(b->centre[axis] + b->radius);
 }
 
-/* Whether another sphere than `not` covers the node at p (within the box), its index, or FILTRATION__FRESH. */
+/* Returns the index of another sphere that covers the node at p (within the box), or FILTRATION__FRESH. */
 static inline int32_t filtration__cover(const filtration__lattice *l, const int p[3], ptrdiff_t not_this) {
     const int n[3] = {l->nx, l->ny, l->nz};
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
@@ -2836,8 +2858,8 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
     return FILTRATION__FRESH;
 }
 
-/* Nodes that are inside `now` and not inside `before` (NULL: nothing) become owned by `index`; called the other way round with leave 1,
-   they are left. */
+/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
+   nodes are left. */
 static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
                                           const filtration__ball *before, int leave) {
     int y0, y1, z0, z1, mirrored;
@@ -2860,15 +2882,15 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
         }
 }
 
-/* Velocity of a sphere's surface or inside at a point relative to its centre. */
+/* Computes the velocity of a sphere, on its surface or inside, at a point relative to its centre. */
 static inline void filtration__surface_velocity(const filtration__ball *b, const double d[3], double u[3]) {
     u[0] = b->velocity[0] + b->spin[1] * d[2] - b->spin[2] * d[1];
     u[1] = b->velocity[1] + b->spin[2] * d[0] - b->spin[0] * d[2];
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Momentum exchange of a link, Galilean invariant (Wen et al. 2014); deviations only, so that a film too thin for nodes has the mean
-   pressure. */
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
+   has the mean pressure. */
 static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
                                         double out, double back) {
     double f[3];
@@ -2881,7 +2903,7 @@ static inline void filtration__exchange(const filtration__lattice *l, filtration
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* The link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
 static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
@@ -2899,7 +2921,7 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__exchange(l, b, k.i, e, u, out, back);
 }
 
-/* All links of a sphere: in every row its nodes less those whose neighbour along j is inside as well. */
+/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
 static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
@@ -2937,7 +2959,7 @@ static void filtration__ball_task(void *context, int task) {
     }
 }
 
-/* Density (its deviation) and velocity of a node between steps, by the populations that the next step reads. */
+/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
 static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
     double r = 0.0;
     for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
@@ -2949,7 +2971,7 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Puts the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -2979,7 +3001,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
     }
 }
 
-/* Fills the nodes that a sphere has left: first all from old fluid, then they become fluid (call again with done 1). */
+/* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
 static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
     int y0, y1, z0, z1, mirrored;
     filtration__extent(before, 1, &y0, &y1);
@@ -3009,7 +3031,7 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
 
 /* ==== >>shear ==== */
 
-/* Velocity at a point between nodes, trilinear; solids count as at the velocity of the sphere that owns them. */
+/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
 static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
     int base[3], mirrored;
     double part[3];
@@ -3037,8 +3059,8 @@ static inline void filtration__velocity_at(const filtration__lattice *l, const d
     }
 }
 
-/* (9) F = mu / dx * integral of the tangential relative velocity one voxel from the surface; points evenly spread by a golden spiral,
-   about one on a voxel's face. */
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface. Points are spread evenly by a golden
+   spiral, about one on a voxel's face. */
 static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
@@ -3146,7 +3168,7 @@ FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_flu
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* Rates, time step and units from the definition as it is now. */
+/* Computes rates, time step and units from the present definition. */
 static inline void filtration__set_units(filtration_fluid *fluid) {
     const filtration_fluid_def *d = &fluid->def;
     filtration__lattice *l = fluid->lattice;
@@ -3167,7 +3189,7 @@ static inline void filtration__set_units(filtration_fluid *fluid) {
     }
 }
 
-/* Wakes what faces and forces move. */
+/* Wakes the slabs that faces and forces move. */
 static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
@@ -3268,7 +3290,7 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* The sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
+/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
 static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
@@ -3281,7 +3303,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* near its last place, or in the box */
+        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -3305,14 +3327,14 @@ static inline filtration_status filtration__room_for_balls(filtration_fluid *flu
     return FILTRATION_OK;
 }
 
-/* How far a sphere's surface has gone since the last step [nodes]. */
+/* Returns how far a sphere's surface has moved since the last step [nodes]. */
 static inline double filtration__moved(const filtration__ball *now, const filtration__ball *before) {
     double dd = 0.0;
     for (int a = 0; a < 3; a++) dd += (now->centre[a] - before->centre[a]) * (now->centre[a] - before->centre[a]);
     return sqrt(dd);
 }
 
-/* A sphere goes from where it was to where it is: nodes change owner. gone: radius was or is 0. */
+/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
 static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
     filtration__ball before = l->balls[n];
     int was = before.radius > 0.0, is = now->radius > 0.0;
@@ -3395,9 +3417,8 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
     return status;
 }
 
-/* flow.h: the flow read and changed between steps: samples, fields, sums, another time step, a flow to start from, saving.
-   Relies on fluid.h.
-   May be changed here alone: everything; the format of saves with its version. */
+/* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
+   May be changed here alone: everything. */
 
 /* ==== >>flow ==== */
 
@@ -3426,7 +3447,8 @@ FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float
             }
 }
 
-/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, nodes, largest squared speed. */
+/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
+   speed. */
 static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
     for (int k = 0; k < 6; k++) sum[k] = 0.0;
     for (int z = low[2]; z < high[2]; z++)
@@ -3518,8 +3540,8 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return FILTRATION_OK;
 }
 
-/* Rescales a node: velocity by s, pressure and force by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation
-   times. Half the force is missing in the momentum before a collision. */
+/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
+   Before a collision, half of the force is missing in the momentum. */
 static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
     double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
@@ -3548,7 +3570,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     return FILTRATION_OK;
 }
 
-/* Equilibrium at a node, and the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first order. */
+/* Sets a node to equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
+   order. */
 static inline void filtration__start_node(filtration_fluid *fluid, int x, int y, int z,
                                           void (*fn)(void *, const double[3], double[3], double *), void *user) {
     filtration__lattice *l = fluid->lattice;
@@ -3610,13 +3633,12 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     return FILTRATION_OK;
 }
 
-/* save.h: a fluid written as bytes and read back, bit for bit.
-   Relies on flow.h.
+/* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
    May be changed here alone: the format, with its version. */
 
 /* ==== >>save ==== */
 
-/* Everything but arrays. All of eight bytes, so that there is no padding. */
+/* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
     int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
@@ -3656,7 +3678,7 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     return h;
 }
 
-/* The arrays of a save, in order. Returns their number. */
+/* Lists the arrays of a save, in order. Returns their number. */
 static inline int filtration__saved_arrays(const filtration__lattice *l, void *data[4], size_t bytes[4]) {
     data[0] = l->slab_active, bytes[0] = (size_t)l->nz;
     data[1] = l->owner, bytes[1] = filtration__nodes(l) * sizeof *l->owner;
@@ -3681,7 +3703,7 @@ FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *f
     return write(user, &sum, sizeof sum) ? FILTRATION_OK : FILTRATION_STREAM;
 }
 
-/* The fluid at rest at time 0, without spheres. */
+/* Puts the fluid at rest at time 0, without spheres. */
 static inline void filtration__rest(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     memset(l->block, 0, l->block_bytes);
@@ -3695,7 +3717,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     memset(&fluid->problem, 0, sizeof fluid->problem);
 }
 
-/* Whether a save belongs to this fluid. */
+/* Returns whether a save belongs to this fluid. */
 static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
@@ -3723,7 +3745,7 @@ static inline filtration_status filtration__read_arrays(filtration_fluid *fluid,
     return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
 }
 
-/* Marks the solid's nodes again, as a damaged save may have changed the map. */
+/* Marks the solid's nodes again, because a damaged save may have changed the map. */
 static inline void filtration__remark(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
@@ -3807,7 +3829,7 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* Share of critical damping that gives a coefficient of restitution (Tsuji et al. 1992). */
+/* Returns the fraction of critical damping that gives a coefficient of restitution (Tsuji et al. 1992). */
 static inline double filtration__damping(double restitution) {
     double log_e = riddle_log(restitution);
     return -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
@@ -3820,14 +3842,15 @@ FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *
     return time / (dt / def->sub_steps);
 }
 
-/* What two bodies touching need; the second may be a wall: radius infinite, at rest. */
+/* Two bodies in contact; the second may be a wall: of infinite radius, at rest. */
 typedef struct filtration__touch {
     double gap, normal[3], r1, r2, mass; /* normal: from the first to the second; mass: reduced [kg] */
     double velocity[3];                  /* of the first's surface point relative to the second's [m/s] */
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Hertz with Tsuji's damping, Coulomb friction that stops sliding in a sub-step at most, lubrication implicit in the closing velocity. */
+/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
+   implicit in the closing velocity. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
                                            filtration__touch *t) {
     double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
@@ -3849,7 +3872,7 @@ static inline void filtration__touch_force(const filtration_motion_def *def, con
     for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
 }
 
-/* Velocity of the surface of sphere n towards `normal`. */
+/* Computes the velocity of the surface of sphere n towards `normal`. */
 static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3], double sign, double u[3]) {
     const double *v = s->velocity + 3 * n, *w = s->spin + 3 * n;
     double r = sign * s->radius[n];
@@ -3873,7 +3896,7 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
     }
 }
 
-/* Sphere n against sphere k, or against a wall (k < 0) whose gap and normal are in t. */
+/* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
                                             ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
     double u[3] = {0, 0, 0}, back[3];
@@ -3888,7 +3911,7 @@ static inline void filtration__collide_pair(const filtration_motion_def *def, co
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Gap to the solid at rest and the direction towards it, by differences of the signed distance. */
+/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
 static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
                                          filtration__touch *t) {
     const filtration_solid *solid = &fluid->def.solid;
@@ -3949,7 +3972,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
     }
 }
 
-/* Weight less buoyancy and the fluid's force and torque, for a time h. */
+/* Applies weight less buoyancy and the fluid's force and torque for a time h. */
 static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s, ptrdiff_t n,
                                     double share, double h) {
     double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;

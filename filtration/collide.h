@@ -1,5 +1,5 @@
-/* collide.h: one half of a pair of steps over all rows: halos of periodic rows, collision, who is skipped, where it diverged.
-   Relies on lattice.h and kernel.h.
+/* collide.h: one step of a pair over all rows: halos of periodic rows, collision, skipped slabs, detection of divergence. Relies on
+   lattice.h and kernel.h.
    May be changed here alone: everything. */
 
 /* ==== >>collide ==== */
@@ -16,7 +16,7 @@ FILTRATION__KERNEL(filtration__collide15d_forced, double, filtration__row15d, 1)
 
 static inline int filtration__forced(const filtration__rates *r) { return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0; }
 
-/* Collides the nodes of a row: p[i] is where direction i of its node 0 is read. */
+/* Collides the nodes of a row. p[i]: where direction i of node 0 is read. Returns whether a node is bad. */
 static inline int filtration__collide_row(const filtration__lattice *l, const ptrdiff_t *place) {
     int bad = 0, forced = filtration__forced(&l->rates);
     if (l->single) {
@@ -35,7 +35,7 @@ static inline int filtration__collide_row(const filtration__lattice *l, const pt
     return bad;
 }
 
-/* Gives what left a periodic row through its halo to the nodes at the other end, before an even step. */
+/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
 static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -44,7 +44,7 @@ static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* Copies the ends of a periodic row to its halo, where an odd step reads them, after an even step. */
+/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
 static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -90,8 +90,8 @@ static void filtration__collide_task(void *context, int task) {
     }
 }
 
-/* A slab at exact rest stays so until a neighbour moves. An odd step reads the slabs beside it and writes to them: what moves reaches two
-   slabs farther. */
+/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
+   slabs farther. always: wakes all. */
 static inline void filtration__wake(filtration__lattice *l, int always) {
     unsigned char *a = l->slab_active;
     int reach = l->odd ? 2 : 0;
@@ -110,7 +110,7 @@ static inline void filtration__wake(filtration__lattice *l, int always) {
     }
 }
 
-/* Whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. What flows there is not
+/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
    resolved; lubrication stands for it. */
 static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
     int fluid = 0;
@@ -122,7 +122,8 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
     return 2 * fluid < l->q;
 }
 
-/* Looks at the nodes of a row for the first that is too fast or not a number; solids and films do not count and are put to rest. */
+/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
+   is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
     for (int x = 0; x < l->nx; x++) {
         double u[3] = {0, 0, 0}, r = 0.0;
@@ -147,7 +148,7 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
     return 0;
 }
 
-/* Whether the rows marked bad have a bad fluid node. */
+/* Returns whether a row marked bad has a bad fluid node. */
 static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
     for (int task = 0; task < FILTRATION__TASKS; task++) {
         ptrdiff_t first, end;

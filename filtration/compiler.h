@@ -40,14 +40,14 @@
 #define FILTRATION__INLINE static inline
 #endif
 
-/* Asks for memory into the second cache. */
+/* Prefetches memory into the second cache. */
 #if defined(__GNUC__)
 #define FILTRATION__PREFETCH(address) __builtin_prefetch(address, 0, 2)
 #else
 #define FILTRATION__PREFETCH(address) ((void)(address))
 #endif
 
-/* No node of a row reads what another of the row writes. */
+/* No node of a row reads what another node of the row writes. */
 #if defined(__clang__)
 #define FILTRATION__INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #elif defined(__GNUC__)
@@ -56,8 +56,8 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* On x86-64 the kernels are there twice, for AVX2 and without: same bits, as neither fuses. Not on Windows, where gcc does not keep the
-   stack aligned for wide vectors (its bug 54412): there -mavx2 for the whole program brings the speed. */
+/* x86-64: the kernels are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows, where gcc
+   does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
     __attribute__((target("avx2"))) FILTRATION__FAST static void name##_wide parameters { call; }                                          \

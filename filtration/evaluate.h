@@ -64,7 +64,8 @@ typedef struct filtration__readings {
     double x_scale, y_scale;
 } filtration__readings;
 
-/* Abscissa V + V1, ordinate (t - t1) / (V - V1), both scaled, and weight 1 / variance of reading i. 0: it is left out. */
+/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1), both scaled, and the weight 1 / variance of reading i. Returns 0 if it is
+   left out. */
 static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *weight) {
     const filtration_curve_def *d = r->def;
     const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
@@ -79,16 +80,16 @@ static inline int filtration__reading(const filtration__readings *r, size_t i, d
     return 1;
 }
 
-/* Weighted straight line, and the parabola and the cubic orthogonal to it. x' = x - mean_x. */
+/* Weighted straight line, and the parabola and the cubic that are orthogonal to it. x' = x - mean_x. */
 typedef struct filtration__line {
     size_t n;
     double weights, mean_x, mean_y, sxx, sxy, syy, low, high; /* low, high: range of x */
     double curvature[2];                                      /* factors of the parabola x'^2 ..., of the cubic x'^3 ... */
-    double explained;                                         /* sum of weighted squares that both explain */
-    double squares, neighbours;                               /* sum of weighted squared residuals; of neighbours' products */
+    double explained;                                         /* sum of weighted squares that the two explain */
+    double squares, neighbours;                               /* sum of weighted squared residuals; of products of neighbouring ones */
 } filtration__line;
 
-/* Means and moments up to the straight line; returns the sum of weight x'^3. */
+/* Computes means and moments for the straight line. Returns the sum of weight x'^3. */
 static inline double filtration__fit_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
     double x, y, weight, cubes = 0.0;
     memset(line, 0, sizeof *line);
@@ -110,7 +111,7 @@ static inline double filtration__fit_line(const filtration__readings *r, size_t 
     return cubes;
 }
 
-/* The line, its residuals, and by the three-term recurrence of orthogonal polynomials (Forsythe 1957) what is bent. */
+/* Fits the line, its residuals and, by the three-term recurrence of orthogonal polynomials (Forsythe 1957), the parabola and the cubic. */
 static inline void filtration__fit(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
     const double skew = filtration__fit_line(r, first, last, line) / line->sxx, spread = line->sxx / line->weights;
     double x, y, weight, before = 0.0, s22 = 0.0, s33 = 0.0, in_2 = 0.0, in_3 = 0.0, shift = 0.0;
@@ -132,14 +133,14 @@ static inline void filtration__fit(const filtration__readings *r, size_t first, 
     line->explained = line->curvature[0] * in_2 + line->curvature[1] * in_3;
 }
 
-/* Largest departure of parabola and cubic from the line over the stretch, about, over the mean ordinate. */
+/* Returns about the largest departure of parabola and cubic from the line, over the mean ordinate. */
 static inline double filtration__bend(const filtration__line *line) {
     const double half = 0.5 * (line->high - line->low);
     return (fabs(line->curvature[0]) + fabs(line->curvature[1]) * half) * half * half / line->mean_y;
 }
 
-/* Do parabola and cubic explain more than chance would make them (F test with 2 and n - 4 degrees of freedom), and more than the tolerance?
-   A parabola alone would not see the S of flat, steep, less steep. */
+/* Returns whether a stretch is straight: parabola and cubic explain no more than chance would (F test with 2 and n - 4 degrees of freedom),
+   or no more than the tolerance. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line) {
     if (!(line->sxx > 0.0)) return 0;
     if (filtration__bend(line) <= r->def->tolerance) return 1;
@@ -148,9 +149,9 @@ static inline int filtration__is_straight(const filtration__readings *r, const f
     return riddle_exp(-0.5 * freedom * riddle_log1p(line->explained / rest)) >= r->def->bend_level;
 }
 
-/* The stretch over the widest range of volumes that is straight, of up to `grid` starts and ends; first and last unchanged if there is
-   none. A fifth is then cut off at an end beyond which the curve bends: the test passes readings whose bend hides in the scatter, and they
-   would draw the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
+/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
+   Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
+   bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
 static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading, size_t *last_reading) {
     const size_t first = *first_reading, last = *last_reading, readings = last - first + 1, least = r->def->least_readings;
     size_t grid = readings <= 20000 ? 48 : 12;
@@ -180,8 +181,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
     return e;
 }
 
-/* An estimate that is factor times another, whose factor has a relative standard error of its own, known well (Welch 1947 and Satterthwaite
-   1946 for the degrees of freedom). */
+/* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
+   Satterthwaite 1946 for the degrees of freedom). */
 static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative, double confidence,
                                                     double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
@@ -191,7 +192,7 @@ static inline filtration_estimate filtration__times(filtration_estimate e, doubl
     return filtration__estimate(value, error, filtration_student(confidence, freedom * ratio * ratio * ratio * ratio));
 }
 
-/* Reads and checks; first and last are the outermost readings that count. */
+/* Checks the readings; first and last: the outermost ones that count. */
 static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t *first, size_t *last, size_t *count) {
     double x, y, weight;
     r->x_scale = r->y_scale = 1.0;
@@ -212,7 +213,8 @@ static inline filtration_status filtration__take(filtration__readings *r, size_t
     return filtration__is_positive(largest_x) && filtration__is_positive(largest_y) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
-/* Intervals of the line, widened if neighbouring residuals are alike: m readings then count as m (1 - r) / (1 + r). */
+/* Computes the intervals of the line. They are widened if neighbouring residuals correlate: m readings then count as m (1 - r) / (1 +
+   r). */
 static inline void filtration__intervals(const filtration__readings *r, const filtration__line *line, filtration_curve *c) {
     const filtration_curve_def *d = r->def;
     const double m = (double)line->n, slope = line->sxy / line->sxx, y_over_x = r->y_scale / r->x_scale;

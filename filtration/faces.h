@@ -1,12 +1,13 @@
-/* faces.h: what enters through the box's faces that are not periodic: walls, given pressure, mirrors.
-   Relies on lattice.h, collide.h (task_range).
+/* faces.h: populations that enter through non-periodic faces of the box: walls, given pressure, symmetry. Relies on lattice.h, collide.h
+   (task_range).
    May be changed here alone: everything. */
 
 /* ==== >>faces ==== */
 
 #define FILTRATION__BLOCK 64
 
-/* Which face a population leaves by: a wall goes before an open face, that before a mirror. crossed: axes, as bits. Returns 0: none. */
+/* Finds the face by which a population leaves; a wall takes precedence over an open face, that over a mirror. crossed: the axes, as bits.
+   Returns 3 for a wall, 2 for an open face, 1 for a mirror, 0 if it does not leave. */
 static inline int filtration__crossing(const filtration__lattice *l, int x, int y, int z, int i, int *face, int *crossed) {
     const int at[3] = {x, y, z}, n[3] = {l->nx, l->ny, l->nz};
     int found = 0;
@@ -21,7 +22,7 @@ static inline int filtration__crossing(const filtration__lattice *l, int x, int 
     return found;
 }
 
-/* The direction with the signs of some axes (as bits) turned. */
+/* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
     for (int j = 0; j < l->q; j++) {
         int same = 1;
@@ -31,7 +32,7 @@ static inline int filtration__turned(const filtration__lattice *l, int i, int ax
     return i;
 }
 
-/* The node at (p[0], p[1], p[2]), beyond the box by at most one: wrapped, or mirrored with bits of the axes in *mirrored. Returns 0 beyond
+/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
    walls and open faces. */
 static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
     const int n[3] = {l->nx, l->ny, l->nz};
@@ -64,7 +65,7 @@ static inline void filtration__store(filtration__lattice *l, ptrdiff_t place, in
     else memcpy((double *)l->f + place, h, (size_t)n * sizeof *h);
 }
 
-/* Velocity of n nodes of a row after collision. */
+/* Computes the velocity of n nodes of a row after collision. */
 static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z, double u[3][FILTRATION__BLOCK]) {
     double h[FILTRATION__BLOCK];
     for (int a = 0; a < 3; a++)
@@ -76,7 +77,7 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Given pressure: anti-bounce-back (Ginzburg et al. 2008). */
+/* Applies a given pressure by anti-bounce-back (Ginzburg et al. 2008). */
 static inline void filtration__open(const filtration__lattice *l, int i, double r, int n, double u[3][FILTRATION__BLOCK], double *h) {
     for (int k = 0; k < n; k++) {
         double cu = l->c[i][0] * u[0][k] + l->c[i][1] * u[1][k] + l->c[i][2] * u[2][k];
@@ -85,14 +86,14 @@ static inline void filtration__open(const filtration__lattice *l, int i, double 
     }
 }
 
-/* n nodes of a row, at most FILTRATION__BLOCK, all of one kind: none or all at an end of the row. */
+/* Processes n nodes of a row, at most FILTRATION__BLOCK, of one kind: all or none at an end of the row. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
     int have_velocity = 0;
     for (int i = 1; i < l->q; i++) {
         int face = 0, crossed, kind = filtration__crossing(l, x, y, z, i, &face, &crossed), back = filtration__opposite(i);
         if (!kind) continue;
-        if (kind == 1) { /* a mirror: what comes in left the mirrored neighbour */
+        if (kind == 1) { /* a mirror: the incoming population is the one that left the mirrored neighbour */
             int m[3] = {x, y, z}, none;
             for (int a = 0; a < 3; a++)
                 if (!(crossed >> a & 1)) m[a] += l->c[i][a];

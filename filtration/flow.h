@@ -1,6 +1,5 @@
-/* flow.h: the flow read and changed between steps: samples, fields, sums, another time step, a flow to start from, saving.
-   Relies on fluid.h.
-   May be changed here alone: everything; the format of saves with its version. */
+/* flow.h: reads and changes the flow between steps: samples, fields, sums, another time step, a flow to start from. Relies on fluid.h.
+   May be changed here alone: everything. */
 
 /* ==== >>flow ==== */
 
@@ -29,7 +28,8 @@ FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float
             }
 }
 
-/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, nodes, largest squared speed. */
+/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
+   speed. */
 static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
     for (int k = 0; k < 6; k++) sum[k] = 0.0;
     for (int z = low[2]; z < high[2]; z++)
@@ -121,8 +121,8 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return FILTRATION_OK;
 }
 
-/* Rescales a node: velocity by s, pressure and force by s^2, what is out of equilibrium as stress does: by s and the ratio of relaxation
-   times. Half the force is missing in the momentum before a collision. */
+/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
+   Before a collision, half of the force is missing in the momentum. */
 static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
     double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
@@ -151,7 +151,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     return FILTRATION_OK;
 }
 
-/* Equilibrium at a node, and the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first order. */
+/* Sets a node to equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
+   order. */
 static inline void filtration__start_node(filtration_fluid *fluid, int x, int y, int z,
                                           void (*fn)(void *, const double[3], double[3], double *), void *user) {
     filtration__lattice *l = fluid->lattice;

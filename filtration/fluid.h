@@ -73,7 +73,7 @@ FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_flu
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* Rates, time step and units from the definition as it is now. */
+/* Computes rates, time step and units from the present definition. */
 static inline void filtration__set_units(filtration_fluid *fluid) {
     const filtration_fluid_def *d = &fluid->def;
     filtration__lattice *l = fluid->lattice;
@@ -94,7 +94,7 @@ static inline void filtration__set_units(filtration_fluid *fluid) {
     }
 }
 
-/* Wakes what faces and forces move. */
+/* Wakes the slabs that faces and forces move. */
 static inline void filtration__wake_sources(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     int all = !fluid->def.skip || filtration__forced(&l->rates);
@@ -195,7 +195,7 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     return FILTRATION_NO_MEMORY;
 }
 
-/* The sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
+/* Reads sphere n of the caller in lattice units. Returns 0 if a number is out of range. */
 static inline int filtration__read_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n, filtration__ball *b) {
     const filtration__lattice *l = fluid->lattice;
     const int nodes[3] = {l->nx, l->ny, l->nz};
@@ -208,7 +208,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         b->spin[a] = s->spin[3 * n + a] * fluid->dt;
         good = good && fabs(x) < 1e6 && fabs(b->velocity[a]) < 0.5 && fabs(b->spin[a]) * b->radius < 0.5;
         if (!good) return 0;
-        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* near its last place, or in the box */
+        if (l->face[2 * a] == FILTRATION_PERIODIC) { /* the image nearest to its last place, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             good = 2.0 * b->radius < nodes[a] - 2.0;
@@ -232,14 +232,14 @@ static inline filtration_status filtration__room_for_balls(filtration_fluid *flu
     return FILTRATION_OK;
 }
 
-/* How far a sphere's surface has gone since the last step [nodes]. */
+/* Returns how far a sphere's surface has moved since the last step [nodes]. */
 static inline double filtration__moved(const filtration__ball *now, const filtration__ball *before) {
     double dd = 0.0;
     for (int a = 0; a < 3; a++) dd += (now->centre[a] - before->centre[a]) * (now->centre[a] - before->centre[a]);
     return sqrt(dd);
 }
 
-/* A sphere goes from where it was to where it is: nodes change owner. gone: radius was or is 0. */
+/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
 static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
     filtration__ball before = l->balls[n];
     int was = before.radius > 0.0, is = now->radius > 0.0;

@@ -2,10 +2,10 @@
    Relies on lattice.h, and on FILTRATION__REAL, FILTRATION__FLAG (an integer of its size) and FILTRATION__OF(name).
    May be changed here alone: the order of arithmetic (the bits change). */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third
-   for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns
-   whether a node is faster than the limit or not a number. A call does `n` nodes from `first` on; memory that the next row needs is asked
-   for into the second cache: the hardware follows too few of so many streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
+   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
+   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
+   into the second cache, because hardware prefetchers follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -35,7 +35,7 @@
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the stress out of equilibrium. c2: squared length of the outer directions, rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
@@ -120,7 +120,7 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__nodes15)(FILTRATION__REAL *con
     return bad != 0;
 }
 
-/* A row of n nodes: whole cache lines first, as their loops have no end to look after. */
+/* A row of n nodes: whole cache lines first, whose loops have a constant length. */
 #define FILTRATION__ROW(nodes, directions)                                                                                                 \
     const int line = FILTRATION__LINE / (int)sizeof **p;                                                                                   \
     int bad = 0, x = 0;                                                                                                                    \

@@ -1,16 +1,15 @@
-/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest.
-   Relies on faces.h.
+/* links.h: lattice links that a surface cuts: the boundary law, the links of the solid at rest. Relies on faces.h.
    May be changed here alone: the law (filtration__bounce). */
 
 /* ==== >>links ==== */
 
-/* A link from a fluid node along i to a solid, and what lies around it. */
+/* A link from a fluid node along i to a solid. */
 typedef struct filtration__cut {
     int x, y, z, i;
     double fraction; /* q [-] */
 } filtration__cut;
 
-/* The outgoing population i of the node behind (against i); 0 if that node is not fluid. */
+/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
 static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
     int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
     if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) return 0;
@@ -19,8 +18,9 @@ static inline int filtration__behind(const filtration__lattice *l, const filtrat
     return 1;
 }
 
-/* What comes back along a link, put where the next step reads it: central linear interpolation (Ginzburg et al. 2008), half way where
-   there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back: the returning one. */
+/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
+   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
+   the returning one. */
 static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
     int opposite = filtration__opposite(k->i);
     double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
@@ -55,7 +55,7 @@ static inline void filtration__point(const filtration_fluid_def *def, int x, int
     point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
 }
 
-/* Whether the neighbour of a node along i is of the solid at rest; beyond walls and open faces there is none. */
+/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
 static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
     int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
@@ -70,7 +70,7 @@ static inline double filtration__solid_fraction(const filtration_fluid_def *def,
     return q >= 0.0 && q <= 1.0 ? q : 0.5;
 }
 
-/* Marks the solid's nodes and lists its links. Called twice: first to count (links NULL). */
+/* Lists the links of the solid. Called twice: first only to count them (links NULL). */
 static inline void filtration__list_links(const filtration_fluid_def *def, filtration__lattice *l) {
     l->link_count = 0;
     for (int z = 0; z < l->nz; z++)
@@ -88,6 +88,7 @@ static inline void filtration__list_links(const filtration_fluid_def *def, filtr
             }
 }
 
+/* Marks the nodes of the solid, and the rows that are all solid. */
 static inline void filtration__mark_solid(const filtration_fluid_def *def, filtration__lattice *l) {
     for (int z = 0; z < l->nz; z++)
         for (int y = 0; y < l->ny; y++) {
@@ -105,7 +106,7 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
-/* Force of the last step on the solid at rest, lattice units: momentum exchanged over its links (Ladd 1994). */
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994). */
 static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
     force[0] = force[1] = force[2] = 0.0;
     for (ptrdiff_t n = 0; n < l->link_count; n++) {

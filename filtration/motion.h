@@ -50,7 +50,7 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* Share of critical damping that gives a coefficient of restitution (Tsuji et al. 1992). */
+/* Returns the fraction of critical damping that gives a coefficient of restitution (Tsuji et al. 1992). */
 static inline double filtration__damping(double restitution) {
     double log_e = riddle_log(restitution);
     return -log_e / sqrt(log_e * log_e + RIDDLE_PI * RIDDLE_PI);
@@ -63,14 +63,15 @@ FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *
     return time / (dt / def->sub_steps);
 }
 
-/* What two bodies touching need; the second may be a wall: radius infinite, at rest. */
+/* Two bodies in contact; the second may be a wall: of infinite radius, at rest. */
 typedef struct filtration__touch {
     double gap, normal[3], r1, r2, mass; /* normal: from the first to the second; mass: reduced [kg] */
     double velocity[3];                  /* of the first's surface point relative to the second's [m/s] */
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Hertz with Tsuji's damping, Coulomb friction that stops sliding in a sub-step at most, lubrication implicit in the closing velocity. */
+/* Computes the force of a contact: Hertz with Tsuji's damping, Coulomb friction that at most stops sliding within a sub-step, lubrication
+   implicit in the closing velocity. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h, double damping,
                                            filtration__touch *t) {
     double closing = 0.0, push = 0.0, slide = 0.0, tangential[3];
@@ -92,7 +93,7 @@ static inline void filtration__touch_force(const filtration_motion_def *def, con
     for (int a = 0; a < 3; a++) t->force[a] = -push * t->normal[a] - (slide > 0.0 ? grip / slide * tangential[a] : 0.0);
 }
 
-/* Velocity of the surface of sphere n towards `normal`. */
+/* Computes the velocity of the surface of sphere n towards `normal`. */
 static inline void filtration__rim_velocity(const filtration_spheres *s, ptrdiff_t n, const double normal[3], double sign, double u[3]) {
     const double *v = s->velocity + 3 * n, *w = s->spin + 3 * n;
     double r = sign * s->radius[n];
@@ -116,7 +117,7 @@ static inline void filtration__kick(const filtration_motion_def *def, filtration
     }
 }
 
-/* Sphere n against sphere k, or against a wall (k < 0) whose gap and normal are in t. */
+/* Applies the contact of sphere n with sphere k, or with a wall (k < 0) whose gap and normal are in t. */
 static inline void filtration__collide_pair(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s,
                                             ptrdiff_t n, ptrdiff_t k, double h, double damping, filtration__touch *t, double *contact) {
     double u[3] = {0, 0, 0}, back[3];
@@ -131,7 +132,7 @@ static inline void filtration__collide_pair(const filtration_motion_def *def, co
     if (k >= 0) filtration__kick(def, s, k, t->normal, -1.0, back, h, contact);
 }
 
-/* Gap to the solid at rest and the direction towards it, by differences of the signed distance. */
+/* Computes the gap to the solid at rest and the direction towards it, by differences of the signed distance. Returns 0 beyond reach. */
 static inline int filtration__near_solid(const filtration_fluid *fluid, const double centre[3], double radius, double reach,
                                          filtration__touch *t) {
     const filtration_solid *solid = &fluid->def.solid;
@@ -192,7 +193,7 @@ static inline void filtration__touch_pairs(const filtration_motion_def *def, con
     }
 }
 
-/* Weight less buoyancy and the fluid's force and torque, for a time h. */
+/* Applies weight less buoyancy and the fluid's force and torque for a time h. */
 static inline void filtration__push(const filtration_motion_def *def, const filtration_fluid *fluid, filtration_spheres *s, ptrdiff_t n,
                                     double share, double h) {
     double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;

@@ -84,8 +84,8 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
     return bad ? FILTRATION_BAD_ARGUMENT : FILTRATION_OK;
 }
 
-/* Share q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the medium's.
-   Newton from the left of the root of a concave function. */
+/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the
+   medium's. Solved by Newton's method from the left of the root of a concave function. */
 static inline double filtration__cake_share(const filtration_operation *o, double w) {
     const double n = o->compressibility;
     if (o->medium == 0.0) return 1.0;
@@ -103,7 +103,7 @@ static inline double filtration__cake_share(const filtration_operation *o, doubl
     return q;
 }
 
-/* Resistance of cake and medium [1/m] at the constant pressure. */
+/* Returns the resistance of cake and medium at the constant pressure [1/m]. */
 static inline double filtration__total_resistance(const filtration_operation *o, double w) {
     if (!(o->product > 0.0 && w > 0.0)) return o->medium;
     if (o->compressibility == 0.0) return o->product * w + o->medium;
@@ -111,8 +111,8 @@ static inline double filtration__total_resistance(const filtration_operation *o,
     return o->product * riddle_pow(in_cake / o->reference, o->compressibility) * w + o->medium;
 }
 
-/* Integral of the resistance over w: closed for an incompressible cake, else 8 Gauss points in panels that halve towards the start, where
-   the cake takes up the pressure. */
+/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss points in panels that
+   halve towards the start, where the cake takes up the pressure. */
 static inline double filtration__resistance_integral(const filtration_operation *o, double from, double to) {
     static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959, 0.96028985649753623168};
     static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054, 0.10122853629037625915};
@@ -130,7 +130,7 @@ static inline double filtration__resistance_integral(const filtration_operation 
     return sum;
 }
 
-/* The stage of constant rate, at w. */
+/* Returns the point at a volume in the stage of constant rate. */
 static inline filtration_point filtration__rate_point(const filtration_operation *o, double volume) {
     filtration_point p;
     const double n = o->compressibility, stress = o->viscosity * (o->rate / o->area), w = volume / o->area;
@@ -168,7 +168,7 @@ FILTRATION_API filtration_status filtration_change_over(const filtration_operati
     return FILTRATION_OK;
 }
 
-/* The stage of constant pressure, which begins at `start`. */
+/* Returns the point at a volume in the stage of constant pressure, which begins at `start`. */
 static inline filtration_point filtration__pressure_point(const filtration_operation *o, const filtration_point *start, double volume) {
     filtration_point p;
     const double w = volume / o->area;
@@ -195,14 +195,14 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     if (!point || !(time >= 0.0 && filtration__is_finite(time)) || filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
     if (time <= start.time) return filtration_at_volume(o, start.time > 0.0 ? time * o->rate : 0.0, point);
-    /* as if the cake were incompressible, at the pressure's resistance: a volume that is too small */
+    /* starts as if the cake were incompressible, with its resistance at the pressure: the volume is too small */
     const double factor = o->viscosity / (o->pressure * o->area);
     const double stiff = o->product * riddle_pow(o->pressure / o->reference, o->compressibility);
     const double slope = 0.5 * factor * stiff / o->area, intercept = factor * (stiff * start.volume / o->area + o->medium);
     double volume = start.volume + filtration_volume_of_time(slope, intercept, time - start.time);
     *point = filtration__pressure_point(o, &start, volume);
     if (o->compressibility > 0.0 && filtration__is_finite(point->time)) {
-        for (int i = 0; point->time < time; i++) { /* to the right of the root, then Newton: time is convex in volume */
+        for (int i = 0; point->time < time; i++) { /* goes to the right of the root, then Newton's method: time is convex in volume */
             if (i == 100) return FILTRATION_NO_SOLUTION;
             volume = start.volume + 2.0 * (volume - start.volume);
             *point = filtration__pressure_point(o, &start, volume);

@@ -5,61 +5,65 @@
 /* ==== >>process: filtration equation (1) to (3), filter curves, compressible cakes ==== */
 
 /* ---- laws. dp: pressure difference [Pa], mu: viscosity of the filtrate [Pa s], A: filter area [m2]; all > 0. product: r_K K_S [1/m2], the
-   resistance of a metre of cake times the cake volume that a volume of filtrate leaves, >= 0. medium: R_M [1/m] >= 0. ---- */
+   resistance per metre of cake times the cake volume per filtrate volume, >= 0. medium: R_M [1/m] >= 0. ---- */
 
-/* (1) filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0 [1/m]. */
+/* (1) Returns the filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0 [1/m]. */
 static inline double filtration_velocity(double dp, double mu, double cake, double medium);
-/* (1) the other way round: resistance dp / (mu v) [1/m]; velocity v > 0 [m/s]. */
+/* (1) Returns the resistance dp / (mu v) [1/m]; velocity v > 0 [m/s]. */
 static inline double filtration_resistance(double dp, double mu, double velocity);
-/* R_C = r_K h [1/m] of a cake of height h >= 0 [m]; specific: r_K >= 0 [1/m2]. */
+/* Returns R_C = r_K h [1/m] of a cake of height h >= 0 [m]; specific: r_K >= 0 [1/m2]. */
 static inline double filtration_cake_resistance(double specific, double height);
-/* (2) R_M = R_M0 + R_MI [1/m]: clean medium, and interference of the first layer; both >= 0. */
+/* (2) Returns R_M = R_M0 + R_MI [1/m]: clean medium, and interference of the first layer; both >= 0. */
 static inline double filtration_medium_resistance(double clean, double interference);
-/* (3) slope mu r_K K_S / (2 A^2 dp) [s/m6] and intercept mu R_M / (A dp) [s/m3] of t / V over V, and back. */
+/* (3) Returns the slope mu r_K K_S / (2 A^2 dp) [s/m6] or the intercept mu R_M / (A dp) [s/m3] of t / V over V, or their inverses. */
 static inline double filtration_slope(double product, double dp, double mu, double A);
 static inline double filtration_intercept(double medium, double dp, double mu, double A);
 static inline double filtration_product_of_slope(double slope, double dp, double mu, double A);        /* [1/m2] */
 static inline double filtration_medium_of_intercept(double intercept, double dp, double mu, double A); /* [1/m] */
-/* (3) time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >= 0. */
+/* (3) Returns the time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >= 0. */
 static inline double filtration_time_of_volume(double slope, double intercept, double V);
-/* Its inverse: volume [m3] after the time t >= 0 [s]; slope and intercept not both 0. */
+/* Returns the volume [m3] after a time t >= 0 [s], the inverse; slope and intercept not both 0. */
 static inline double filtration_volume_of_time(double slope, double intercept, double t);
-/* Pressure difference [Pa] at the filtrate velocity v >= 0 [m/s] after V / A = w >= 0 [m] of filtrate. */
+/* Returns the pressure difference [Pa] at the filtrate velocity v >= 0 [m/s] after V / A = w >= 0 [m] of filtrate. */
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w);
 
-/* Power law of a compressible cake: value at the pressure difference p [Pa], value_1 (p / p_1)^exponent; value_1 >= 0, p >= 0, p_1 > 0. */
+/* Returns value_1 (p / p_1)^exponent, the power law of a compressible cake at the pressure difference p [Pa]; value_1 >= 0, p >= 0, p_1 >
+   0. */
 static inline double filtration_power_law(double value_1, double exponent, double p, double p_1);
-/* Mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: local value at p times 1 - n (Tiller 1953). */
+/* Returns the mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: the local value at p times 1 - n
+   (Tiller 1953). */
 static inline double filtration_mean_of_local(double local, double n);
-/* Mean share of solid [-] of a cake, from the local one at p (power law, exponent beta >= 0) where the local resistance has the exponent
-   n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
+/* Returns the mean solid fraction of a cake [-] from the local one at p (power law with exponent beta >= 0), where the local resistance has
+   the exponent n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
 static inline double filtration_mean_solid(double local, double n, double beta);
 
 #define FILTRATION_KOZENY_CARMAN 180.0 /* constant of Carman (1937); Ergun (1952): 150 */
-/* Kozeny-Carman: r_K = constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter d > 0 [m], constant > 0. */
+/* Returns r_K by Kozeny-Carman, constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter d > 0 [m], constant
+   > 0. */
 static inline double filtration_kozeny_carman(double porosity, double d, double constant);
-/* Its inverse: porosity [-] of a cake with r_K > 0. */
+/* Returns the porosity [-] of a cake with r_K > 0, the inverse. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant);
-/* K_S [-] from shares: solid volume share c of the suspension and porosity e of the cake, c / (1 - e - c); c >= 0, c + e < 1. */
+/* Returns K_S [-] from the solid volume fraction c of the suspension and the porosity e of the cake, c / (1 - e - c); c >= 0, c + e < 1. */
 static inline double filtration_cake_ratio(double c, double porosity);
-/* K_S [-] from the filtrate: solid volume in the cake over its solid share and the filtrate, solid / ((1 - e) V); V > 0 [m3]. */
+/* Returns K_S [-] from the solid volume in the cake, its porosity e and the filtrate volume V > 0 [m3], solid / ((1 - e) V). */
 static inline double filtration_cake_ratio_of_solid(double solid, double porosity, double V);
-/* K_S [-] from the height of the cake, h A / V. */
+/* Returns K_S [-] from the height of the cake, h A / V. */
 static inline double filtration_cake_ratio_of_height(double height, double A, double V);
-/* Specific resistance by mass, alpha = r_K / (rho_s (1 - e)) [m/kg]; density of the solid > 0 [kg/m3]. */
+/* Returns the specific resistance by mass, alpha = r_K / (rho_s (1 - e)) [m/kg]; density of the solid > 0 [kg/m3]. */
 static inline double filtration_mass_resistance(double specific, double porosity, double density);
 
-/* Two-sided quantile of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0, need not be whole. */
+/* Returns the two-sided quantile t of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0, not necessarily
+   whole. */
 static inline double filtration_student(double confidence, double freedom);
 
 /* ---- size distributions: n classes of mean size d > 0 [m] (arrays of the caller, [n]) ---- */
-/* shares[i] d[i]^power, made to add up to 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns back. out may be shares.
-   BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
+/* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns them back.
+   out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
 FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out);
-/* Cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0] must be
-   0: what is below the first size has no number. BAD_ARGUMENT. out may be Q3. */
+/* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0]
+   must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
 FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out);
-/* Sauter diameter [m] of volume shares. NaN where filtration_convert_shares would refuse. */
+/* Returns the Sauter diameter [m] of volume shares; NaN where filtration_convert_shares would refuse. */
 FILTRATION_API double filtration_sauter(size_t n, const double *d, const double *volume_shares);
 
 /* ---- an operation: constant rate until the pressure is reached, then constant pressure ---- */
@@ -68,10 +72,10 @@ typedef struct filtration_operation {
     double area;            /* [m2] > 0; default 1 */
     double medium;          /* R_M [1/m] >= 0; default 0 */
     double product;         /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
-    double compressibility; /* exponent n of r_K K_S over the pressure difference in the cake [-], 0 .. below 1; default 0 */
+    double compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
     double reference;       /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
     double pressure;        /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
-    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: no such stage (constant pressure); default HUGE_VAL */
+    double rate;            /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
 } filtration_operation;
 
 typedef struct filtration_point {
@@ -83,12 +87,12 @@ typedef struct filtration_point {
 } filtration_point;
 
 FILTRATION_API filtration_operation filtration_operation_default(void);
-/* BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0; pressure and rate not both
-   HUGE_VAL. */
+/* Returns BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0, pressure and rate
+   not both HUGE_VAL. */
 FILTRATION_API filtration_status filtration_operation_check(const filtration_operation *o, const char **field);
-/* The point at which the first stage ends. time infinite: it never ends; 0: there is none. */
+/* Finds the point at which the first stage ends. time infinite: it never ends; 0: there is no such stage. */
 FILTRATION_API filtration_status filtration_change_over(const filtration_operation *o, filtration_point *point);
-/* The point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
+/* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
 FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume, filtration_point *point);
 FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time, filtration_point *point);
 
@@ -98,21 +102,22 @@ typedef struct filtration_curve_def {
     double pressure;       /* difference, constant [Pa] > 0; default 1e5 */
     double viscosity;      /* [Pa s] > 0; default 1e-3 */
     double area;           /* [m2] > 0; default 2e-3 */
-    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is found; default NAN */
+    double cake_ratio;     /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
     double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
-    double time_error;     /* standard error of a reading [s] >= 0; with volume_error 0: unknown, each t / V counts the same; default 0 */
-    double volume_error;   /* [m3] >= 0; default 0. Both only weigh the readings; the scatter itself gives the interval */
-    double start_time;     /* of the stage that is evaluated [s]; default 0. (t - t1) / (V - V1) is then drawn over V + V1 */
+    double time_error;     /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and each t / V has the same weight;
+                              default 0 */
+    double volume_error;   /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
+    double start_time;     /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
-    double first_volume;   /* readings from here ... [m3] >= 0; default 0 */
-    double last_volume;    /* ... to here [m3]; default HUGE_VAL */
-    int automatic;         /* 1: of these, the longest straight stretch; 0: all of them; default 1 */
+    double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
+    double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
+    int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
     size_t least_readings; /* of a stretch, >= 5; default 6 */
-    double bend_level;     /* a stretch is bent if chance alone bends it as much with less than this probability [-], above 0 .. 1;
-                               default 0.1 */
+    double bend_level;     /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
+                              default 0.1 */
     double tolerance;      /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
     double confidence;     /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
@@ -120,10 +125,10 @@ typedef struct filtration_curve_def {
 typedef struct filtration_estimate {
     double value;
     double error;     /* standard error */
-    double low, high; /* interval of the stated confidence */
+    double low, high; /* confidence interval */
 } filtration_estimate;
 
-/* What a reader of the result should know. */
+/* Remarks about a result. */
 #define FILTRATION_REMARKS(X)                                                                                                              \
     X(FILTRATION_REMARK_BENT, 1u, "the readings used are not on a straight line")                                                          \
     X(FILTRATION_REMARK_MEDIUM, 2u, "the intercept is negative: clear liquid went first, or the clock began late")                         \
@@ -143,7 +148,7 @@ typedef struct filtration_curve {
     size_t first, last;                           /* indices of the first and last reading used */
     size_t used;                                  /* readings used */
     double freedom;                               /* degrees of freedom [-] */
-    double student;                               /* factor of the interval of slope and intercept [-] */
+    double student;                               /* factor from standard error to interval, of slope and intercept [-] */
     double scatter;                               /* standard deviation of t / V about the line, over its mean [-] */
     double r2;                                    /* coefficient of determination [-] */
     double bend;                                  /* departure of a fitted parabola and cubic from the line, over the mean t / V [-] */
@@ -153,18 +158,18 @@ typedef struct filtration_curve {
 } filtration_curve;
 
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
-/* BAD_DEF and the name of the first bad field (field may be NULL). */
+/* Returns BAD_DEF and the name of the first bad field (field may be NULL). */
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *def, const char **field);
 /* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
    are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, or time runs backwards; FEW_DATA: fewer than
    least_readings; NO_SOLUTION: all at one volume, or out of the range of doubles. */
 FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time, const double *volume,
                                                      filtration_curve *result);
-/* Resistance [1/m] of the clean medium: mean of dp t A / (mu V) over the readings from the start to last_volume [m3] > 0, before any
-   cake. Errors as above. Readings where t / V still rises are the caller's to leave out. */
+/* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
+   0, before there is a cake. Errors as above. The caller leaves out readings where t / V still rises. */
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n, const double *time,
                                                            const double *volume, double last_volume, filtration_estimate *medium);
-/* Time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as above (0 for
-   the pressure measured at), with the interval that slope and intercept leave. */
+/* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
+   above (0 for the measured pressure), with the interval that follows from slope and intercept. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
                                                     double V, filtration_estimate *time);

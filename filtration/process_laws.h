@@ -1,5 +1,5 @@
-/* process_laws.h: the filtration equation and its kin, pure functions of scalars.
-   Relies on base.h, process_api.h, the portable mathematics.
+/* process_laws.h: the laws of the filtration equation: pure functions of scalars. Relies on base.h, process_api.h, the portable
+   mathematics.
    May be changed here alone: how a law is computed, not what it returns. */
 
 /* ==== >>process ==== */
@@ -47,7 +47,7 @@ static inline double filtration_time_of_volume(double slope, double intercept, d
 static inline double filtration_volume_of_time(double slope, double intercept, double t) {
     if (!(slope >= 0.0 && intercept >= 0.0 && slope + intercept > 0.0 && t >= 0.0)) return (double)NAN;
     if (t == 0.0) return 0.0;
-    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t)); /* no difference of near numbers */
+    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t)); /* avoids the difference of nearly equal numbers */
 }
 
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w) {
@@ -75,7 +75,8 @@ static inline double filtration_kozeny_carman(double porosity, double d, double 
     return constant * ratio * ratio / (porosity * porosity * porosity);
 }
 
-/* With y^2 the porosity: s y^3 + y^2 = 1, s = d sqrt(r_K / constant). Newton from the right of the root of a convex function. */
+/* With y^2 the porosity: s y^3 + y^2 = 1, s = d sqrt(r_K / constant). Solved by Newton's method from the right of the root of a convex
+   function. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant) {
     if (!(specific > 0.0 && d > 0.0 && constant > 0.0)) return (double)NAN;
     const double s = d * sqrt(specific / constant);
@@ -109,7 +110,7 @@ static inline double filtration_mass_resistance(double specific, double porosity
 
 /* ---- Student's distribution ---- */
 
-/* Logarithm of the beta function B(a, 1/2), a > 0: the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
 static inline double filtration__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
@@ -117,7 +118,7 @@ static inline double filtration__log_beta_half(double a) {
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
-/* Continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
+/* Returns the continued fraction of the incomplete beta function (Lentz's method; Abramowitz and Stegun 26.5.8). */
 static inline double filtration__beta_fraction(double a, double b, double x) {
     const double tiny = 1e-300;
     double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
@@ -139,7 +140,7 @@ static inline double filtration__beta_fraction(double a, double b, double x) {
     return h;
 }
 
-/* P(|T| > t), t >= 0, and the density of |T| there. */
+/* Returns P(|T| > t), t >= 0, and the density of |T| there. */
 static inline double filtration__student_tail(double freedom, double t, double *density) {
     const double a = 0.5 * freedom, b = 0.5, x = freedom / (freedom + t * t), rest = t * t / (freedom + t * t);
     const double log_x = -riddle_log1p(t * t / freedom), log_beta = filtration__log_beta_half(a);
@@ -156,7 +157,7 @@ static inline double filtration_student(double confidence, double freedom) {
     double low = 0.0, high = 1.0, density;
     while (high < 1e150 && filtration__student_tail(freedom, high, &density) > 1.0 - confidence) low = high, high *= 2.0;
     double t = high;
-    for (int i = 0; i < 200; i++) { /* Newton, kept in the bracket */
+    for (int i = 0; i < 200; i++) { /* Newton's method, kept within the bracket */
         const double excess = filtration__student_tail(freedom, t, &density) - (1.0 - confidence);
         if (excess > 0.0) low = t;
         else high = t;

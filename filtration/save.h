@@ -1,10 +1,9 @@
-/* save.h: a fluid written as bytes and read back, bit for bit.
-   Relies on flow.h.
+/* save.h: writes a fluid as bytes and reads it back, bit for bit. Relies on flow.h.
    May be changed here alone: the format, with its version. */
 
 /* ==== >>save ==== */
 
-/* Everything but arrays. All of eight bytes, so that there is no padding. */
+/* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
     int64_t nodes[3], directions, single, faces[6], links, solid_nodes, balls, odd, steps, updates;
@@ -44,7 +43,7 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     return h;
 }
 
-/* The arrays of a save, in order. Returns their number. */
+/* Lists the arrays of a save, in order. Returns their number. */
 static inline int filtration__saved_arrays(const filtration__lattice *l, void *data[4], size_t bytes[4]) {
     data[0] = l->slab_active, bytes[0] = (size_t)l->nz;
     data[1] = l->owner, bytes[1] = filtration__nodes(l) * sizeof *l->owner;
@@ -69,7 +68,7 @@ FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *f
     return write(user, &sum, sizeof sum) ? FILTRATION_OK : FILTRATION_STREAM;
 }
 
-/* The fluid at rest at time 0, without spheres. */
+/* Puts the fluid at rest at time 0, without spheres. */
 static inline void filtration__rest(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     memset(l->block, 0, l->block_bytes);
@@ -83,7 +82,7 @@ static inline void filtration__rest(filtration_fluid *fluid) {
     memset(&fluid->problem, 0, sizeof fluid->problem);
 }
 
-/* Whether a save belongs to this fluid. */
+/* Returns whether a save belongs to this fluid. */
 static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
@@ -111,7 +110,7 @@ static inline filtration_status filtration__read_arrays(filtration_fluid *fluid,
     return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
 }
 
-/* Marks the solid's nodes again, as a damaged save may have changed the map. */
+/* Marks the solid's nodes again, because a damaged save may have changed the map. */
 static inline void filtration__remark(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;

@@ -4,7 +4,7 @@
 
 /* ==== >>shear ==== */
 
-/* Velocity at a point between nodes, trilinear; solids count as at the velocity of the sphere that owns them. */
+/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
 static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
     int base[3], mirrored;
     double part[3];
@@ -32,8 +32,8 @@ static inline void filtration__velocity_at(const filtration__lattice *l, const d
     }
 }
 
-/* (9) F = mu / dx * integral of the tangential relative velocity one voxel from the surface; points evenly spread by a golden spiral,
-   about one on a voxel's face. */
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface. Points are spread evenly by a golden
+   spiral, about one on a voxel's face. */
 static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;

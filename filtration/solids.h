@@ -1,10 +1,11 @@
-/* solids.h: signed distances of woven cloth, beds and voxel images.
-   Relies on base.h, solids_api.h, process.h (filtration__is_finite), the portable mathematics.
-   May be changed here alone: how a distance is found. */
+/* solids.h: signed distances of woven cloth, beds and voxel images. Relies on base.h, solids_api.h, process.h (filtration__is_finite), the
+   portable mathematics.
+   May be changed here alone: how a distance is computed. */
 
 /* ==== >>solids ==== */
 
-/* The sign change of the distance along a link: regula falsi that halves the weight of an end that stays (Dowell and Jarratt 1971). */
+/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
+   1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
     double at_low = solid->distance(solid->self, fluid), at_high = solid->distance(solid->self, in_solid);
@@ -12,7 +13,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
     int side = 0;
     for (int i = 0; i < 60 && high - low > 1e-9; i++) {
         double q = at_high < 0.0 ? low + (high - low) * at_low / (at_low - at_high) : high;
-        if (i % 3 == 2) q = 0.5 * (low + high); /* and never slower than halving every third time */
+        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, for a guaranteed speed */
         for (int a = 0; a < 3; a++) point[a] = fluid[a] + q * (in_solid[a] - fluid[a]);
         const double here = solid->distance(solid->self, point);
         if (here == 0.0) return q;
@@ -41,13 +42,13 @@ FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, 
     return FILTRATION_OK;
 }
 
-/* +1 where wire `own` lies above the plane at its crossing with wire `other`. */
+/* Returns +1 where wire `own` lies above the plane at its crossing with wire `other`, otherwise -1. */
 static inline double filtration__cloth_side(const filtration_cloth *cloth, int warp, int own, int other) {
     const int sum = own + other, over = cloth->weave == FILTRATION_TWILL_WEAVE ? (sum & 3) < 2 : (sum & 1) == 0;
     return over == warp ? 1.0 : -1.0;
 }
 
-/* Height of the axis of a wire over the plane at the place s along it, and its first two derivatives. */
+/* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
 static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first, double *second) {
     const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place), amplitude = 0.5 * cloth->wire;
     const double here = filtration__cloth_side(cloth, warp, own, (int)crossing);
@@ -59,8 +60,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Square of the distance from a point to the axis of a wire at the place s along it; aside, along, z: the point from its middle line.
-   Its first and second derivative by s over 2. */
+/* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
+   derivatives by s. aside, along, z: the point relative to the wire's middle line. */
 static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z,
                                                double s, double *slope, double *curve) {
     double first, second;
@@ -70,7 +71,8 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by Newton. */
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined by
+   Newton's method. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside, double along, double z) {
     double slope, curve, best = along;
     double least = filtration__axis_distance(cloth, warp, own, aside, along, z, along, &slope, &curve);
@@ -96,8 +98,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
-/* The nearest of the wires along one direction; across: place across them, along: along them. Others lie no nearer than their axes do
-   seen from above. */
+/* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
+   than its axis is, seen from above. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along, double z,
                                                 double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
@@ -117,7 +119,7 @@ FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, c
     const double z = point[2] - cloth->centre, above = fabs(z) - cloth->wire, pitch = cloth->wire + cloth->opening;
     const double far = fabs(point[0]) > fabs(point[1]) ? fabs(point[0]) : fabs(point[1]);
     if (!(far < 1e9 * pitch && pitch < 1e100 && fabs(z) < 1e100 && cloth->reach <= 4.0 * pitch))
-        return (double)NAN; /* more wires than integers count, or none that _make made */
+        return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, point[0], point[1], z, cloth->reach);
     return filtration__wires_distance(cloth, 0, point[1], point[0], z, nearest);
@@ -137,7 +139,7 @@ FILTRATION_API filtration_solid filtration_cloth_solid(const filtration_cloth *c
 
 typedef struct filtration__bed_entry {
     ptrdiff_t index;
-    int image[3]; /* in edges of the box */
+    int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
 static inline double filtration__capsule_distance(const double point[3], const double *a, const double *b, double radius) {
@@ -153,7 +155,7 @@ static inline double filtration__capsule_distance(const double point[3], const d
     return sqrt(square) - radius;
 }
 
-/* Range of cells that object i, moved by an image, can be near to. 0: none. */
+/* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
 static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3], int to[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
@@ -167,7 +169,7 @@ static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, 
     return 1;
 }
 
-/* Images of object i along axis k that can be near the box. */
+/* Finds the images of object i that can be near the box. */
 static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i, int low[3], int high[3]) {
     for (int k = 0; k < 3; k++) {
         const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a, wide = bed->radius[i] + bed->reach;
@@ -178,7 +180,7 @@ static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i
     }
 }
 
-/* Counts the entries of each cell into start[cell + 1] (entry NULL), or files them, start[cell] being where the next goes. */
+/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next one goes. */
 static inline void filtration__bed_file(const filtration_bed *bed, size_t *start, filtration__bed_entry *entry) {
     int low[3], high[3], image[3], from[3], to[3];
     for (ptrdiff_t i = 0; i < bed->n; i++) {
@@ -220,7 +222,7 @@ static inline int filtration__bed_is_good(const filtration_bed *bed) {
         if (!filtration__is_positive(bed->box[k])) return 0;
     for (ptrdiff_t i = 0; i < bed->n; i++) {
         if (!filtration__is_positive(bed->radius[i])) return 0;
-        for (int k = 0; k < 3; k++) { /* no more than some thousand boxes away: images are counted in int */
+        for (int k = 0; k < 3; k++) { /* at most some thousand boxes away: images are counted in int */
             const double a = bed->a[3 * i + k], b = bed->b ? bed->b[3 * i + k] : a;
             if (!((fabs(a) + fabs(b) + bed->radius[i] + bed->reach) / bed->box[k] < 1e4)) return 0;
         }
@@ -260,7 +262,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
         return FILTRATION_NO_MEMORY;
     }
     filtration__bed_file(bed, bed->start, bed->entry);
-    memmove(bed->start + 1, bed->start, cells * sizeof *bed->start); /* filing has moved each start to the next */
+    memmove(bed->start + 1, bed->start, cells * sizeof *bed->start); /* storing has moved each start to the next one */
     bed->start[0] = 0;
     return FILTRATION_OK;
 }
@@ -305,7 +307,7 @@ FILTRATION_API filtration_status filtration_image_check(const filtration_image *
     return FILTRATION_OK;
 }
 
-/* Whether cube (c) is solid; beyond a face that is not periodic it is not. */
+/* Returns whether cube c is solid; beyond a face that is not periodic it is not. */
 static inline int filtration__cube_is_solid(const filtration_image *m, const int c[3]) {
     int at[3];
     for (int k = 0; k < 3; k++) {
@@ -316,7 +318,7 @@ static inline int filtration__cube_is_solid(const filtration_image *m, const int
     return m->solid[((size_t)at[2] * (size_t)m->n[1] + (size_t)at[1]) * (size_t)m->n[0] + (size_t)at[0]] != 0;
 }
 
-/* Distance from the place p [cubes] to cube c, 0 inside. */
+/* Returns the distance from the place p to cube c [cubes]; 0 inside. */
 static inline double filtration__cube_distance(const double p[3], const int c[3]) {
     double square = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -335,7 +337,8 @@ FILTRATION_API double filtration_image_distance(const filtration_image *m, const
     }
     const int own = filtration__cube_is_solid(m, home);
     double nearest = m->reach;
-    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next is farther than what is found */
+    for (int ring = 0; ring <= m->reach && ring - 1.0 < nearest; ring++) /* shells of cubes, until the next one is farther away than the
+                                                                            nearest found */
         for (c[2] = home[2] - ring; c[2] <= home[2] + ring; c[2]++)
             for (c[1] = home[1] - ring; c[1] <= home[1] + ring; c[1]++) {
                 const int on_shell = abs(c[2] - home[2]) == ring || abs(c[1] - home[1]) == ring;

@@ -1,10 +1,10 @@
-/* spheres.h: moving spheres on the lattice: which nodes they cover, their links, the force on them, nodes that they leave.
-   Relies on links.h.
+/* spheres.h: moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. Relies on
+   links.h.
    May be changed here alone: everything but the meaning of owner. Coordinates: lattice units, node i at i. */
 
 /* ==== >>spheres ==== */
 
-/* Nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
+/* Finds the nodes first .. end of the row at (y, z) inside a sphere; first > end: none. */
 static inline void filtration__chord(const filtration__ball *b, int y, int z, int *first, int *end) {
     double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
     *first = 1, *end = 0;
@@ -13,13 +13,13 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     *first = (int)ceil(b->centre[0] - half), *end = (int)floor(b->centre[0] + half);
 }
 
-/* Rows that a sphere may reach along an axis. */
+/* Finds the rows that a sphere may cover along an axis. */
 static inline void filtration__extent(const filtration__ball *b, int axis, int *first, int *end) {
     *first = (int)ceil(b->centre[axis] - b->radius);
     *end = (int)floor(b->centre[axis] + b->radius);
 }
 
-/* Whether another sphere than `not` covers the node at p (within the box), its index, or FILTRATION__FRESH. */
+/* Returns the index of another sphere that covers the node at p (within the box), or FILTRATION__FRESH. */
 static inline int32_t filtration__cover(const filtration__lattice *l, const int p[3], ptrdiff_t not_this) {
     const int n[3] = {l->nx, l->ny, l->nz};
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
@@ -36,8 +36,8 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
     return FILTRATION__FRESH;
 }
 
-/* Nodes that are inside `now` and not inside `before` (NULL: nothing) become owned by `index`; called the other way round with leave 1,
-   they are left. */
+/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
+   nodes are left. */
 static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
                                           const filtration__ball *before, int leave) {
     int y0, y1, z0, z1, mirrored;
@@ -60,15 +60,15 @@ static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t inde
         }
 }
 
-/* Velocity of a sphere's surface or inside at a point relative to its centre. */
+/* Computes the velocity of a sphere, on its surface or inside, at a point relative to its centre. */
 static inline void filtration__surface_velocity(const filtration__ball *b, const double d[3], double u[3]) {
     u[0] = b->velocity[0] + b->spin[1] * d[2] - b->spin[2] * d[1];
     u[1] = b->velocity[1] + b->spin[2] * d[0] - b->spin[0] * d[2];
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Momentum exchange of a link, Galilean invariant (Wen et al. 2014); deviations only, so that a film too thin for nodes has the mean
-   pressure. */
+/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Populations are deviations, so that a film too thin for nodes
+   has the mean pressure. */
 static inline void filtration__exchange(const filtration__lattice *l, filtration__ball *b, int i, const double d[3], const double u[3],
                                         double out, double back) {
     double f[3];
@@ -81,7 +81,7 @@ static inline void filtration__exchange(const filtration__lattice *l, filtration
     b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
 }
 
-/* The link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
+/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one. */
 static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y, int z, int j) {
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3], e[3], u[3], back, cd = 0.0, dd = 0.0, cc = 0.0;
@@ -99,7 +99,7 @@ static inline void filtration__ball_link(filtration__lattice *l, int32_t index, 
     filtration__exchange(l, b, k.i, e, u, out, back);
 }
 
-/* All links of a sphere: in every row its nodes less those whose neighbour along j is inside as well. */
+/* Applies all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
 static inline void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b) {
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
@@ -137,7 +137,7 @@ static void filtration__ball_task(void *context, int task) {
     }
 }
 
-/* Density (its deviation) and velocity of a node between steps, by the populations that the next step reads. */
+/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
 static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
     double r = 0.0;
     for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
@@ -149,7 +149,7 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Puts the populations of a node that a sphere has left. d: from the sphere's centre. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z, const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
     int count = 0, from[3] = {0, 0, 0}, mirrored;
@@ -179,7 +179,7 @@ static inline void filtration__fill(filtration__lattice *l, const filtration__ba
     }
 }
 
-/* Fills the nodes that a sphere has left: first all from old fluid, then they become fluid (call again with done 1). */
+/* Fills the nodes that a sphere has left, all from old fluid. A second call with done 1 makes them fluid. */
 static inline void filtration__fill_left(filtration__lattice *l, const filtration__ball *now, const filtration__ball *before, int done) {
     int y0, y1, z0, z1, mirrored;
     filtration__extent(before, 1, &y0, &y1);
