@@ -78,15 +78,15 @@ extern "C" {
 typedef enum blocking_status { BLOCKING_STATUSES(BLOCKING__ENUM) BLOCKING_STATUS_COUNT } blocking_status;
 #undef BLOCKING__ENUM
 
-/* One sentence without a full stop; "unknown status" for a number that is none. The text is a constant. */
+/* Returns one sentence without a full stop; "unknown status" for a number that is none. The text is a constant. */
 BLOCKING_API const char *blocking_status_text(blocking_status status);
 
 /* ========================================================== grains ========================================================== */
 
-/* Relative grain size phi = d / l (eq 1) [-]. d: mean grain diameter [m] >= 0, l: size of the hole [m] > 0. */
+/* Returns the relative grain size phi = d / l (eq 1) [-]. d: mean grain diameter [m] >= 0, l: size of the hole [m] > 0. */
 static inline double blocking_relative_size(double d, double l);
 
-/* 1 if 0.8 <= phi <= 1.2 (eq 2, both ends belong to it, to 1e-15), else 0; 0 for NaN. */
+/* Returns 1 if 0.8 <= phi <= 1.2 (eq 2, both ends belong to it, to 1e-15), else 0; 0 for NaN. */
 static inline int blocking_is_hard_to_screen(double phi);
 
 /* Share of the mass that is hard to screen (eq 2), split as in section 1.1 of the paper. x_h = below + above. */
@@ -96,28 +96,28 @@ typedef struct blocking_hard {
     double above; /* l < d <= 1.2 l: they never pass and may stick ("blocking") [-] */
 } blocking_hard;
 
-/* From classes: diameter[n] [m] > 0 in any order, mass[n] >= 0 in any unit (not all zero), opening l [m] > 0.
-   A class counts with its whole mass. NEGATIVE, TOO_FEW (n 0 or no mass), NOT_FINITE, BAD_ARGUMENT. */
+/* Computes the shares from classes: diameter[n] [m] > 0 in any order, mass[n] >= 0 in any unit (not all zero), opening l [m] > 0. A class
+   counts with its whole mass. NEGATIVE, TOO_FEW (n 0 or no mass), NOT_FINITE, BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, const double *mass, size_t n, double opening,
                                                         blocking_hard *out);
 
-/* From a cumulative curve: passing[n] = mass fraction finer than size[n] [m], sizes rising, straight lines between the points.
-   Before the first point the curve is known only if passing[0] is 0, after the last only if passing[n-1] is 1: else NOT_COVERED.
+/* Computes the shares from a cumulative curve: passing[n] = mass fraction finer than size[n] [m], sizes rising, straight lines between the
+   points. Before the first point the curve is known only if passing[0] is 0, after the last only if passing[n-1] is 1: else NOT_COVERED.
    IN_PERCENT, NEGATIVE, NOT_CUMULATIVE, NOT_RISING, TOO_FEW (n < 2), NOT_FINITE, BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const double *passing, size_t n, double opening,
                                                       blocking_hard *out);
 
 /* ======================================================== vibration ========================================================= */
 
-/* Toss indicator K = (2 pi n)^2 A sin(beta) / (g cos(alpha)) (eq 3) [-]: largest acceleration of the deck over gravity, both along its
-   normal. n: frequency [Hz] (rpm / 60) >= 0; A: amplitude, half the stroke [m] >= 0; beta: direction of the vibration against the deck
-   [rad] 0..pi; alpha: slope of the deck [rad], cos(alpha) > 0; g [m/s2] > 0. NaN outside. */
+/* Returns the toss indicator K = (2 pi n)^2 A sin(beta) / (g cos(alpha)) (eq 3) [-]: largest acceleration of the deck over gravity, both
+   along its normal. n: frequency [Hz] (rpm / 60) >= 0; A: amplitude, half the stroke [m] >= 0; beta: direction of the vibration against the
+   deck [rad] 0..pi; alpha: slope of the deck [rad], cos(alpha) > 0; g [m/s2] > 0. NaN outside. */
 static inline double blocking_toss_indicator(double n, double A, double beta, double alpha, double g);
 
-/* The normal amplitude A sin(beta) [m] that gives the toss indicator K >= 0 at frequency n > 0 (eq 3 solved). */
+/* Returns the normal amplitude A sin(beta) [m] that gives the toss indicator K >= 0 at frequency n > 0 (eq 3 solved). */
 static inline double blocking_toss_amplitude(double K, double n, double alpha, double g);
 
-/* The frequency [Hz] that gives the toss indicator K >= 0 with amplitude A > 0 (eq 3 solved). sin(beta) > 0. */
+/* Returns the frequency [Hz] that gives the toss indicator K >= 0 with amplitude A > 0 (eq 3 solved). sin(beta) > 0. */
 static inline double blocking_toss_frequency(double K, double A, double beta, double alpha, double g);
 
 #define BLOCKING_TOSSES(X)                                                                                                                 \
@@ -131,14 +131,14 @@ static inline double blocking_toss_frequency(double K, double A, double beta, do
 typedef enum blocking_toss { BLOCKING_TOSSES(BLOCKING__ENUM) BLOCKING_TOSS_COUNT } blocking_toss;
 #undef BLOCKING__ENUM
 
-/* Which row of Table 1 a toss indicator stands in (ends belong to it, to 1e-15), and its text. */
+/* Returns the row of Table 1 for a toss indicator (ends belong to it, to 1e-15), and its text. */
 static inline blocking_toss blocking_toss_range(double K);
 BLOCKING_API const char *blocking_toss_text(blocking_toss range);
 
 /* ====================================================== counted holes ======================================================= */
 
-/* 1 if the bed is too thick for this description, H / D_z >= 0.1 (section 3.1; to 1e-15), else 0. H: height of the bed [m] >= 0, D_z:
-   diameter of the sieve [m] > 0. 1 as well for values outside that. */
+/* Returns 1 if the bed is too thick for this description, H / D_z >= 0.1 (section 3.1; to 1e-15), else 0. H: height of the bed [m] >= 0,
+   D_z: diameter of the sieve [m] > 0. Also 1 for values outside that. */
 static inline int blocking_bed_too_thick(double H, double D_z);
 
 typedef struct blocking_count {
@@ -149,22 +149,22 @@ typedef struct blocking_count {
     double low, high;  /* Wilson's interval for f (Wilson 1927), holes independent [-] */
 } blocking_count;
 
-/* free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the interval in standard deviations > 0, 1.96 for 95 %.
-   BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
+/* Computes the free fraction. free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the interval in standard
+   deviations > 0, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out);
 
 /* ================================================= blocking in time (laws) ================================================== */
 
-/* df/dt = -k1 f + k2 (1 - f) [1/s] (eqs 5, 7, 9, 10). f 0..1; k1: rate constant of blocking, k2: of unblocking [1/s] >= 0. */
+/* Returns df/dt = -k1 f + k2 (1 - f) [1/s] (eqs 5, 7, 9, 10). f 0..1; k1: rate constant of blocking, k2: of unblocking [1/s] >= 0. */
 static inline double blocking_rate(double f, double k1, double k2);
 
-/* Free fraction at time t [s] >= 0 from f0 at t = 0 (eqs 10-13) [-]. f0 0..1, k1, k2 finite >= 0, t may be infinite; k1 = k2 = 0 gives f0.
-   It is also the exact step of a simulator: f = blocking_free_fraction(f, k1, k2, dt). */
+/* Returns the free fraction at time t [s] >= 0 from f0 at t = 0 (eqs 10-13) [-]. f0 0..1, k1, k2 finite >= 0, t may be infinite; k1 = k2 =
+   0 gives f0. It is also the exact step of a simulator: f = blocking_free_fraction(f, k1, k2, dt). */
 static inline double blocking_free_fraction(double f0, double k1, double k2, double t);
 static inline double blocking_pure_blocking(double f0, double k1, double t);   /* eq 6: nothing unblocks */
 static inline double blocking_pure_unblocking(double f0, double k2, double t); /* eq 8: nothing blocks */
 
-/* f_inf = k2 / (k1 + k2) (eq 11) [-]; NaN for k1 = k2 = 0, where every f is steady. */
+/* Returns f_inf = k2 / (k1 + k2) (eq 11) [-]; NaN for k1 = k2 = 0, where every f is steady. */
 static inline double blocking_equilibrium(double k1, double k2);
 
 /* Below, a curve is (f0, f_inf, k): f(t) = f_inf + (f0 - f_inf) exp(-k t) (eq 13), k = k1 + k2 >= 0 [1/s]. f0 and f_inf may be any finite
@@ -173,18 +173,19 @@ static inline double blocking_k1(double f_inf, double k);                       
 static inline double blocking_k2(double f_inf, double k);                         /* k f_inf [1/s]; f_inf 0..1 */
 static inline double blocking_curve(double f0, double f_inf, double k, double t); /* f at t [s] >= 0 */
 
-/* Mean of f over 0..T [-], T [s] >= 0, may be infinite. This, with T the time between two cleanings, is what eq 17 wants for f*;
-   (f0 + f_inf)/2, as in the paper, it is not. */
+/* Returns the mean of f over 0..T [-], T [s] >= 0, may be infinite. This, with T the time between two cleanings, is the f* of eq 17; (f0 +
+   f_inf)/2, as in the paper, is not. */
 static inline double blocking_time_mean(double f0, double f_inf, double k, double T);
 
-/* The time [s] at which the curve has the value f; 0 for f = f0, NaN for a value that it does not take (f_inf is only approached). */
+/* Returns the time [s] at which the curve has the value f; 0 for f = f0, NaN for a value that it does not take (f_inf is only
+   approached). */
 static inline double blocking_time_to(double f, double f0, double f_inf, double k);
 
-/* Integral of f over 0..t [s]: the time in which a clean deck would have passed as much. A screen model's curve with blocking is its
-   curve without, taken at this time, if its rate is proportional to the free holes. */
+/* Returns the integral of f over 0..t [s]: the time in which a clean deck would have passed as much. A screen model's curve with blocking
+   is its curve without, taken at this time, if its rate is proportional to the free holes. */
 static inline double blocking_exposure(double f0, double f_inf, double k, double t);
 
-/* The time t [s] whose exposure is `exposure` [s] >= 0, f0 and f_inf 0..1; infinite if the deck blocks before. */
+/* Returns the time t [s] whose exposure is `exposure` [s] >= 0, f0 and f_inf 0..1; infinite if the deck blocks before. */
 static inline double blocking_time_for_exposure(double exposure, double f0, double f_inf, double k);
 
 /* ============================================= blocking in time, changing rates ============================================= */
@@ -196,7 +197,7 @@ typedef struct blocking_ode_def {
     double f0;                /* free fraction at `start` [-] 0..1; default 1 */
     double start;             /* [s]; default 0 */
     blocking_rates_fn *rates; /* default NULL: must be set */
-    void *user;               /* handed to rates; default NULL */
+    void *user;               /* passed to rates; default NULL */
     const double *breaks;     /* [n_breaks] rising times [s] at which rates jump or kink: a step ends there. default NULL */
     size_t n_breaks;          /* default 0 */
     double tolerance;         /* for the error of f and of its mean, 1e-14 .. 0.1; default 1e-10 */
@@ -214,7 +215,8 @@ typedef struct blocking_ode_report {
 } blocking_ode_report;
 
 BLOCKING_API blocking_ode_def blocking_default_ode_def(void);
-/* OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check functions likewise. */
+/* Returns OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check functions
+   likewise. */
 BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def, const char **field);
 
 /* Solves df/dt = -k1(t) f + k2(t)(1 - f) (eq 10). times[n]: rising, times[0] >= start. f[n]: free fraction at those times; mean[n], or
@@ -237,10 +239,10 @@ typedef struct blocking_schedule {
     size_t n;           /* >= 1 */
     int stepwise;       /* 1: a value holds until the next time; 0: straight lines between. Before the first and after the last: constant */
     blocking_law_fn *law;
-    void *user; /* handed to law */
+    void *user; /* passed to law */
 } blocking_schedule;
 
-/* OK, or what is wrong; *row (may be NULL) is the first bad row. */
+/* Returns OK, or what is wrong; *row (may be NULL) is the first bad row. */
 BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *schedule, size_t *row);
 
 /* A blocking_rates_fn: set def.rates = blocking_schedule_rates, def.user = &schedule, def.breaks = schedule.time, def.n_breaks =
@@ -280,16 +282,16 @@ static inline double blocking_noise_k(double r);
 
 /* ============================================= rate constants by least squares ============================================== */
 
-/* Half-width, in standard errors, of a range that holds as much of Student's t with `dof` degrees of freedom as -z..z does of the normal
-   distribution: 12.706, 4.303, 3.182, 2.228 for z = 1.959964 and dof 1, 2, 3, 10; z itself from dof 1e6 on. z > 0 (above 7 as 7), dof >= 1
-   (whole numbers; others are rounded down). NaN outside. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds as much of Student's t with `dof` degrees of freedom as -z..z does of
+   the normal distribution: 12.706, 4.303, 3.182, 2.228 for z = 1.959964 and dof 1, 2, 3, 10; z itself from dof 1e6 on. z > 0 (above 7 as
+   7), dof >= 1 (whole numbers; others are rounded down). NaN outside. Student 1908. */
 BLOCKING_API double blocking_student(double z, double dof);
 
 typedef struct blocking_fit_def {
     double k_low, k_high; /* search range [1/s], 0 < k_low < k_high; default 1e-9, 1e6. The times limit it as well: to what they can show,
                              1e-4 / last time .. 40 / shortest gap */
-    double z;             /* how much the ranges of the result hold, as half-width in standard deviations of a normal distribution > 0;
-                             default 1.96: 95 %. Where the spread is taken from the readings, Student's t is used instead */
+    double z;             /* confidence of the result's ranges, as half-width in standard deviations of a normal distribution > 0; default
+                             1.96: 95 %. Where the spread is taken from the readings, Student's t is used instead */
     double turn_back;     /* > 0: a reading that runs against the curve by more than this share of the readings' range is NON_MONOTONE;
                              default 0.5 */
     double tolerance;     /* readings that differ by no more than this do not change [-] >= 0; default BLOCKING_TOLERANCE */
@@ -318,16 +320,16 @@ typedef struct blocking_fit_result {
 BLOCKING_API blocking_fit_def blocking_default_fit_def(void);
 BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def, const char **field);
 
-/* Least squares of eq 13 over k > 0, f0 and f_inf in 0..1 (for a given k the rest is linear: variable projection; all minima of a grid in
-   ln k are refined to round-off). t[n] rising >= 0, f[n] 0..1, n >= 3. sigma[n] > 0: standard errors of the readings, or NULL: equal and
+/* Fits eq 13 by least squares over k > 0, f0 and f_inf in 0..1 (for a given k the rest is linear: variable projection; all minima of a grid
+   in ln k are refined to round-off). t[n] rising >= 0, f[n] 0..1, n >= 3. sigma[n] > 0: standard errors of the readings, or NULL: equal and
    unknown. NO_CHANGE, NON_MONOTONE, NOT_SATURATING, NOT_RESOLVED come with the best curve filled in (k NaN for NO_CHANGE); TOO_FEW,
    NOT_FINITE, NOT_RISING, IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
                                           blocking_fit_result *out);
 
-/* The range, as those of the result, of what the fitted curve says about a time T [s] >= 0 (infinite: f_inf), cut at 0 and 1: of f there
-   and of its mean over 0..T, which decides on the deck's area. Any of the four may be NULL. Statuses as blocking_fit; OK also where
-   blocking_fit would name something that is left open: then the range is wide. TOO_FEW also for three readings without sigma. */
+/* Computes the ranges, with the confidence of the result's, of f at a time T [s] >= 0 (infinite: f_inf) and of its mean over 0..T, which
+   determines the deck's area; both are cut at 0 and 1. Any of the four may be NULL. Statuses as blocking_fit; OK also where blocking_fit
+   would name something that is left open: then the range is wide. TOO_FEW also for three readings without sigma. */
 BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
                                                 size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
                                                 double *mean_highest);
@@ -369,7 +371,7 @@ typedef struct blocking_law_value {
     int outside; /* bits 1, 2, 4: K, x_h, moisture lie beyond the tests by more than 1 % of their range */
 } blocking_law_value;
 
-/* k1, k2 and f_inf where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
+/* Evaluates k1, k2 and f_inf by the law, where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
 BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out);
 
 typedef struct blocking_law_run {
@@ -379,14 +381,15 @@ typedef struct blocking_law_run {
     int outside; /* as that of blocking_law_value */
 } blocking_law_run;
 
-/* What the law says about a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the long run). The ranges are the lowest
-   and the highest over all k1, k2 that the law's errors allow, so they stay within 0..1. Statuses as blocking_law_at. */
+/* Predicts by the law the free fraction of a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the long run). The
+   ranges are the lowest and the highest over all k1, k2 that the law's errors allow, so they stay within 0..1. Statuses as
+   blocking_law_at. */
 BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
                                                blocking_law_run *out);
 
-/* A pair k1, k2 [1/s] that the law may mean as well: z1, z2 are two standard normal numbers of the caller's, turned into errors with the
-   law's covariance (wider by Student's t over 1.96). For answers without a formula, such as the time to a recovery: draw some hundred
-   pairs, the same seed for the same numbers, and take what 95 % of the answers lie between. 0, 0 gives the law's own. Statuses as
+/* Draws a pair k1, k2 [1/s] within the law's errors: z1, z2 are two standard normal numbers of the caller's, turned into errors with the
+   law's covariance (wider by Student's t over 1.96). For results without a formula, such as the time to a recovery: draw some hundred
+   pairs, the same seed for the same numbers, and take the range that contains 95 % of the results. 0, 0 gives the law's own. Statuses as
    blocking_law_at. */
 BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture, double z1, double z2,
                                                double *k1, double *k2);
@@ -403,14 +406,14 @@ typedef enum blocking_shape {
 
 BLOCKING_API const char *blocking_shape_text(blocking_shape shape);
 
-/* The bare cubic of Table 3 for f* [-], and its slope by x_h, for any finite K and x_h; NaN for an unknown shape. */
+/* Returns the bare cubic of Table 3 for f* [-], and its slope by x_h, for any finite K and x_h; NaN for an unknown shape. */
 static inline double blocking_table3(blocking_shape shape, double K, double x_h);
 static inline double blocking_table3_slope(blocking_shape shape, double K, double x_h);
 
-/* Its coefficients a[10] in the order K x^2, x^3, x^2, x, K x, K^2 x, 1, K, K^2, K^3 (x = x_h); NaN for an unknown shape. */
+/* Copies its coefficients a[10] in the order K x^2, x^3, x^2, x, K x, K^2 x, 1, K, K^2, K^3 (x = x_h); NaN for an unknown shape. */
 static inline void blocking_table3_coefficients(blocking_shape shape, double *a);
 
-/* What Table 3 was measured with. */
+/* Conditions under which Table 3 was measured. */
 typedef struct blocking_conditions {
     double K;                    /* toss indicator [-] >= 0; measured 0.62, 1.5, 1.98, 3.5, 4.9. default NaN: must be set */
     double x_h;                  /* hard-to-screen content [-] 0..1; default NaN: must be set */
@@ -439,23 +442,23 @@ typedef struct blocking_average {
 } blocking_average;
 
 BLOCKING_API blocking_conditions blocking_default_conditions(void);
-/* Which of the first four flags a set of conditions raises. NaN raises its flag. */
+/* Returns those of the first four flags that a set of conditions raises. NaN raises its flag. */
 BLOCKING_API unsigned blocking_outside_box(const blocking_conditions *conditions);
-/* f* with what is wrong about it. Model error about +-0.1: f*(K, 0) should be 1 and comes out 0.83 .. 1.08. BLOCKING_OK also outside the
-   box: look at flags. IN_PERCENT (x_h > 1), NEGATIVE, NOT_FINITE, BAD_ARGUMENT. */
+/* Computes f* and its flags. Model error about +-0.1: f*(K, 0) should be 1 and comes out 0.83 .. 1.08. BLOCKING_OK also outside the box:
+   see flags. IN_PERCENT (x_h > 1), NEGATIVE, NOT_FINITE, BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const blocking_conditions *conditions, blocking_average *out);
-/* The text of one flag; "unknown flag" for anything else. */
+/* Returns the text of one flag; "unknown flag" for anything else. */
 BLOCKING_API const char *blocking_flag_text(unsigned flag);
 
 /* ============================================ polynomials of n variables (eq 16) ============================================ */
 
-/* y = sum_i a_i prod_j x_j^P_ij over n_terms terms (the printed sum runs to n, the number of variables: a misprint). a[n_terms],
+/* Returns y = sum_i a_i prod_j x_j^P_ij over n_terms terms (the printed sum runs to n, the number of variables: a misprint). a[n_terms],
    powers[n_terms][n_vars] >= 0, x[n_vars]; 0^0 = 1. NaN for a negative power. */
 BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x, size_t n_vars);
 
-/* All powers up to a total degree: their number is (n_vars + degree)! / (n_vars! degree!). Returns it, and fills powers[number][n_vars]
-   if capacity (rows) is enough; powers may be NULL. Order: by degree, within a degree first variable first: 1, x, y, x^2, xy, y^2 ... 0
-   if n_vars is 0, degree negative or the number above a billion. */
+/* Lists all powers up to a total degree; their number is (n_vars + degree)! / (n_vars! degree!). Returns it, and fills
+   powers[number][n_vars] if capacity (rows) is enough; powers may be NULL. Order: by degree, within a degree first variable first: 1, x, y,
+   x^2, xy, y^2 ... 0 if n_vars is 0, degree negative or the number above a billion. */
 BLOCKING_API size_t blocking_polynomial_powers(size_t n_vars, int degree, int *powers, size_t capacity);
 
 #define BLOCKING_POLYNOMIAL_WORK(n_points, n_terms) (((size_t)(n_points) + 4u) * (size_t)(n_terms) + 2u * (size_t)(n_points))
@@ -467,7 +470,7 @@ typedef struct blocking_polynomial_report {
     size_t term;      /* UNDETERMINED: the first term that the points cannot tell from those before it; else n_terms */
 } blocking_polynomial_report;
 
-/* Least squares for a[n_terms] from x[n_points][n_vars] and y[n_points] (Householder QR of scaled columns, one refinement).
+/* Fits a[n_terms] by least squares from x[n_points][n_vars] and y[n_points] (Householder QR of scaled columns, one refinement).
    error[n_terms], or NULL: standard errors (NaN if n_points = n_terms). work[BLOCKING_POLYNOMIAL_WORK(n_points, n_terms)]. report may be
    NULL. TOO_FEW (n_points < n_terms or n_terms = 0), NOT_FINITE, UNDETERMINED (a NaN), BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const double *y, size_t n_points, const int *powers, size_t n_terms,
@@ -476,11 +479,11 @@ BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const doub
 
 /* ======================================================== deck area ========================================================= */
 
-/* Clearance of a clean square mesh A0 = (l / (l + w))^2 [-]: holes over screen, opening l [m] > 0, wire w [m] >= 0. */
+/* Returns the clearance of a clean square mesh A0 = (l / (l + w))^2 [-]: holes over screen, opening l [m] > 0, wire w [m] >= 0. */
 static inline double blocking_open_area(double l, double w);
-/* F_ef = f* F A0 (eq 17) [m2]. f_mean 0..1, area F [m2] >= 0, clearance A0 0..1. */
+/* Returns F_ef = f* F A0 (eq 17) [m2]. f_mean 0..1, area F [m2] >= 0, clearance A0 0..1. */
 static inline double blocking_effective_area(double f_mean, double area, double clearance);
-/* p = F_ef / F = f* A0 (eq 18) [-]. */
+/* Returns p = F_ef / F = f* A0 (eq 18) [-]. */
 static inline double blocking_clearance(double f_mean, double clearance);
 
 /* A deck's duty. Fields whose default is NaN must be set. */
@@ -509,7 +512,7 @@ typedef struct blocking_deck {
 
 BLOCKING_API blocking_duty blocking_default_duty(void);
 BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, const char **field);
-/* The design question: how large a deck has to be. Areas are infinite where everything blocks. BAD_DEF, BAD_ARGUMENT. */
+/* Computes how large a deck must be. Areas are infinite where everything blocks. BAD_DEF, BAD_ARGUMENT. */
 BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking_deck *out);
 
 /* clang-format off */
@@ -1158,9 +1161,9 @@ static inline blocking__state blocking__magnus(blocking__state s, blocking__rate
                              blocking__clip(sixth * (3.0 * b.k2 + 4.0 * m.k2 - a.k2), 0.0, HUGE_VAL), 0.5 * h);
 }
 
-/* Do the rates between t and t + step, seen at a, q1, m, q3, b, agree with what they are at the samples of the whole time that lie there?
-   Samples stand at irregular places, so that nothing periodic hides from all of them. What disagrees by less than the tolerance over a gap
-   of samples is let pass. 1, 0, or -1 for a bad rate. */
+/* Tests whether the rates between t and t + step, seen at a, q1, m, q3, b, agree with those at the samples of the whole time that lie
+   there. Samples stand at irregular places, so that nothing periodic hides from all of them. Differences of less than the tolerance over a
+   gap of samples are accepted. Returns 1, 0, or -1 for a bad rate. */
 static inline int blocking__steps_see_all(const blocking_ode_def *def, double t, double step, double span, const blocking__rates *r,
                                           blocking_ode_report *report) {
     const double samples = blocking__samples(def->tolerance), gap = span / samples, first = floor((t - def->start) / gap),
@@ -1188,7 +1191,7 @@ static inline int blocking__steps_see_all(const blocking_ode_def *def, double t,
    stays below it. */
 static inline blocking_status blocking__advance_to(const blocking_ode_def *def, double end, double span, double *t, double *h,
                                                    blocking__state *s, blocking__jumps *jumps, blocking_ode_report *report) {
-    const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: look at them from within */
+    const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: they are evaluated inside */
     const int sampled = def->n_breaks == 0 && !(def->max_step < HUGE_VAL);
     blocking__rates a, q1, m, q3, b;
     if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report)) return BLOCKING_BAD_RATE;
@@ -1644,7 +1647,7 @@ enum { BLOCKING__SCAN = 120 };
 typedef struct blocking__region {
     double end;    /* places from -end to end are looked at */
     double least;  /* smallest sum of squares */
-    double target; /* what a value may have */
+    double target; /* largest sum of squares that is accepted */
     double student, variance;
     double from, to; /* places of the range of k */
 } blocking__region;
@@ -1722,7 +1725,7 @@ static inline void blocking__range_k(const blocking__data *d, blocking__region *
     if (*high < k) *high = k;
 }
 
-/* What a range is asked of: f at T, or its mean over 0..T. */
+/* Quantity of a range: f at T, or its mean over 0..T. */
 typedef struct blocking__wish {
     double T; /* [s] since t = 0; infinite: f_inf */
     int mean; /* of f over 0..T */
@@ -2134,7 +2137,8 @@ static inline void blocking__law_plain(const blocking__tests *all, const blockin
         }
 }
 
-/* What single tests say: sums over those that tell their own k1 and k2, of the terms' products and of the terms times ln k1, ln k2. */
+/* Results of single tests: sums over those that determine their own k1 and k2, of the terms' products and of the terms times ln k1, ln
+   k2. */
 typedef struct blocking__law_guess {
     double product[BLOCKING_LAW_TERMS][BLOCKING_LAW_TERMS], with[2][BLOCKING_LAW_TERMS];
 } blocking__law_guess;
@@ -2193,7 +2197,7 @@ static inline void blocking__law_best(const blocking__tests *all, const blocking
 enum { BLOCKING__FORMS = 64 };
 typedef struct blocking__law_set {
     blocking__law_trial form[BLOCKING__FORMS];
-    double aicc[BLOCKING__FORMS]; /* infinite: not to be had */
+    double aicc[BLOCKING__FORMS]; /* infinite: not available */
     int best;
 } blocking__law_set;
 

@@ -80,7 +80,7 @@ typedef enum { CLASSIFIER_STATUSES(CLASSIFIER__NAME) CLASSIFIER__STATUS_COUNT } 
 #undef CLASSIFIER__NAME
 static inline const char *classifier_status_text(classifier_status status);
 
-/* What a result should be read with; bits of classifier_result.flags. */
+/* Reservations about a result; bits of classifier_result.flags. */
 enum {
     CLASSIFIER_SPHERICITY_CLAMPED = 1, /* a drawn 2D sphericity left the range of the conversion and was set to its end */
     CLASSIFIER_CUT_OUTSIDE = 2,        /* x25, x50 or x75 lies outside [size_low, size_high]: it is NaN */
@@ -112,35 +112,36 @@ typedef struct classifier_drag {
 
 /* 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi = 1. */
 static inline double classifier_newton_factor(double psi);
-/* Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are one (Cauchy).
-   psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
+/* Returns the law of Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are
+   one (Cauchy). psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
 static inline classifier_drag classifier_hoelzer_sommerfeld(double psi, classifier_basis basis);
-/* The same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular: (pi x^2
-   / 4) / area across the flow. Both > 0. */
+/* Returns the same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular:
+   (pi x^2 / 4) / area across the flow. Both > 0. */
 static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
                                                                      classifier_basis basis);
-/* Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld for psi >= 0.995,
-   where that is 9-14 % low between Re 10 and 100. */
+/* Returns the law of Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld
+   for psi >= 0.995, where that is 9-14 % low between Re 10 and 100. */
 static inline classifier_drag classifier_schiller_naumann(void);
 static inline classifier_drag classifier_stokes(void); /* 24/Re */
-/* c_D [-] at re > 0 (infinity allowed). */
+/* Returns c_D [-] at re > 0 (infinity allowed). */
 static inline double classifier_drag_coefficient(classifier_drag drag, double re);
-/* Magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3], viscosity [Pa s]. Exact at 0. */
+/* Returns the magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3], viscosity [Pa s]. Exact at 0. */
 static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density, double viscosity);
 
-/* pi^(1/3) (6 V)^(2/3) / S: sphericity of a body of volume [m3] and surface [m2]. */
+/* Returns pi^(1/3) (6 V)^(2/3) / S: sphericity of a body of volume [m3] and surface [m2]. */
 static inline double classifier_sphericity(double volume, double surface);
-/* 2 sqrt(pi A) / P: 2D sphericity of a projection of area [m2] and perimeter [m]. */
+/* Returns 2 sqrt(pi A) / P: 2D sphericity of a projection of area [m2] and perimeter [m]. */
 static inline double classifier_sphericity_2d(double area, double perimeter);
-/* Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN outside (at 1 it would give 1.008). */
+/* Returns the sphericity by Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN outside (at 1 it would
+   give 1.008). */
 static inline double classifier_rorato(double psi_2d);
-/* The same with psi_2d moved into the range first; *clamped (may be NULL) is set to whether that was needed. NaN stays NaN. */
+/* Returns the same with psi_2d moved into the range first; *clamped (may be NULL) : whether that was needed. NaN stays NaN. */
 static inline double classifier_rorato_clamped(double psi_2d, bool *clamped);
 
 /* Di Felice 1994: exponent chi(Re) (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6. */
 static inline double classifier_di_felice_exponent(double re);
-/* Factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with. Superficial slip
-   (= voids * interstitial): voids^-chi. */
+/* Returns the factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with.
+   Superficial slip (= voids * interstitial): voids^-chi. */
 static inline double classifier_di_felice_superficial(double voids, double re);
 /* Interstitial slip, drag alone: voids^(2 - chi). */
 static inline double classifier_di_felice_interstitial_drag(double voids, double re);
@@ -167,15 +168,16 @@ static inline double classifier_cut_size_stokes(const classifier_balance *at);
 static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations);
 /* d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
 static inline double classifier_cut_sensitivity(classifier_drag drag, double re);
-/* Tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root. */
+/* Returns the tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root. */
 static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x);
-/* Radial gas velocity [m/s] that makes x the cut size. */
+/* Returns the radial gas velocity [m/s] that makes x the cut size. */
 static inline double classifier_cut_radial_velocity(const classifier_balance *at, classifier_drag drag, double x);
-/* Settling velocity [m/s] of size x in rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag describes. */
+/* Returns the settling velocity [m/s] of size x at rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag
+   describes. */
 static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
                                                   double viscosity, double gravity);
-/* Path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number:
-   (4 rho x / 3 rho_f) int_0^Re dRe / (Re c_D). Stokes number = this / length. */
+/* Returns the path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number: (4 rho x / 3 rho_f)
+   int_0^Re dRe / (Re c_D). Stokes number = this / length. */
 static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
                                                   double viscosity, double speed);
 /* The handbook's for spheres, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) - sqrt6 atan(Re^(1/3) / sqrt6)). */
@@ -238,8 +240,8 @@ typedef struct classifier_distribution {
 } classifier_distribution;
 
 static inline classifier_distribution classifier_normal(double mean, double sd, double low, double high); /* low, high may be infinite */
-/* From bins class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was on an error:
-   CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
+/* Makes a histogram from class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was
+   on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
 CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made);
 CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d);
 /* P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN of what classifier_check_distribution refuses. */
@@ -266,7 +268,7 @@ typedef struct classifier_wheel {
     double thickness;                          /* of a paddle [m] >= 0; all of them less than the inner circumference */
 } classifier_wheel;
 
-/* Undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness)). */
+/* Returns the undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness)). */
 static inline double classifier_radial_velocity(const classifier_wheel *wheel, double air_flow, double r);
 
 /* The exact straight flight of a particle from the rim to the face of the next paddle, in the inertial frame. */
@@ -279,21 +281,21 @@ typedef struct classifier_impact {
     double angle;   /* between relative velocity and the face's normal, negative: sliding inward [rad] */
     int iterations; /* of Newton's method */
 } classifier_impact;
-/* angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle line [rad]; velocities of the
-   particle [m/s]. */
+/* Computes the straight flight to the next paddle. angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle
+   line [rad]; velocities of the particle [m/s]. */
 CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward);
 
 struct classifier_def;
-/* The same for a particle of size x [m] > 0 that gas bends from its line. The gas is that of classifier_trajectory: it turns with the wheel
-   and flows inward with radial_factor times the undisturbed velocity. hit false for bad arguments. */
+/* Computes the same for a particle of size x [m] > 0 that gas bends from its line. The gas is that of classifier_trajectory: it turns with
+   the wheel and flows inward with radial_factor times the undisturbed velocity. hit false for bad arguments. */
 CLASSIFIER_API classifier_impact classifier_approach_in_gas(const struct classifier_def *def, classifier_drag drag, double x, double ahead,
                                                             double tangential_against, double radial_inward);
 
 typedef enum { CLASSIFIER_LATTICE, CLASSIFIER_SOBOL, CLASSIFIER_MONTE_CARLO } classifier_sampler;
 enum { CLASSIFIER_MAX_SHIFTS = 64 };
 
-/* Everything the model needs. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or not given there,
+/* The definition of the model. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or not given there,
    replaced by us (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
 typedef struct classifier_def {
     unsigned cookie;         /* set by classifier_default_def */
@@ -329,12 +331,12 @@ typedef struct classifier_def {
 typedef enum { CLASSIFIER_LIMESTONE, CLASSIFIER_GROUND_GLASS, CLASSIFIER_BEADS } classifier_material;
 
 CLASSIFIER_API classifier_def classifier_default_def(void);
-/* The paper's machine and one of its materials at a speed [1/min]; flags may be NULL: CLASSIFIER_EXTRAPOLATED. */
+/* Returns the paper's machine with one of its materials at a speed [1/min]; flags may be NULL: CLASSIFIER_EXTRAPOLATED. */
 CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material, double rpm, unsigned *flags);
-/* CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field may be NULL). */
+/* Returns CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field may be NULL). */
 CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def, const char **field);
 
-/* The drawn particles, ready to be asked for T at any size: 15 numbers a point. Fields may be read; `weights` may be changed
+/* The drawn particles, from which T follows at any size: 15 numbers a point. Fields may be read; `weights` may be changed
    (classifier_weights_of(2) shows the curve of exactly two contacts). */
 typedef struct classifier_model {
     classifier_def def;
@@ -353,14 +355,14 @@ typedef struct classifier_model {
 /* Checks def and draws the points. memory may be NULL. On an error model is empty and may be freed. */
 CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
 CLASSIFIER_API void classifier_free(classifier_model *model);
-/* Share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN for bad
-   x. */
+/* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN
+   for bad x. */
 CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, double *error);
 CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]); /* of A, B, C alone */
-/* Size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]. */
+/* Returns the size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]. */
 CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t);
-/* The same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found: def->approach_size is not
-   read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}. NaN, CLASSIFIER_OUTSIDE if there is none. */
+/* Finds the same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found: def->approach_size is
+   not read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}. NaN, CLASSIFIER_OUTSIDE if there is none. */
 CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
                                                             const classifier_memory *memory, double *x);
 
@@ -375,7 +377,7 @@ typedef struct classifier_result {
     double clamped, missed; /* shares of the drawn particles */
     unsigned flags;
 } classifier_result;
-/* T at n sizes x[n] [m] into t[n] (both may be NULL with n 0) and what is read off the curve. */
+/* Computes T at n sizes x[n] [m] into t[n] (both may be NULL with n 0) and the characteristics of the curve. */
 CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
                                                      classifier_result *result);
 
@@ -383,8 +385,8 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
    and may be def itself. CLASSIFIER_OUTSIDE if 1e-3 .. 1e3 times def's factor cannot reach it. */
 CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
                                                       classifier_def *calibrated);
-/* The air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. The same
-   errors; speeds from 1 to 1e6 are tried. */
+/* Finds the air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. Errors as
+   above; speeds from 1 to 1e6 are tried. */
 CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
                                                          double *air_flow);
 CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm);
@@ -397,13 +399,13 @@ typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
    vector. */
 CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
                                          classifier_slip slip);
-/* The size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
+/* Returns the size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
 CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, classifier_drag drag, double r, double v_phi,
                                                 classifier_slip slip);
 
-/* T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it). Uses
-   def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points will
-   do. Paths that stay are not rejected. */
+/* Computes T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it).
+   Uses def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points
+   will do. Paths that stay are not rejected. */
 CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
                                                              double *error);
 
@@ -428,11 +430,11 @@ typedef struct classifier_curve {
 } classifier_curve;
 static inline classifier_curve classifier_curve_of(classifier_curve_law law, double size, double slope); /* no bypass */
 static inline double classifier_curve_value(const classifier_curve *curve, double x);                    /* b + (1 - b) T(x); x >= 0 */
-/* The largest size [m] with that value. NaN if there is none (t below the bypass). */
+/* Returns the largest size [m] with that value. NaN if there is none (t below the bypass). */
 CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t);
 
-/* Mean of T over a class [low, high] [m] with mass density q(x) (NULL: uniform): int T q / int q, Gauss-Legendre on `pieces` >= 1 pieces
-   of 5 points. */
+/* Returns the mean of T over a class [low, high] [m] with mass density q(x) (NULL: uniform): int T q / int q, Gauss-Legendre on `pieces` >=
+   1 pieces of 5 points. */
 typedef double (*classifier_function)(double x, const void *user);
 CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
                                             double low, double high, int pieces);
@@ -449,10 +451,10 @@ typedef struct classifier_fit_result {
     double student;     /* a 95 % range is value +- student * sd: Student's t of dof, or 1.96 with sd given */
     int iterations;
 } classifier_fit_result;
-/* Least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n]; sd[n] > 0 or
-   NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is sought from
-   between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW) and values on both sides of one half
-   (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
+/* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
+   sd[n] > 0 or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
+   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW) and values on both sides of one
+   half (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -468,8 +470,8 @@ typedef struct classifier_balance_result {
     double chi_squared;                   /* sum of (adjustment / sd)^2: about `freedom` if the sds are honest */
     int freedom;
 } classifier_balance_result;
-/* Least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it. Outputs
-   (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
+/* Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1; c with it.
+   Outputs (caller's, [classes], each may be NULL): t and its sd, the reconciled distributions. Classes without feed have t NaN. */
 CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result);
 
@@ -481,8 +483,8 @@ typedef struct classifier_circuit_def {
     int coarse_to[CLASSIFIER_STAGES];
     int fine_to[CLASSIFIER_STAGES];
 } classifier_circuit_def;
-/* One size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into each
-   stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
+/* Computes one size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into
+   each stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
 CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
 
 /* clang-format off */
@@ -658,7 +660,7 @@ static inline const char *classifier_status_text(classifier_status status) {
 static inline bool classifier__positive(double v) { return v > 0.0 && v < HUGE_VAL; }
 static inline double classifier__nan(void) { return (double)NAN; }
 
-/* Passes a status on; a failure leaves NaN in out [n] (may be NULL), so that nobody takes it for a result. */
+/* Passes a status on; a failure leaves NaN in out [n] (may be NULL), so that it is not mistaken for a result. */
 static inline classifier_status classifier__leave(classifier_status status, int n, double *out) {
     for (int i = 0; status != CLASSIFIER_OK && out && i < n; i++) out[i] = classifier__nan();
     return status;
@@ -1655,7 +1657,7 @@ static inline void classifier__sincos(double angle, double *s, double *c) {
     *c = small ? riddle__sin_quarter(angle, 1) : riddle_cos(angle);
 }
 
-/* radius_only: speed and angle are not asked for */
+/* radius_only: speed and angle are not needed */
 static inline classifier_impact classifier__approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward, bool radius_only) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
@@ -2800,7 +2802,7 @@ static inline classifier_status classifier__reconcile(const classifier_balance_d
         if (!(total[k] > 0.0)) return CLASSIFIER_EMPTY;
         if (!(fabs(total[k] - 1.0) <= 1e-3)) return CLASSIFIER_NOT_NORMALISED;
     }
-    if (!known && !(differ > 1e-9)) return CLASSIFIER_OUTSIDE; /* equal products: the split cannot be seen */
+    if (!known && !(differ > 1e-9)) return CLASSIFIER_OUTSIDE; /* equal products: the split cannot be determined */
     classifier_balance_data d = *data;
     if (!known) d.coarse_share_sd = classifier__nan();
     classifier__balance b;

@@ -65,9 +65,9 @@ typedef struct dem_io_surface {
     size_t bytes;
 } dem_io_surface;
 
-/* The box that holds all particles and all walls of finite size now, and the cylinders around them [m]. */
+/* Finds the box that contains all particles and all walls of finite size now, and the cylinders around them [m]. */
 DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *high);
-/* The walls that are not switched off, where they are now. DEM_OUT_OF_MEMORY leaves an empty surface. */
+/* Makes the surface of the enabled walls at their present places. DEM_OUT_OF_MEMORY leaves an empty surface. */
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface);
 DEM_IO_API void dem_io_free_surface(dem_io_surface *surface); /* safe on a zeroed or freed one */
 
@@ -385,7 +385,7 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
         case DEM_SPHERE: dem_io__ball(surface, w, k); break;
         case DEM_SCREEN: dem_io__bars(surface, w, k, 0), dem_io__bars(surface, w, k, 1); break;
         case DEM_MESH: dem_io__mesh(surface, w, k); break;
-        default: break; /* an exit is none that is touched */
+        default: break; /* an exit is not touched */
         }
     }
     return DEM_OK;
@@ -499,7 +499,7 @@ static inline double dem_io__height(const dem_io__view *v, dem_vec at) {
     return dem_io__dot(dem_io__along(at, -1.0, v->origin), v->normal);
 }
 
-/* The spheres of a group that the plane cuts, into x, y, r [mm]; returns their number. */
+/* Lists the spheres of a group that the plane cuts, as x, y, r [mm]. Returns their number. */
 static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, double *x, double *y, double *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
@@ -513,7 +513,7 @@ static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view
     return n;
 }
 
-/* The line in which a triangle is cut, as two points and a gap after them; returns 3, or 0 where it is not cut. */
+/* Computes the line in which the plane cuts a triangle, as two points and a gap after them; returns 3, or 0 where it is not cut. */
 static inline int dem_io__cut_triangle(const dem_io__view *v, const dem_vec corner[3], double *x, double *y) {
     int n = 0;
     for (int k = 0; k < 3 && n < 2; k++) {

@@ -78,7 +78,7 @@ extern "C" {
 #define GRANULATION__ENUM(name, text) name,
 typedef enum granulation_status { GRANULATION_STATUSES(GRANULATION__ENUM) GRANULATION_STATUS_COUNT } granulation_status;
 
-/* What became of a collision, and why. */
+/* Reasons for the outcome of a collision. */
 #define GRANULATION_REASONS(X)                                                                        \
     X(GRANULATION_NONE, "the granules do not approach each other")                                    \
     X(GRANULATION_TYPE_I, "Type I: the film stopped them before the surfaces met (11)")               \
@@ -127,9 +127,9 @@ static inline double granulation_film_unclipped(const granulation_granule *g, do
 static inline double granulation_asperity(double factor, double grain_diameter); /* (34) height of asperities A Dp [m]; both > 0 */
 
 /* ==== consolidation (26), (27) ==== */
-/* Rate of (27), da/dt [m3/s]; rate constant [1/s]. */
+/* Returns the rate of (27), da/dt [m3/s]; rate constant [1/s]. */
 static inline double granulation_consolidation_rate(const granulation_granule *g, double rate_constant);
-/* Air volume after a time, exact: the air fraction a / V decays as exp(-k t). kt = k t >= 0 [-]. [m3] */
+/* Returns the air volume after a time, exact: the air fraction a / V decays as exp(-k t). kt = k t >= 0 [-]. [m3] */
 static inline double granulation_consolidate(const granulation_granule *g, double kt);
 /* k t until the film appears [-]; 0 if it is there; infinite without liquid, or with s_crit 1 */
 static inline double granulation_film_time(const granulation_granule *g, double s_crit);
@@ -211,7 +211,7 @@ static inline double granulation_arrhenius(double viscosity, double activation, 
 
 /* ==== the outcome of a collision as one pure function ==== */
 
-/* How the yield stresses of two granules make that of the pair. */
+/* The yield stress of a pair from those of its two granules. */
 typedef enum granulation_pair_yield { GRANULATION_YIELD_MEAN, GRANULATION_YIELD_WEAKER } granulation_pair_yield;
 /* Y / E* fixed (yield_ratio), or E* fixed (modulus). */
 typedef enum granulation_stiffness { GRANULATION_FIXED_RATIO, GRANULATION_FIXED_MODULUS } granulation_stiffness;
@@ -250,7 +250,7 @@ typedef struct granulation_laws {
     double shear_rate;       /* (30) [1/s], >= 0; 0 */
 } granulation_laws;
 
-/* What the laws need of a granule; make it once with granulation_body_of. A wall or the impeller: granulation_wall. */
+/* Properties of a granule for the laws; computed once by granulation_body_of. For a wall or the impeller: granulation_wall. */
 typedef struct granulation_body {
     granulation_granule volumes;
     double diameter; /* [m]; infinite for a wall */
@@ -275,22 +275,22 @@ typedef struct granulation_collision {
 } granulation_collision;
 
 GRANULATION_API granulation_laws granulation_default_laws(void);
-/* GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), else ok. */
+/* Returns GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), otherwise ok. */
 GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *laws, const char **field);
-/* NaN in every derived quantity if the volumes are outside their ranges. */
+/* Computes the properties of a granule; every derived one is NaN if the volumes are outside their ranges. */
 static inline granulation_body granulation_body_of(const granulation_laws *laws, const granulation_granule *g);
-/* A wall with a film [m] of its own: infinitely heavy, flat and strong. */
+/* Returns a wall with a film [m] of its own: infinitely heavy, flat and strong. */
 static inline granulation_body granulation_wall(double film);
-/* The outcome. speed: full relative speed |v1 - v2| [m/s]; not above 0: GRANULATION_NONE. The laws must be checked. If a
-   number is NaN the reason is GRANULATION_NONE. */
+/* Returns the outcome of a collision. speed: full relative speed |v1 - v2| [m/s]; not above 0: GRANULATION_NONE. The laws must be checked.
+   If a number is NaN the reason is GRANULATION_NONE. */
 static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i, const granulation_body *j,
                                                         double speed);
 
-/* The same in dimensionless numbers: the axes of a coalescence boundary map. Reason only; the size limit is left out.
-   st_v, st_def > 0; yield_ratio = Y/E* >= 0; film_ratio = h0 / ha >= 0 (not above 1: dry); width = D / ha > 0 with the reduced D. */
+/* Returns the reason from dimensionless numbers: the axes of a coalescence boundary map. Reason only; the size limit is left out. st_v,
+   st_def > 0; yield_ratio = Y/E* >= 0; film_ratio = h0 / ha >= 0 (not above 1: dry); width = D / ha > 0 with the reduced D. */
 static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def, double yield_ratio,
                                                       double film_ratio, double width);
-/* Does one granule break (28) at this speed [m/s]? */
+/* Returns whether a granule breaks (28) at this speed [m/s]. */
 static inline bool granulation_breaks(const granulation_laws *laws, const granulation_body *body, double speed);
 
 /* ==== random numbers: xoshiro256** (Blackman and Vigna 2018), seeded by splitmix64 ==== */
@@ -305,8 +305,8 @@ static inline double granulation_random_normal(granulation_random *r);  /* mean 
 
 /* ==== >>simulation: granules in a periodic box ==== */
 
-/* When do two granules meet: at the sum of the radii, or (readings of the paper's "the radius of one particle encounters
-   another") at the larger or the smaller of them. */
+/* Distance of centres at which two granules meet: the sum of the radii, or (readings of the paper's "the radius of one particle encounters
+   another") the larger or the smaller of them. */
 typedef enum granulation_contact { GRANULATION_CONTACT_SUM, GRANULATION_CONTACT_LARGER, GRANULATION_CONTACT_SMALLER } granulation_contact;
 /* SWEPT: every contact within a step, in the order of time. END_OF_STEP: the paper's rule, pairs that overlap after a step, by index, one
    event a granule and step. */
@@ -366,7 +366,7 @@ typedef struct granulation_tally {
     double kinetic_loss;       /* by coalescence and restitution [J]; negative never */
 } granulation_tally;
 
-/* What crossed the border of the system since the start: sum over granules = placed + ledger, to round-off. */
+/* Amounts that crossed the boundary of the system since the start: sum over granules = placed + ledger, to round-off. */
 typedef struct granulation_ledger {
     double solid, liquid, air; /* in [m3] */
     double air_released;       /* by consolidation and by liquid that took its place [m3] */
@@ -379,8 +379,8 @@ typedef struct granulation_sim {
     int n;               /* granules */
     int64_t steps;
     double time;            /* [s] */
-    double owed;            /* after a run that was stopped: what granules have still to move in the last step, which has consolidated and
-                               counts in time, in steps only when it is whole [s of path]; the next run does it first. 0: nothing (with
+    double owed;            /* after a run that was stopped: the rest of the motion in the last step [s of path], which the next run does
+                               first; 0: none. That step has consolidated and counts in time; it counts in steps when it is whole (with
                                END_OF_STEP collisions may be left; time is then a step ahead of steps) */
     double *x, *y, *z;      /* centres [m], 0 <= x < box; [n] */
     double *vx, *vy, *vz;   /* [m/s]; [n] */
@@ -397,58 +397,58 @@ typedef struct granulation_sim {
     void *items, *heap, *hits, *motion;
 } granulation_sim;
 
-/* The paper's set-up with physically sound collisions: swept, momentum conserved, sum of radii. */
+/* Returns the paper's set-up with physically sound collisions: swept, momentum conserved, sum of radii. */
 GRANULATION_API granulation_def granulation_default_def(void);
-/* The readings under which the paper's Tables 2 and 3 come out (set G1): end of step, larger radius, reversal. */
+/* Returns the readings under which the paper's Tables 2 and 3 come out (set G1): end of step, larger radius, reversal. */
 GRANULATION_API granulation_def granulation_paper_def(void);
 GRANULATION_API granulation_status granulation_check_def(const granulation_def *def, const char **field);
 
-/* Ready for granules, or BAD_DEF, NO_MEMORY. After an error *sim is empty and may be freed. */
+/* Makes a simulation without granules. BAD_DEF, NO_MEMORY. After an error *sim is empty and may be freed. */
 GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def);
-GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* twice does no harm */
+GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* safe to call twice */
 
 /* Places `count` granules without overlap, velocities from the distribution. BAD_ARGUMENT, TOO_LARGE, NO_ROOM, NO_MEMORY:
    those placed before it stay. */
 GRANULATION_API granulation_status granulation_sim_add(granulation_sim *sim, const granulation_granule *g, int count);
-/* The same for an array [n] of granules, in its order; faster than one by one. */
+/* Does the same for an array [n] of granules, in its order; faster than one by one. */
 GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules, int n);
-/* One granule at a centre [m] (wrapped into the box) with a velocity [m/s], overlap or not. */
+/* Adds one granule at a centre [m] (wrapped into the box) with a velocity [m/s], overlap or not. */
 GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
                                                        const double velocity[3]);
 
-/* `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY. The state is then whole (volumes,
-   momentum) and of the time sim->time; only the motion sim->owed is left of the last step. A later run does that first, then its own
-   steps: nothing is done twice. */
+/* Runs `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY. The state is then whole (volumes,
+   momentum) and of the time sim->time; only the motion sim->owed is left of the last step. A later run does that first, then its own steps:
+   nothing is done twice. */
 GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps);
 
 /* Changes in mid-run. All check their arguments and change nothing if they refuse. */
 GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, const granulation_def *def); /* all but box, seed and memory */
-/* Another impeller: new mean and deviation [m/s]; every granule keeps its deviate, v' = mean' + (v - mean) deviation' / deviation
-   (a new draw where the deviation was 0), or with redraw a new velocity. */
+/* Changes the impeller: new mean and deviation [m/s]; every granule keeps its deviate, v' = mean' + (v - mean) deviation' / deviation (a
+   new draw where the deviation was 0), or with redraw a new velocity. */
 GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
                                                             bool redraw);
-/* Binder sprayed on: volume [m3] >= 0 in all, shared out by granule surface; displaced 0 .. 1: share of it that enters pores
-   and drives out air. BAD_ARGUMENT, TOO_LARGE. */
+/* Sprays binder: volume [m3] >= 0 in all, distributed by granule surface; displaced 0 .. 1: share of it that enters pores and drives out
+   air. BAD_ARGUMENT, TOO_LARGE. */
 GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, double volume, double displaced);
 
-/* Mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else NaN; NaN when
-   empty. */
+/* Returns the mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else
+   NaN; NaN when empty. */
 GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q);
-/* Diameter [m] up to which granules hold a share, in (0, 1], of the volume of all: that of the granule which reaches it. Median size: 0.5.
-   NaN when empty. */
+/* Returns the diameter [m] up to which granules contain a share, in (0, 1], of the total volume: that of the granule which reaches it.
+   Median size: 0.5. NaN when empty. */
 GRANULATION_API double granulation_sim_percentile(const granulation_sim *sim, double share);
-/* Totals by class of volume: class k holds edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
-   may be NULL. Granules outside are left out; returns how many. */
+/* Sums by class of volume: class k contains edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
+   may be NULL. Returns the number of granules outside, which are left out. */
 GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
                                             double *q_l, double *q_a);
 GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3],
                                             double *kinetic); /* any NULL */
-/* Coalescence boundary map of the population as it is: the outcome of a collision of two mean granules (film, diameter, yield stress) at
-   each pair of Stokes numbers; st_v [rows], st_def [columns], all > 0; reasons [rows][columns]. The size limit is left out. BAD_ARGUMENT:
-   no granules. */
+/* Computes the coalescence boundary map of the present population: the outcome of a collision of two mean granules (film, diameter, yield
+   stress) at each pair of Stokes numbers; st_v [rows], st_def [columns], all > 0; reasons [rows][columns]. The size limit is left out.
+   BAD_ARGUMENT: no granules. */
 GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows, const double *st_def,
                                                        int columns, granulation_reason *reasons);
-/* Deepest overlap of a pair over the sum of its radii [-]; 0: none. */
+/* Finds the deepest overlap of a pair over the sum of its radii [-]; 0: none. */
 GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest);
 
 /* ---- ensembles ---- */
@@ -475,8 +475,8 @@ static inline granulation_estimate granulation_estimate_of(const double *values,
 /* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. */
 typedef double (*granulation_kernel)(const granulation_granule *i, const granulation_granule *j, const void *user);
 
-/* What the kernels below read: their `data`, def.kernel_user of a balance. Get one from granulation_default_kernel_data(). A kernel without
-   a number that it needs is NaN, which a run answers with GRANULATION_KERNEL. */
+/* Data of the kernels below, passed as `data` (def.kernel_user of a balance). Made by granulation_default_kernel_data(). A kernel that
+   lacks a number is NaN; a run then returns GRANULATION_KERNEL. */
 typedef struct granulation_kernel_data {
     double rate;                  /* factor of every kernel, >= 0; its unit makes the kernel [m3/s]; default 1 */
     double a, b;                  /* exponents of Kapur [-]. Class: factors b1, b2 [-], >= 0. Default NaN: must be set for these two */
@@ -557,9 +557,9 @@ typedef struct granulation_balance {
 
 GRANULATION_API granulation_balance_def granulation_balance_default_def(void);
 GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *def, const char **field);
-/* edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells, increasing, > 0 (the first of the liquid may be 0),
-   [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL): one component. At most 100000 cells in all. Copies all. After an
-   error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28 with the fixed pivot). */
+/* Makes an empty balance. edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells, increasing, > 0 (the first of
+   the liquid may be 0), [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL): one component. At most 100000 cells in all.
+   Copies all. After an error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28 with the fixed pivot). */
 GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
                                                             const double *edges, const double *pivots, int l_cells, const double *l_edges,
                                                             const double *l_pivots);
@@ -567,13 +567,13 @@ GRANULATION_API void granulation_balance_free(granulation_balance *b);
 /* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A granule on a pivot
    goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
 GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number);
-/* To the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. */
+/* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration);
 GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b,
                                                            const granulation_balance_def *def); /* a change in mid-run; not the memory */
-/* Mean granule of a cell; of an empty one its keys (and no liquid with one component). */
+/* Returns the mean granule of a cell; of an empty one its keys (and no liquid with one component). */
 static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell);
-/* sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
+/* Returns the sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q);
 GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b);
 GRANULATION_API double granulation_balance_mean(const granulation_balance *b, int p, int q); /* mean diameter [m] as granulation_sim_mean */
@@ -595,15 +595,15 @@ typedef struct granulation_montecarlo {
     granulation_granule smallest, largest; /* ever seen: the pairs that the bound is taken from */
 } granulation_montecarlo;
 
-/* sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY, KERNEL. */
+/* Starts a run. sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY, KERNEL. */
 GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
                                                                double volume, granulation_kernel kernel, const void *user, uint64_t seed,
                                                                const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
-/* To the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have to be drawn (told before
-   they are). */
+/* Runs to the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have to be drawn (told
+   before they are). */
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
-/* Moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
+/* Returns the moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
 
 /* clang-format off */
@@ -1011,7 +1011,8 @@ static inline double granulation__pair_yield(granulation_pair_yield rule, double
     return 0.5 * (a + b);
 }
 
-/* Would a film hold granules that meet at B = u1 / u0? Fills u2, u3, deformation and reason. Everything has passed its checks. */
+/* Decides whether a film would hold granules that meet at B = u1 / u0. Sets u2, u3, deformation and reason. All inputs have been
+   checked. */
 static inline void granulation__contact(const granulation_laws *laws, double b, double ratio, double d, double h0, double ha, bool liquid,
                                         granulation_collision *c) {
     bool wet = h0 > ha;
@@ -2020,7 +2021,7 @@ static inline void granulation__jump(granulation_sim *sim, granulation__sweep *w
     w->shift = m->jump > w->shift ? m->jump : w->shift;
 }
 
-/* A granule has grown: those that it now overlaps are pushed along the line of centres until they touch, and so on in turn.
+/* A granule has grown: those that it now overlaps are pushed along the line of centres until they touch, and these push others in turn.
    Gives up after 64 pushes; what overlap is left then can only shrink. */
 static inline bool granulation__make_room(granulation_sim *sim, granulation__sweep *w, int first, double now) {
     granulation__motion *motion = (granulation__motion *)sim->motion;
@@ -2342,7 +2343,8 @@ static inline double granulation__stream_of(const granulation_sim *sim, double v
     return sim->def.signs != GRANULATION_SAME_SIGNS && v * old_mean < 0.0 ? -1.0 : 1.0;
 }
 
-/* Do the granules' velocities stay moderate? Not where the old deviation was next to nothing and the new one is not. */
+/* Returns whether the granules' velocities stay moderate; they do not where the old deviation was next to nothing and the new one is
+   not. */
 static inline bool granulation__can_stretch(const granulation_sim *sim, const double mean[3], const double deviation[3]) {
     const double *velocity[3] = {sim->vx, sim->vy, sim->vz}, *old_mean = sim->def.velocity_mean, *old = sim->def.velocity_deviation;
     for (int i = 0; i < sim->n; i++)
@@ -2385,7 +2387,7 @@ GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, d
     double surface = 0.0;
     for (int i = 0; i < sim->n; i++) surface += sim->body[i].diameter * sim->body[i].diameter;
     if (!(surface > 0.0)) return volume > 0.0 ? GRANULATION_BAD_ARGUMENT : GRANULATION_OK;
-    for (int refuse = 1; refuse >= 0; refuse--) /* first only look */
+    for (int refuse = 1; refuse >= 0; refuse--) /* first only checks */
         for (int i = 0; i < sim->n; i++) {
             granulation_granule g = sim->body[i].volumes;
             double more = volume * (sim->body[i].diameter * sim->body[i].diameter / surface), out = displaced * more;
@@ -2642,7 +2644,7 @@ static inline double granulation__mean_key(const granulation_balance *b, int k, 
    so that composition follows volume. */
 static inline void granulation__deposit(const granulation_balance *b, double *state, const granulation__place_of *p, double number,
                                         double liquid, double air) {
-    if (p->cell < 0 || p->cell >= b->n) return; /* no caller does; the books would show it */
+    if (p->cell < 0 || p->cell >= b->n) return; /* no caller does; the sums would show it */
     int n0 = b->size[0], i0 = p->cell % n0, i1 = p->cell / n0;
     double weight[4], volume[4], all = 0.0;
     int cell[4], corners = 0;

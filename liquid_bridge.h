@@ -52,7 +52,7 @@
 #elif defined(BRIDGE_IMPLEMENTATION)
 #define BRIDGE__BODIES
 #endif
-/* What a host's loop over bridges calls: inlined, the loop vectorises. */
+/* Functions that a host's loop over bridges calls: inlined, so that the loop vectorises. */
 #if defined(__GNUC__)
 #define BRIDGE_INLINE static inline __attribute__((always_inline))
 #elif defined(_MSC_VER)
@@ -64,7 +64,7 @@
 extern "C" {
 #endif
 
-/* Terms in tau of a bridge's force, spelt out in bridge_attraction: 6 leave 0.25 %, 7 leave 0.11 %, 8 leave 0.07 % (V/R_h^3 >= 1e-7,
+/* Terms in tau of a bridge's force, written out in bridge_attraction: 6 leave 0.25 %, 7 leave 0.11 %, 8 leave 0.07 % (V/R_h^3 >= 1e-7,
    angles to 45 degrees). */
 #define BRIDGE_SERIES 7
 #define BRIDGE_NODES 10 /* volumes solved per pair kind: five decades of V* to 0.01 % */
@@ -86,7 +86,7 @@ typedef enum bridge_status {
         BRIDGE_STATUS_COUNT
 } bridge_status;
 
-/* A short English text; "unknown status" for a number that is none. Never NULL; not to be freed. */
+/* Returns a short English text; "unknown status" for a number that is none. Never NULL; not to be freed. */
 static inline const char *bridge_status_text(bridge_status status);
 
 /* >>types -------------------------------------------------------------------------------------------------------------------------- */
@@ -100,7 +100,7 @@ typedef struct bridge_liquid {
 typedef enum bridge_split {
     BRIDGE_SPLIT_NECK,  /* cut at the neck of the meniscus at rupture, by Young-Laplace (default) */
     BRIDGE_SPLIT_HALF,  /* half each */
-    BRIDGE_SPLIT_RETURN /* each solid takes back what it gave */
+    BRIDGE_SPLIT_RETURN /* each solid gets back what it gave */
 } bridge_split;
 
 typedef struct bridge_pair_def {
@@ -111,18 +111,18 @@ typedef struct bridge_pair_def {
     double volume_min;    /* smallest V/R_h^3 of the table [-], 1e-8 .. volume_max/2; default 1e-6. Drier: no bridge is formed */
     double volume_max;    /* largest V/R_h^3 of the table [-], <= 0.15; default 0.1 (beyond about 0.06 bridges meet: pendular_volume) */
     bridge_liquid liquid; /* only its surface tension enters the table */
-    bridge_split split;   /* what a rupture leaves where; default BRIDGE_SPLIT_NECK */
-    unsigned cookie;      /* set by bridge_pair_default_def; leave it alone */
+    bridge_split split;   /* where a rupture leaves the liquid; default BRIDGE_SPLIT_NECK */
+    unsigned cookie;      /* set by bridge_pair_default_def; not to be changed */
 } bridge_pair_def;
 
-/* One kind of pair, prepared. Plain data, 1 kB: copy it, keep as many as the scene has kinds. Read it, do not write it. */
+/* One kind of pair, prepared. Plain data of 1 kB: it may be copied; a scene has one for each of its kinds. Read only. */
 typedef struct bridge_pair {
-    bridge_pair_def def;      /* what it was made of */
+    bridge_pair_def def;      /* the definition that it was made of */
     double radius;            /* harmonic radius R_h of the def [m] */
     double pendular_volume;   /* V/R_h^3 at which the larger half-filling angle in contact reaches 30 degrees, so that the bridges of
                                         three touching spheres meet [-]; INFINITY if it stays below in the table's range */
-    double deviation;         /* largest |series/Young-Laplace - 1| of the force at gaps to 0.9 of rupture [-]: the largest found while
-                                 preparing, at three volumes between each two nodes, and a quarter more */
+    double deviation;         /* largest |series/Young-Laplace - 1| of the force at gaps to 0.9 of rupture [-]: 1.25 times the largest found
+                                 in preparation, at three volumes between each two nodes */
     double rupture_deviation; /* the same for the rupture gap [-] */
     double ln_min, ln_max;    /* range of ln(V/R_h^3) */
     int pieces;               /* 1, or BRIDGE_PIECES: solids of very different wetting have a volume (plate, 15 and 45 degrees: V/R_h^3 =
@@ -133,12 +133,12 @@ typedef struct bridge_pair {
     unsigned cookie;
 } bridge_pair;
 
-/* One bridge: 12 doubles that the caller keeps with the pair. volume = 0: no bridge. */
+/* One bridge: 12 doubles , which the caller keeps with the pair. volume = 0: no bridge. */
 typedef struct bridge {
     double volume;                /* V [m3] */
     double width;                 /* sqrt(a) = sqrt(2 V/(pi R_h)) [m] */
     double rupture_gap;           /* static rupture distance [m] */
-    double radius;                /* harmonic radius R_h of this very pair [m] */
+    double radius;                /* harmonic radius R_h of this pair [m] */
     double split;                 /* fraction of V that goes to i at rupture [-], 0 .. 1 */
     double series[BRIDGE_SERIES]; /* c_k [N/m^(k/2)]: F = X(S) sum c_k tau^k, tau = sqrt(max(0, rupture_gap - S)) */
 } bridge;
@@ -173,67 +173,70 @@ typedef struct bridge_shape {
 /* Unless a line says otherwise: gap S >= 0 [m]; volume V > 0 [m3]; radii > 0 [m]; contact angles 0 .. pi/2 [rad]; surface_tension > 0
    [N/m]; viscosity >= 0 [Pa s]; viscous_gap > 0 [m]; velocity [m/s], > 0 separating. Films, shares and volumes may be 0. */
 
-/* R_h = 2 ri rj/(ri + rj) [m]; ri, rj > 0, INFINITY allowed for one (plate, wire: 2 ri). */
+/* Returns R_h = 2 ri rj/(ri + rj) [m]; ri, rj > 0, INFINITY allowed for one (plate, wire: 2 ri). */
 static inline double bridge_harmonic_radius(double ri, double rj);
-/* R_s = ri rj/(ri + rj) [m] = R_h/2. */
+/* Returns R_s = ri rj/(ri + rj) [m] = R_h/2. */
 static inline double bridge_reduced_radius(double ri, double rj);
-/* a = 2 V/(pi R_h) [m2], V >= 0 [m3], R_h > 0 [m]. */
+/* Returns a = 2 V/(pi R_h) [m2], V >= 0 [m3], R_h > 0 [m]. */
 static inline double bridge_neck_area(double volume, double harmonic_radius);
-/* X = 1 - S/sqrt(S^2 + a) [-], 0 .. 1, without cancellation; gap S >= 0 [m], a >= 0 [m2]; 0 without liquid. */
+/* Returns X = 1 - S/sqrt(S^2 + a) [-], 0 .. 1, without cancellation; gap S >= 0 [m], a >= 0 [m2]; 0 without liquid. */
 static inline double bridge_neck_factor(double gap, double neck_area);
-/* Lever arm of i [m]: ri D/(ri + rj) = ri (1 + S/(ri + rj)); that of j is bridge_arm(rj, ri, S); they add up to D. On a plate: ri. */
+/* Returns the lever arm of i [m]: ri D/(ri + rj) = ri (1 + S/(ri + rj)); that of j is bridge_arm(rj, ri, S); they add up to D. On a plate:
+   ri. */
 static inline double bridge_arm(double ri, double rj, double gap);
 
-/* Liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that sees j (Shi & McCarthy 2008;
-   eq 7). */
+/* Returns the liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that sees j (Shi &
+   McCarthy 2008; eq 7). */
 static inline double bridge_share_sphere(double film_i, double ri, double rj);
-/* Liquid [m3] that a sphere gives to a bridge with a plate (eq 8): the share of an equal sphere, not the limit rj -> infinity, which is
-   L/2. */
+/* Returns the liquid [m3] that a sphere gives to a bridge with a plate (eq 8): the share of an equal sphere, not the limit rj -> infinity,
+   which is L/2. */
 static inline double bridge_share_wall(double film_i);
-/* Liquid [m3] that a wall's film of thickness W [m] gives to a sphere (eq 9). */
+/* Returns the liquid [m3] that a wall's film of thickness W [m] gives to a sphere (eq 9). */
 static inline double bridge_share_wall_film(double thickness, double ri);
-/* Liquid [m3] that a sphere gives to a wire of radius rw [m] (eq 10), rw <= 6 ri. */
+/* Returns the liquid [m3] that a sphere gives to a wire of radius rw [m] (eq 10), rw <= 6 ri. */
 static inline double bridge_share_wire(double film_i, double ri, double rw);
-/* Liquid [m3] that a wire's film of thickness W [m] gives to a sphere (eq 11). */
+/* Returns the liquid [m3] that a wire's film of thickness W [m] gives to a sphere (eq 11). */
 static inline double bridge_share_wire_film(double thickness, double ri, double rw);
 
-/* Half-filling angle between spheres (eq 14) [rad], by the parabolic gap; meant for angles below 0.5. S >= 0, V >= 0. */
+/* Returns the half-filling angle between spheres (eq 14) [rad], by the parabolic gap; meant for angles below 0.5. S >= 0, V >= 0. */
 static inline double bridge_filling_angle(double gap, double volume, double harmonic_radius);
-/* Half-filling angle of a sphere on a plate (eq 15, corrected) [rad]. */
+/* Returns the half-filling angle of a sphere on a plate (eq 15, corrected) [rad]. */
 static inline double bridge_filling_angle_plate(double gap, double volume, double radius);
-/* Angle whose cosine is the mean of both cosines [rad]: the right mean for the force of unequal contact angles (not for rupture). */
+/* Returns the angle whose cosine is the mean of both cosines [rad]: the right mean for the force of unequal contact angles (not for
+   rupture). */
 static inline double bridge_effective_angle(double angle_i, double angle_j);
 
-/* Capillary force [N], energy form pi sigma R_h (cos i + cos j) X (eq 12 without its tension term; Derjaguin). S >= 0. Plate: R_h = 2 r.
-   Too strong at contact (4 .. 30 %), too weak near rupture (-30 %): for estimates. */
+/* Returns the capillary force [N], energy form pi sigma R_h (cos i + cos j) X (eq 12 without its tension term; Derjaguin). S >= 0. Plate:
+   R_h = 2 r. Too strong at contact (4 .. 30 %), too weak near rupture (-30 %): for estimates. */
 static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                          double surface_tension);
-/* Slope dF/dS of bridge_force_energy [N/m], < 0. */
+/* Returns the slope dF/dS of bridge_force_energy [N/m], < 0. */
 static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                              double surface_tension);
-/* Work [J] to open from contact to gap S against bridge_force_energy. */
+/* Returns the work [J] to open from contact to gap S against bridge_force_energy. */
 static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                         double surface_tension);
-/* Capillary force [N], energy form plus surface tension on the wetted ring (eq 12, corrected): what the paper meant; it counts the tension
-   twice and is 20 .. 70 % too strong. Two spheres. */
+/* Returns the capillary force [N], energy form plus surface tension on the wetted ring (eq 12, corrected): what the paper meant; it counts
+   the tension twice and is 20 .. 70 % too strong. Two spheres. */
 static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                           double surface_tension);
-/* The same for a sphere of `radius` on a plate (eq 13, corrected). */
+/* Returns the same for a sphere of `radius` on a plate (eq 13, corrected). */
 static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i, double angle_j,
                                                 double surface_tension);
-/* Capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50 degrees, 5e-5 <= V/R_h^3 <= 0.2. Error 1 .. 3
-   % to half of rupture, 10 % at 0.95. */
+/* Returns the capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50 degrees, 5e-5 <= V/R_h^3 <= 0.2.
+   Error 1 .. 3 % to half of rupture, 10 % at 0.95. */
 static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension);
-/* Capillary force [N], simple rational fit of Willett et al. 2000: pi sigma R_h (cos i + cos j)/(1 + 1.05 s + 2.5 s^2),
-   s = S sqrt(R_h/V). Up to 40 % off. */
+/* Returns the capillary force [N], simple rational fit of Willett et al. 2000: pi sigma R_h (cos i + cos j)/(1 + 1.05 s + 2.5 s^2), s = S
+   sqrt(R_h/V). Up to 40 % off. */
 static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                                  double surface_tension);
 
-/* Gap [m] that the viscous laws see: max(S, 0) + roughness * R_s. */
+/* Returns the gap for the viscous laws [m]: max(S, 0) + roughness * R_s. */
 BRIDGE_INLINE double bridge_viscous_gap(double gap, double reduced_radius, double roughness);
-/* Normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from bridge_viscous_gap. */
+/* Returns the normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from bridge_viscous_gap. */
 static inline double bridge_drag_normal(double viscous_gap, double volume, double reduced_radius, double viscosity);
-/* Tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and passive. */
+/* Returns the tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and
+   passive. */
 static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity);
 /* Resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far: x >= 0.1 (both evaluate
    anywhere x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t U - f_r R W), moment/R = -6 pi eta R (f_rr R W -
@@ -244,53 +247,55 @@ static inline double bridge_goldman_coupling_near(double x);
 static inline double bridge_goldman_coupling_far(double x);
 static inline double bridge_goldman_rotation(double x);
 
-/* Static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad], radius_ratio = small/large in 0 .. 1
-   (plate 0), R_h harmonic, V/R_h^3 0 .. 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
+/* Returns the static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad], radius_ratio = small/large in 0
+   .. 1 (plate 0), R_h harmonic, V/R_h^3 0 .. 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
 static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j);
-/* The same with a correction fitted to 4000 Young-Laplace bridges of unequal angles (angles to 45 degrees, any radius_ratio, V/R_h^3 from
-   1e-6 to 0.1; rms 2.6 % of 4000 others, at most 17 %: tests/fit_rupture_gap.c); equal to eq 19 for equal ones. angle_small: on the
-   smaller sphere. Beyond this range it is an extrapolation. A prepared pair is within 0.2 %. */
+/* Returns the same with a correction fitted to 4000 Young-Laplace bridges of unequal angles (angles to 45 degrees, any radius_ratio,
+   V/R_h^3 from 1e-6 to 0.1; rms 2.6 % of 4000 others, at most 17 %: tests/fit_rupture_gap.c); equal to eq 19 for equal ones. angle_small:
+   on the smaller sphere. Beyond this range it is an extrapolation. A prepared pair is within 0.2 %. */
 static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
                                                 double angle_large);
-/* Dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0, velocity)/sigma. */
+/* Returns the dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0, velocity)/sigma. */
 static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension, double viscosity);
 
-/* Impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg] the reduced mass, e in (0, 1]. */
+/* Returns the impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg] the reduced mass, e
+   in (0, 1]. */
 static inline double bridge_sticking_velocity(double work, double reduced_mass, double restitution);
-/* Wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 the impact speed [m/s]. The bridge forms in contact and
-   costs W once, on the way out; no viscosity. */
+/* Returns the wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 the impact speed [m/s]. The bridge forms in contact and costs W
+   once, on the way out; no viscosity. */
 static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity);
 
 /* >>printed-list: eqs 12-20 of Elskamp & Kruggel-Emden 2019 as they stand in print. For comparison; they are not right. */
 
-/* Capillary force between spheres (eq 12) [N]: second term with sin(theta) where the ring angle belongs. */
+/* Returns the capillary force between spheres (eq 12) [N]: second term with sin(theta) where the ring angle belongs. */
 static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                           double surface_tension);
-/* Capillary force of a sphere on a wall (eq 13) [N]. */
+/* Returns the capillary force of a sphere on a wall (eq 13) [N]. */
 static inline double bridge_printed_force_wall(double gap, double volume, double radius, double angle_i, double angle_w,
                                                double surface_tension);
-/* Half-filling angle of a sphere on a wall (eq 15) [rad], without the "-1 +". (Eq 14 is right: bridge_filling_angle.) */
+/* Returns the half-filling angle of a sphere on a wall (eq 15) [rad], without the "-1 +". (Eq 14 is right: bridge_filling_angle.) */
 static inline double bridge_printed_filling_angle_wall(double gap, double volume, double radius);
-/* Tangential resistance to v_t [N s/m] (eqs 17, 18): the same near-field term in both; negative beyond 6.036 R_s. S_v > 0. */
+/* Returns the tangential resistance to v_t [N s/m] (eqs 17, 18): the same near-field term in both; negative beyond 6.036 R_s. S_v > 0. */
 static inline double bridge_printed_drag_translation(double viscous_gap, double reduced_radius, double viscosity);
-/* Tangential resistance to n x (ri wi + rj wj) [N s/m] (eqs 17, 18), for the n (j to i) of eqs 4 and 12: negative, the sign erratum. */
+/* Returns the tangential resistance to n x (ri wi + rj wj) [N s/m] (eqs 17, 18), for the n (j to i) of eqs 4 and 12: negative, the sign
+   erratum. */
 static inline double bridge_printed_drag_spin(double viscous_gap, double reduced_radius, double viscosity);
 
 /* >>pair-list ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Legal defaults: two 5 mm glass spheres, water. */
+/* Returns valid defaults: two 5 mm glass spheres, water. */
 BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
-/* BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
+/* Returns BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field. */
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
 /* Solves and tabulates one kind of pair (10 to 20 milliseconds; with a jump of the neck, or nearly equal spheres over 30 degrees, 150).
    BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact; *pair is then unusable. */
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
 
-/* Young-Laplace, solved: bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative error
-   about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. *shape is NaN after any failure, as below. */
+/* Solves Young-Laplace for a bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative
+   error about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. *shape is NaN after any failure, as below. */
 BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape);
-/* The last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold, whichever comes first.
-   *fold_gap (may be NULL) gets the fold [m]. */
+/* Finds the last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold, whichever comes first.
+   *fold_gap (may be NULL): the fold [m]. */
 BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap);
 
 /* Forms a bridge of the liquid given by i and j [m3] between solids of these radii [m]. The radii may differ from the def's: lengths
@@ -299,31 +304,31 @@ BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def
    0. */
 BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
                                      bridge *b);
-/* The same for the paper's printed laws: rupture gap by eq 19 (bridge_evaluate_printed needs no series). */
+/* Does the same for the paper's printed laws: rupture gap by eq 19 (bridge_evaluate_printed needs no series). */
 BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
                                              int swapped, bridge *b);
-/* Volumes [m3] that bridge_form takes for these radii. */
+/* Computes the range of volumes that bridge_form accepts for these radii [m3]. */
 BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest);
-/* 1 while the liquid is pendular (see pendular_volume), 0 beyond: forces are then those of an isolated bridge, an overestimate. */
+/* Returns 1 while the liquid is pendular (see pendular_volume), 0 beyond: forces are then those of an isolated bridge, an overestimate. */
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 
 /* >>step-list: what a time step calls ----------------------------------------------------------------------------------------------- */
 
-/* Capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture, X falls
-   on. */
+/* Returns the capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture,
+   X falls on. */
 BRIDGE_INLINE double bridge_attraction(const bridge *b, double gap);
-/* Normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone; width 0: none. */
+/* Computes the normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone; width 0: none. */
 BRIDGE_INLINE bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap);
-/* Everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to 2e-5). */
+/* Computes everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to
+   2e-5). */
 BRIDGE_INLINE bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
-/* 1 if the gap is beyond the dynamic rupture distance (eq 20). */
+/* Returns 1 if the gap is beyond the dynamic rupture distance (eq 20). */
 BRIDGE_INLINE int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
-/* bridge_evaluate for eqs 12-18 as printed, with gap -> max(gap, 0): without it eq 14 is not real in contact. Not for speed: it takes
-   sines. */
+/* Evaluates eqs 12-18 as printed, with max(gap, 0) for the gap, because eq 14 is not real in contact. Slow: it computes sines. */
 static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity);
 
-/* Work [J] that the capillary force takes from the pair while the gap opens from `from` to `to` (either may be below 0 or beyond
-   rupture). */
+/* Returns the work [J] that the capillary force takes from the pair while the gap opens from `from` to `to` (either may be below 0 or
+   beyond rupture). */
 BRIDGE_API double bridge_work(const bridge *b, double from, double to);
 /* The bridge's stiffness -dF/dS at contact [N/m] and its largest resistances [N s/m] (at S <= 0), for the choice of a time step:
    explicit steps need dt < m_eff/normal and dt < 0.4 m_eff/tangential (solid spheres), and |velocity| dt well below the bridge's width. */
@@ -344,33 +349,33 @@ typedef struct bridge_films {
     size_t n_patches;         /* 0: patch and patch_area may be NULL */
     double *scratch;          /* [n_particles + n_patches], used by bridge_allocate, content irrelevant */
     double quantum;           /* [m3], from bridge_quantum */
-    double added;             /* liquid that came in by bridge_add [m3] */
-    double evaporated;        /* liquid that left by bridge_evaporate [m3] */
+    double added;             /* liquid added by bridge_add [m3] */
+    double evaporated;        /* liquid removed by bridge_evaporate [m3] */
 } bridge_films;
 
 typedef enum bridge_partner { BRIDGE_SPHERE, BRIDGE_WALL, BRIDGE_WIRE } bridge_partner;
 
-/* One new contact that asks for a bridge. */
+/* A new contact that requests a bridge. */
 typedef struct bridge_contact {
     size_t i;                      /* particle */
     size_t j;                      /* particle (BRIDGE_SPHERE) or patch (BRIDGE_WALL, BRIDGE_WIRE) */
-    bridge_partner partner;        /* decides the shares: eq 7; 8 and 9; 10 and 11 */
+    bridge_partner partner;        /* determines the shares: eq 7; 8 and 9; 10 and 11 */
     double radius_i, radius_j;     /* [m]; radius_j: the sphere's or the wire's, not read for a wall */
     double volume_min, volume_max; /* [m3], from bridge_volume_range: below it no bridge, above it the rest stays in the films */
-    double given_i, given_j;       /* answer [m3]: what i and j have given; both 0: no bridge */
+    double given_i, given_j;       /* result [m3]: given by i and by j; both 0: no bridge */
 } bridge_contact;
 
-/* A quantum for `total` [m3] > 0, all the liquid there will ever be: 2^-51 of it or less. */
+/* Returns a quantum for `total` [m3] > 0, all the liquid there will ever be: 2^-51 of it or less. */
 BRIDGE_API double bridge_quantum(double total);
-/* `volume` rounded down to a multiple of the quantum. */
+/* Returns `volume` rounded down to a multiple of the quantum. */
 static inline double bridge_quantised(double volume, double quantum);
-/* Gives liquid to all new contacts of a step: each asks by eqs 7-11 from the films as they are at the call; where a film is asked for
-   more than it has, all who asked get the same fraction. Films are reduced. The result depends on the set of contacts, not on their order
-   (but for the last quantum of an exhausted film). BRIDGE_INVALID, and nothing changed, for an index or a size out of range. Time: n. */
+/* Distributes liquid to all new contacts of a step. Each requests its share by eqs 7-11 of the films at the call; where the requests exceed
+   a film, each gets the same fraction of its request. Films are reduced. The result depends on the set of contacts, not on their order (but
+   for the last quantum of an exhausted film). BRIDGE_INVALID, and nothing changed, for an index or a size out of range. Time: n. */
 BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n);
-/* What i gets of the bridge's liquid at rupture [m3], a multiple of quantum; j gets b->volume minus it, exactly. */
+/* Returns the part of the bridge's liquid that i gets at rupture [m3], a multiple of quantum; j gets b->volume minus it, exactly. */
 static inline double bridge_split_volume(const bridge *b, double quantum);
-/* Rupture: the liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad
+/* Ruptures a bridge: its liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad
    index, volume or split. */
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
 /* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k]; returns what was added.
@@ -378,12 +383,12 @@ BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i
 BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount);
 /* Takes `amount` >= 0 [m3] (rounded down), at most all, from a film; returns what was taken. */
 BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount);
-/* Takes liquid from a living bridge and contracts its series anew (its split stays). What would leave it below the table's range is not
-   taken: 0 is returned. */
+/* Takes liquid from a bridge and computes its series anew (its split stays). What would leave it below the table's range is not taken: 0 is
+   returned. */
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount);
-/* Compensated sum of n doubles `stride` doubles apart (Neumaier). */
+/* Returns the compensated sum of n doubles `stride` doubles apart (Neumaier). */
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
-/* Liquid in all films [m3]. */
+/* Returns the liquid in all films [m3]. */
 BRIDGE_API double bridge_films_total(const bridge_films *films);
 
 /* clang-format off */
@@ -1617,7 +1622,7 @@ BRIDGE_API double bridge_quantum(double total) {
     return ldexp(1.0, exponent - 52);
 }
 
-/* Index of the partner's film in `scratch`; n_particles + n_patches if it has none. */
+/* Returns the index of the partner's film in `scratch`; n_particles + n_patches if it has none. */
 static inline size_t bridge__slot(const bridge_films *films, size_t j, bridge_partner partner) {
     size_t none = films->n_particles + films->n_patches;
     if (partner == BRIDGE_SPHERE) return j < films->n_particles ? j : none;
@@ -1643,7 +1648,8 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
     }
     for (size_t k = 0; k < n; k++)
         films->scratch[contacts[k].i] = films->scratch[bridge__slot(films, contacts[k].j, contacts[k].partner)] = 0.0;
-    for (size_t k = 0; k < n; k++) { /* first pass: what each would like, as multiples of the quantum, so that the sums know no order */
+    for (size_t k = 0; k < n; k++) { /* first pass: what each requests, as multiples of the quantum, so that sums do not depend on the
+                                        order */
         bridge_contact *c = &contacts[k];
         size_t j = bridge__slot(films, c->j, c->partner);
         double film = films->particle[c->i], other = *bridge__film(films, j);

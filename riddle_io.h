@@ -84,17 +84,18 @@ typedef struct riddle_io_file riddle_io_file;
 RIDDLE_IO_API riddle_io_file *riddle_io_open(const char *folder, const char *name);
 RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char *format, ...) RIDDLE_IO__PRINTF(2, 3);
 RIDDLE_IO_API riddle_io_status riddle_io_write(riddle_io_file *file, const void *bytes, size_t size);
-/* One row of CSV: %.17g with commas between, an empty cell for a number that is not finite. */
+/* Writes one row of CSV: %.17g with commas between, an empty cell for a number that is not finite. */
 RIDDLE_IO_API riddle_io_status riddle_io_row(riddle_io_file *file, const double *values, int n);
-/* Ends it. RIDDLE_IO_OK: the file stands under its name. Else nothing is left, whichever of the calls above failed. Frees the object. */
+/* Closes the file. RIDDLE_IO_OK: the file exists under its name. Otherwise nothing is left, whichever of the calls above failed. Frees the
+   object. */
 RIDDLE_IO_API riddle_io_status riddle_io_close(riddle_io_file *file);
-RIDDLE_IO_API void riddle_io_discard(riddle_io_file *file); /* nothing is left */
+RIDDLE_IO_API void riddle_io_discard(riddle_io_file *file); /* closes it and leaves nothing */
 
-/* Makes a folder and its parents, and tries that it can be written to. The reason of a failure stands in message, which may be NULL. */
+/* Makes a folder and its parents, and checks that it can be written to. message (may be NULL): the reason of a failure. */
 RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *message, size_t size);
-/* Whether a file of that name could be written now; the folder must be there. The reason of a failure stands in message. */
+/* Checks whether a file of that name could be written now; its folder must exist. message: the reason of a failure. */
 RIDDLE_IO_API riddle_io_status riddle_io_can_write(const char *path, char *message, size_t size);
-/* "folder/name" in buffer; returns buffer. folder may be NULL. */
+/* Writes "folder/name" to buffer, and returns buffer. folder may be NULL. */
 RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *folder, const char *name);
 
 /* ========================================================= ParaView ========================================================= */
@@ -116,15 +117,17 @@ RIDDLE_IO_API riddle_io_array riddle_io_vector(const char *name, const double *x
 RIDDLE_IO_API riddle_io_array riddle_io_vector3(const char *name, const double *x, const double *y, const double *z); /* three of [n] */
 RIDDLE_IO_API riddle_io_array riddle_io_vector_stride(const char *name, const double *xyz, int stride); /* xyz + i * stride [doubles] */
 
-/* n points with their arrays, one vertex each (Glyph or Point Gaussian in ParaView). An array is written as often as position: [n]. */
+/* Writes n points with their arrays, one vertex each (Glyph or Point Gaussian in ParaView). An array is written as often as position:
+   [n]. */
 RIDDLE_IO_API riddle_io_status riddle_io_points(const char *folder, const char *name, int n, riddle_io_array position,
                                                 const riddle_io_array *arrays, int n_arrays);
-/* Lines or polygons: cell c joins corners[ends[c-1]] .. corners[ends[c]-1] (0-based points; ends[-1] is 0). Arrays belong to the points. */
+/* Writes lines or polygons: cell c joins corners[ends[c-1]] .. corners[ends[c]-1] (0-based points; ends[-1] is 0). Arrays belong to the
+   points. */
 RIDDLE_IO_API riddle_io_status riddle_io_lines(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
                                                const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays);
 RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
                                                   const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays);
-/* A regular grid of size[0] x size[1] x size[2] cells, first index fastest; origin and spacing [m]. Arrays belong to the cells. */
+/* Writes a regular grid of size[0] x size[1] x size[2] cells, first index fastest; origin and spacing [m]. Arrays belong to the cells. */
 RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3], const double origin[3],
                                                const double spacing[3], const riddle_io_array *arrays, int n_arrays);
 
@@ -133,20 +136,21 @@ RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *n
        riddle_io_points("out", riddle_io_series_name(series, time), n, position, arrays, n_arrays); */
 typedef struct riddle_io_series riddle_io_series;
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name);
-/* The next frame's file name (no folder), valid until the next call; it stands in the index from the next call on. NULL after an error. */
+/* Returns the next frame's file name (without a folder), valid until the next call; from then on the index lists it. NULL after an
+   error. */
 RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double time);
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension); /* "vti", not "vtp" */
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series);
 
 /* ========================================================== figures ========================================================= */
 
-/* Values that are not finite (or not positive on a log axis) are left out and break a line. Text is UTF-8 and is escaped. Panels
-   without a call stay empty. A series with the label NULL or "" does not stand in the legend. */
+/* Values that are not finite (or not positive on a log axis) are left out and break a line. Text is UTF-8 and is escaped. Panels without a
+   call stay empty. A series with the label NULL or "" is not in the legend. */
 typedef struct riddle_io_plot riddle_io_plot;
 
 RIDDLE_IO_API riddle_io_plot *riddle_io_plot_new(const char *title, int rows, int columns); /* title may be NULL; 1 to 6 rows and columns */
 RIDDLE_IO_API void riddle_io_plot_panel_size(riddle_io_plot *p, double width, double height); /* of each; default 540 x 360 for one panel */
-RIDDLE_IO_API riddle_io_status riddle_io_plot_write(riddle_io_plot *p, const char *folder, const char *name); /* frees the figure always */
+RIDDLE_IO_API riddle_io_status riddle_io_plot_write(riddle_io_plot *p, const char *folder, const char *name); /* always frees the figure */
 RIDDLE_IO_API void riddle_io_plot_free(riddle_io_plot *p);                                                    /* instead of writing it */
 
 /* Chooses the panel that the following calls work on. */
@@ -174,7 +178,7 @@ RIDDLE_IO_API void riddle_io_plot_bars(riddle_io_plot *p, const char *label, con
 /* values[row][column], row 0 at the bottom, between the given corners; colour bar with its label at the right. */
 RIDDLE_IO_API void riddle_io_plot_heat(riddle_io_plot *p, const char *label, const double *values, int columns, int rows, double x0,
                                        double x1, double y0, double y1);
-/* Of the colours of the heat map just added; default: its values. To compare panels. */
+/* Sets the range of the colours of the heat map just added; default: that of its values. To compare panels. */
 RIDDLE_IO_API void riddle_io_plot_heat_range(riddle_io_plot *p, double low, double high);
 
 /* How the series just added looks. */
@@ -400,7 +404,7 @@ static inline void riddle_io__forget(char *temporary, bool unwanted) {
     riddle_io__release(temporary);
 }
 
-/* A path whose links are resolved, so that a link stays one and its target is replaced; NULL where there is nothing yet. */
+/* Returns a path whose links are resolved, so that a link stays one and its target is replaced; NULL where there is nothing yet. */
 static inline char *riddle_io__resolved(const char *path) {
 #if !defined(_WIN32) && (defined(_DEFAULT_SOURCE) || defined(_XOPEN_SOURCE) || defined(__APPLE__)) /* else it is not declared */
     char *real = riddle_io__is_standard_output(path) ? NULL : realpath(path, NULL), *copy = NULL;
@@ -1187,7 +1191,7 @@ RIDDLE_IO_API void riddle_io_plot_style(riddle_io_plot *p, int flags, int colour
     riddle_io__series *s = &a->all[a->n - 1];
     s->flags = flags;
     if (colour == RIDDLE_IO_NEXT) return;
-    if (s->kind <= RIDDLE_IO__BARS) a->next_colour--; /* it gives back the colour that it took */
+    if (s->kind <= RIDDLE_IO__BARS) a->next_colour--; /* releases the colour that it took */
     if (colour == RIDDLE_IO_SAME) s->colour = a->n > 1 ? a->all[a->n - 2].colour : 0;
     else s->colour = colour >= 0 ? colour % 8 : colour;
 }
@@ -1277,7 +1281,7 @@ static inline int riddle_io__letters_of(const char *text) {
     return n;
 }
 
-/* A step of 1, 2, 5 x 10^k that gives about `wanted` intervals; *minor: intervals between two. */
+/* Returns a step of 1, 2, 5 x 10^k that gives about `wanted` intervals; *minor: intervals between two. */
 static inline double riddle_io__nice_step(double span, int wanted, int *minor) {
     double raw = span / wanted, power = pow(10.0, floor(log10(raw))), m = raw / power;
     *minor = m > 1.41 && m <= 3.16 ? 4 : 5;
@@ -1551,7 +1555,7 @@ static inline void riddle_io__draw_discs(riddle_io_file *f, const riddle_io__pan
     riddle_io_print(f, "</g>\n");
 }
 
-/* Which of the bar series this one is, and how many there are. */
+/* Finds the place of a bar series among these, and their number. */
 static inline void riddle_io__bar_place(const riddle_io__panel *a, const riddle_io__series *s, int *index, int *count) {
     *index = *count = 0;
     for (int i = 0; i < a->n; i++) {
@@ -1875,7 +1879,7 @@ static inline void riddle_io__stain_series(riddle_io__raster r, const riddle_io_
     }
 }
 
-/* A free place inside for the legend, nearest to a corner, the right ones first. */
+/* Finds a free place inside for the legend, nearest to a corner, the right ones first. */
 static inline bool riddle_io__place_inside(riddle_io__panel *a) {
     riddle_io__raster r;
     memset(r, 0, sizeof r);

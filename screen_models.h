@@ -100,7 +100,7 @@ typedef enum screen_status {
 #undef SCREEN__ENUM
 } screen_status;
 
-/* One sentence; "unknown status" for anything else. Never null. */
+/* Returns one sentence; "unknown status" for anything else. Never null. */
 SCREEN_API const char *screen_status_text(screen_status status);
 
 /* ---- configuration ------------------------------------------------------------------------------------------------------------------ */
@@ -114,7 +114,7 @@ typedef enum screen_model {
     SCREEN_SOLDINGER    /* 3 */
 } screen_model;
 
-/* What d_av of eqs 32, 34, 43 is the mean of. The paper's n counts undersize classes. */
+/* The mean that d_av of eqs 32, 34, 43 is. The paper's n counts undersize classes. */
 typedef enum screen_average {
     SCREEN_AVERAGE_UNDERSIZE, /* plain mean of def.diameters (6 mm for 5 and 7 mm); default */
     SCREEN_AVERAGE_ALL,       /* plain mean of def.diameters and def.coarse_diameter (7.33 mm with 10 mm) */
@@ -128,7 +128,7 @@ typedef enum screen_ratio {
     SCREEN_RATIO_GRAIN     /* mass of one grain over def.ratio_mass: Y = (1 - p ratio)^N; default */
 } screen_ratio;
 
-/* The range of what parameters were fitted to: lowest and highest. Of a fit: result.domain; of the published sets:
+/* The range of the data to which parameters were fitted: lowest and highest. Of a fit: result.domain; of the published sets:
    screen_published_domain(). */
 typedef struct screen_domain {
     double amplitude[2], frequency[2], moisture[2], inclination[2]; /* [m] [Hz] [-] [rad] */
@@ -155,13 +155,13 @@ enum screen_outside_flag {
         SCREEN_OUTSIDE_NOTHING = 0
 };
 
-/* fn(user, old, old_size, new_size): like realloc; new_size 0 frees and returns null; null for a new_size > 0 means "no". */
+/* Memory hook, like realloc: fn(user, old, old_size, new_size). new_size 0 frees and returns null; null: out of memory. */
 typedef struct screen_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size); /* null: the C library's realloc and free (default) */
     void *user;
 } screen_memory;
 
-/* The deck and its feed. Get one from screen_default_def(), which is the batch screen of E&K section 4, then set classes and diameters. */
+/* The deck and its feed. Made by screen_default_def(), which gives the batch screen of E&K section 4, then set classes and diameters. */
 typedef struct screen_def {
     double aperture; /* a, clear width of a square aperture [m], > 0; 0.008 */
     double wire;     /* w, wire diameter [m], >= 0; 0.002; model 1 */
@@ -187,30 +187,30 @@ typedef struct screen_def {
     double deck_area;       /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
     double bulk_density;    /* rho_b [kg/m3], > 0; 1500 */
     double bottom_limit;    /* B_p = B_mP/m_0, what the bottom layer can hold [-], > 0; infinity (default): no limit */
-    double tolerance;       /* error of retained that a step of the adaptive integrator may make [-], [1e-14, 1e-2]; 1e-9; the stratified
-                                part is held as closely where it matters to the retained, and to 1000 times that elsewhere */
+    double tolerance;       /* error of retained that is allowed in a step of the adaptive integrator [-], [1e-14, 1e-2]; 1e-9; the same
+                               for the stratified part where it matters to the retained, 1000 times that elsewhere */
     double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
-    /* What a plant has and the paper's test sieve has not: all off by default, in every model and call */
+    /* Properties of a plant that the paper's test sieve lacks: all are off by default, in every model and call */
     double dead_time;            /* nothing is counted below before this [s] ([m] on a deck), >= 0; 0 */
     double never_passes;         /* share of every class that never passes [-], [0, 1); 0 */
     int free_points;             /* free fraction of the holes over time: numbers in the next two, >= 0; 0: all holes are free */
     const double *free_time;     /* [free_points] rising [s] ([m]); straight lines between, constant outside; not owned; null */
     const double *free_fraction; /* [free_points] [-], [0, 1]; from blocking.h or counted. It slows passage, not stratification */
     double aperture_ratio;       /* length over width of an opening, >= 1, infinite for rods; 1: square. Width is aperture; model 1 */
-    int project_aperture;        /* 1: an inclined deck has the aperture and the wire that a grain sees from above, a cos(inclination); 0
-                              (default). Model 1 on a deck has eq 23 for that and does not read it */
+    int project_aperture;        /* 1: an inclined deck counts with the aperture and the wire as projected from above, a cos(inclination); 0
+                                    (default). Model 1 on a deck has eq 23 for that and does not read it */
     double worn_share;           /* share of the holes that are wider, [0, 1]; 0 */
     double worn_by;        /* by this [m], >= 0; 0. Classes up to aperture + worn_by may then stand in diameters: what wear lets through */
     double load_exponent;  /* rates of passage are multiplied by (load_reference/load)^this, load = all mass over deck_area; >= 0; 0: the
                               load has no influence (but for stratification in model 3); 1: holes per mass of feed decide */
     double load_reference; /* load that the parameters were fitted at [kg/m2], > 0; 49.7, that of the paper; read with an exponent only */
     const screen_domain *domain; /* range of the fit: outside, screen_predict, screen_partition and screen_time_to fill their outputs and
-                                    return SCREEN_OUTSIDE; not owned; null (default): nobody looks */
+                                    return SCREEN_OUTSIDE; not owned; null (default): not checked */
     screen_memory memory;        /* the C library's */
     uint32_t cookie;             /* set by screen_default_def */
 } screen_def;
 
-/* How the deck runs. All four are checked by every driver. */
+/* Operation of the deck. All four are checked by every driver. */
 typedef struct screen_operation {
     double amplitude;   /* A, half the stroke [m], (0, 0.1] */
     double frequency;   /* f [Hz], (0, 1e4] */
@@ -220,25 +220,26 @@ typedef struct screen_operation {
 
 SCREEN_API screen_def screen_default_def(void);
 
-/* SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok). */
+/* Returns SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok). */
 SCREEN_API screen_status screen_check_def(const screen_def *def, const char **field);
 SCREEN_API screen_status screen_check_operation(const screen_operation *operation);
 
-/* Number of parameters of a model: 3 3 6 6, and 5 for model 1 on a continuous deck; 0 for no such model. */
+/* Returns the number of parameters of a model: 3 3 6 6, and 5 for model 1 on a continuous deck; 0 for no such model. */
 SCREEN_API int screen_parameter_count(screen_model model, int continuous);
-/* "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
+/* Returns "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
 SCREEN_API const char *screen_parameter_name(screen_model model, int index);
-/* The set that E&K section 5.3 prints for all 27 cases, into parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer.
+/* Copies the set that E&K section 5.3 prints for all 27 cases to parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer.
    SCREEN_BAD_MODEL for model 0, which has none there. */
 SCREEN_API screen_status screen_published(screen_model model, double *parameters);
 
-/* The 27 cases that they were fitted to. */
+/* Returns the domain of the 27 cases to which they were fitted. */
 SCREEN_API screen_domain screen_published_domain(void);
-/* What of a prediction lies outside a domain, by more than 1 % of its values: flags of enum screen_outside_flag, 0 for nothing or for null
-   pointers. last_time: the largest time [s] asked, or 0. Only models whose curves depend on the number of classes (3) are asked for it. */
+/* Returns flags of enum screen_outside_flag for what of a prediction lies outside a domain, by more than 1 % of its values; 0 for nothing
+   or for null pointers. last_time: the largest time of interest [s], or 0. The number of classes counts only for model 3, whose curves
+   depend on it. */
 SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def *def, screen_model model,
                                    const screen_operation *operation, double last_time);
-/* The name of one flag; "unknown flag" for anything else. */
+/* Returns the name of one flag; "unknown flag" for anything else. */
 SCREEN_API const char *screen_outside_text(unsigned flag);
 
 /* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
@@ -254,18 +255,18 @@ SCREEN_API screen_status screen_predict(const screen_def *def, screen_model mode
                                         const screen_operation *operation, int times, const double *time, double *retained,
                                         double *stratified, double *bottom);
 
-/* The paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1. */
+/* Returns the paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1. */
 SCREEN_API double screen_deviation(int points, const double *model, const double *data);
 
-/* Partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture.
-   diameters [n] [m], > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes do not see each other; the classes of def
-   matter only through d_av. SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes. */
+/* Computes the partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture. diameters [n] [m],
+   > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes are independent; the classes of def matter only through d_av.
+   SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes. */
 SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters,
                                           const screen_operation *operation, double time, int n, const double *diameters,
                                           double *partition);
 
-/* Time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED if later
-   than limit, which is > 0. */
+/* Finds the time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED
+   if later than limit, which is > 0. */
 SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
                                         const screen_operation *operation, double recovery, double limit, double *time);
 
@@ -285,7 +286,7 @@ typedef struct screen_bed {
     screen__layer own;
 } screen_bed;
 
-/* The batch at t = 0: undersize_mass x share of every class, unstratified. bed [classes]. */
+/* Fills a bed with the batch at t = 0: undersize_mass x share of every class, unstratified. bed [classes]. */
 SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed);
 
 /* One step of any model with the operation, the parameters and def as they are now.
@@ -318,8 +319,8 @@ typedef struct screen_where {
 #define SCREEN_MOST_STARTS 10000
 #define SCREEN_MOST_ITERATIONS 100000
 
-/* Half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees of freedom (whole numbers; others
-   are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN outside. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees of freedom (whole
+   numbers; others are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN outside. Student 1908. */
 SCREEN_API double screen_student(double level, double dof);
 
 typedef enum screen_loss {
@@ -352,8 +353,8 @@ typedef struct screen_fit_result {
     double parameter[SCREEN_MAX_PARAMETERS];
     double deviation;                    /* mean over cases of the deviation of a case [-] */
     double rms;                          /* root mean square of model - data [-] */
-    double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, look at the range. Residuals that
-                                            resemble their neighbours count as fewer points */
+    double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, see its range. Residuals that
+                                            correlate with their neighbours count as fewer points */
     double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
     double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
     double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut at the bounds */
@@ -367,11 +368,11 @@ typedef struct screen_fit_result {
     int starts_at_best;                    /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
     long evaluations;                      /* of the curves of all cases */
     screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
-    int rises;                             /* points that lie above an earlier one by more than the tolerance: not as screening goes */
+    int rises;                             /* points that lie above an earlier one by more than the tolerance */
     double largest_rise;                   /* [-] */
     double scatter;                        /* of single points about smooth curves, from the data alone [-]; 0 where it cannot be told */
-    double case_error;  /* what a case that was not fitted will be off, root mean square [-]: residuals of whole cases, which
-                                            hold the model's own error; for the bands of screen_fit_band */
+    double case_error;  /* root mean square error of a case that was not fitted [-], from residuals of whole cases, which contain the
+                           model's own error; used by screen_fit_band */
     screen_ratio ratio; /* the reading of eq 25 and the mass that the parameters belong to */
     double ratio_mass;
     screen_domain domain; /* of the data */
@@ -383,24 +384,24 @@ typedef struct screen_fit_result {
 
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
 
-/* Are the curves fit to be fitted, and do they fall? Where (may be null) names the first bad datum. tolerance as options.data_tolerance;
-   here it is all: noise above it is refused. screen_fit itself takes the scatter of the data for its tolerance and only notes rises. */
+/* Checks whether the curves can be fitted, and whether they fall. where (may be null): the first bad datum. tolerance as
+   options.data_tolerance, but noise above it is refused; screen_fit takes the scatter of the data for its tolerance and only notes
+   rises. */
 SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
                                             screen_where *where);
 
-/* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates (where alpha = 0 is no wall),
-   from several random starts, first on a rounded, then on the sharp absolute deviation.
-   Model 2: exchanging the two steps gives the same curves, so the data cannot tell which is which; the slower is called stratification, as
-   in the published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in all cases,
-   exponents when A f and d are) are held at 0, or at options->start, or the nearest bound.
-   Every parameter is also tried at its bounds, the others fitted again: no border is better than the result. A curve that rises is no
-   reason to refuse: result->rises tells.
-   options may be null (defaults). Errors: as the statuses; result->where is set for bad data, result->parameters is 0 after any. */
+/* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from several random starts,
+   first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps gives the same curves, so the data cannot
+   tell which is which; the slower is called stratification, as in the published set, unless the bounds forbid it. Parameters without
+   influence (moisture exponents when M is the same in all cases, exponents when A f and d are) are held at 0, or at options->start, or the
+   nearest bound. Every parameter is also tried at its bounds, the others fitted again, so that no bound gives a better fit. Curves that
+   rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses; result->where is set for bad data,
+   result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
 
-/* Profile range: how far one parameter (index) may go, all others fitted again, before the loss (deviation [-] or mean square) rises by
-   rise > 0; cut at the bounds. result is a fit to the same cases with the same options. */
+/* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean
+   square) rises by rise > 0; cut at the bounds. result is a fit to the same cases with the same options. */
 SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                         const screen_fit_result *result, int index, double rise, double *low, double *high);
 
@@ -409,9 +410,9 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
 SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
                                        double *sets);
 
-/* The band that a prediction of new data has: parameters drawn from the fit, and the error that the model makes on whole cases
-   (result.case_error), which a band of the curve alone leaves out. def: the deck of the prediction; level (0, 1), as 0.95.
-   mean, low, high  out [classes][times] [-]; each may be null. Draws 200 sets; seed: any. */
+/* Computes the band of a prediction of new data, from parameters drawn from the fit and the error that the model makes on whole cases
+   (result.case_error), which a band of the curve alone lacks. def: the deck of the prediction; level (0, 1), as 0.95. mean, low, high out
+   [classes][times] [-]; each may be null. Draws 200 sets; seed: any. */
 SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result, const screen_fit_options *options,
                                          const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
                                          double *mean, double *low, double *high);
@@ -442,16 +443,16 @@ typedef struct screen_separation {
     double yield;               /* passed / fed [-] */
 } screen_separation;
 
-/* Measures of a deck from a partition curve of any model or experiment.
-   diameters [n] rising [m]; feed [n] mass of each class (any unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1];
-   cut > 0 [m]: classes below it are undersize. SCREEN_NOT_REACHED when only the sizes are missing: the rest is valid. */
+/* Computes measures of a deck from a partition curve of any model or experiment. diameters [n] rising [m]; feed [n] mass of each class (any
+   unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1]; cut > 0 [m]: classes below it are undersize. SCREEN_NOT_REACHED when
+   only the sizes are missing: the rest is valid. */
 SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
                                         screen_separation *out);
 
 /* ---- feed --------------------------------------------------------------------------------------------------------------------------- */
 
-/* Mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and geometric
-   standard deviation sg > 1. d >= 0, d63, d50, n > 0. */
+/* Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and
+   geometric standard deviation sg > 1. d >= 0, d63, d50, n > 0. */
 static inline double screen_rosin_rammler(double d, double d63, double n);
 static inline double screen_lognormal(double d, double d50, double sg);
 
@@ -495,7 +496,7 @@ SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model
                                        const screen_operation *operation, const screen_duty *duty, int places, double *retained,
                                        double *depth, double *passed, screen_flow *flow);
 
-/* The largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1), to 1e-9 of it.
+/* Finds the largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1), to 1e-9 of it.
    SCREEN_LOAD_UNKNOWN where passage does not depend on the load; SCREEN_NOT_REACHED where no load between 1e-6 and 1e6 kg/m2 does. */
 SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model model, const double *parameters,
                                          const screen_operation *operation, const screen_duty *duty, double efficiency, double *feed);
@@ -675,8 +676,8 @@ static inline double screen_rate(double k, double exponent, double moisture_expo
     return k > 0.0 ? riddle_exp(riddle_log(k) + exponent * log_x) : 0.0;
 }
 
-/* Probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m], inclination [0, pi/2) [rad].
-   0 where the grain does not fit, d >= aperture cos(inclination). */
+/* Returns the probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m], inclination [0,
+   pi/2) [rad]. 0 where the grain does not fit, d >= aperture cos(inclination). */
 static inline double screen_passage_probability(double aperture, double wire, double d, double inclination) {
     if (!(aperture > 0.0 && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI)) return (double)NAN;
     double c = inclination > 0.0 ? riddle_cos(inclination) : 1.0, pitch = aperture + wire;
@@ -684,8 +685,8 @@ static inline double screen_passage_probability(double aperture, double wire, do
     return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
 }
 
-/* The same for an opening of the given length [m] >= aperture, its width, which lies across the slope; infinite for rods, whose gap alone
-   decides. Eq 23 with another length. */
+/* Returns the same for an opening of the given length [m] >= aperture, its width, which lies across the slope; infinite for rods, whose gap
+   alone decides. Eq 23 with another length. */
 static inline double screen_slot_probability(double aperture, double length, double wire, double d, double inclination) {
     if (!(aperture > 0.0 && length >= aperture && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI))
         return (double)NAN;
@@ -695,12 +696,14 @@ static inline double screen_slot_probability(double aperture, double length, dou
     return (aperture - d) / (aperture + wire) * (length < HUGE_VAL ? (length * c - d) / ((length + wire) * c) : 1.0);
 }
 
-/* Attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0, duration > 0. */
+/* Returns the attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0,
+   duration > 0. */
 static inline double screen_attempts_batch(double rate, double time, double duration) {
     return rate >= 0.0 && time >= 0.0 && duration > 0.0 ? rate * (time / duration) : (double)NAN;
 }
 
-/* Attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d, length > 0 [m], inclination > 0 [rad]. */
+/* Returns the attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d, length > 0 [m], inclination > 0
+   [rad]. */
 static inline double screen_attempts_deck(double rate, double d, double length, double inclination, double beta, double delta) {
     if (!(rate >= 0.0 && d > 0.0 && length > 0.0 && inclination > 0.0)) return (double)NAN;
     return rate * riddle_exp(beta * riddle_log(d / length) + delta * riddle_log(inclination));
@@ -740,7 +743,8 @@ static inline double screen_dong(double p, double n) {
     return y - y * ((riddle_log(y) - n * riddle_log1p(-u)) / (1.0 + n * (u / v)));
 }
 
-/* Mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3], d [m], reference [kg], all > 0. */
+/* Returns the mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3], d [m], reference [kg],
+   all > 0. */
 static inline double screen_grain_ratio(double density, double d, double reference) {
     if (!(density > 0.0 && d > 0.0 && reference > 0.0)) return (double)NAN;
     return density * (RIDDLE_PI / 6.0) * (d * d * d) / reference;
@@ -857,7 +861,7 @@ static inline size_t screen__size(const screen_def *def, int times) {
     return def && def->cookie == SCREEN__DEF_COOKIE && def->classes > 0 && times > 0 ? (size_t)def->classes * (size_t)times : 0;
 }
 
-/* Passes a status on; a failure leaves NaN in out [n] (may be null), so that nobody takes it for a result. */
+/* Passes a status on; a failure leaves NaN in out [n] (may be null), so that it is not mistaken for a result. */
 static inline screen_status screen__leave(screen_status status, size_t n, double *out) {
     for (size_t k = 0; status && status != SCREEN_OUTSIDE && out && k < n; k++) out[k] = (double)NAN;
     return status;
@@ -1155,12 +1159,12 @@ static inline double screen__dong_probability(const screen_def *def, double d, d
     double length = def->aperture * def->aperture_ratio, tau = def->continuous ? inclination : 0.0;
     double p = screen_slot_probability(def->aperture, length, def->wire, d, tau);
     if (def->worn_share == 0.0) return p;
-    double wire = def->wire > def->worn_by ? def->wire - def->worn_by : 0.0; /* what the hole gains the wire loses */
+    double wire = def->wire > def->worn_by ? def->wire - def->worn_by : 0.0; /* the hole gains what the wire loses */
     return (1.0 - def->worn_share) * p +
            def->worn_share * screen_slot_probability(screen__widest(def), length + def->worn_by, wire, d, tau);
 }
 
-/* The deck as a grain sees it from above. */
+/* Returns the deck as projected from above. */
 static inline screen_def screen__projected(const screen_def *def, screen_model model, const screen_operation *operation) {
     screen_def seen = *def;
     if (!def->project_aperture || (model == SCREEN_DONG && def->continuous)) return seen;
@@ -1296,7 +1300,7 @@ static inline screen_status screen__stratification(const screen_def *def, screen
     return SCREEN_OK;
 }
 
-/* e^-z and its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: there in an order that a processor need not wait for */
+/* e^-z and its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: evaluated there in an order with few dependencies */
 static inline double screen__decay(double z, double *mean) {
     double e = z < 0.35 ? 0.0 : riddle_exp(-z), z2 = z * z, z4 = z2 * z2;
     if (z < 0.0625)
@@ -1404,10 +1408,10 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
         for (int i = 0; i < n; i++)
             if (bed[i].own.u[0] > 0.0 && bed[i].own.c[0] > fastest) fastest = bed[i].own.c[0];
         if (!(*hint > 0.0)) *hint = fastest > 0.0 ? 0.3 / fastest : left;
-        else if (fastest > before) *hint *= before / fastest; /* what goes faster needs a shorter step */
+        else if (fastest > before) *hint *= before / fastest; /* faster rates need a shorter step */
         double h = *hint < left ? *hint : left, ratio = HUGE_VAL;
         int k = 0;
-        for (; k < ORDERS && !(ratio <= 1.0); k++) { /* as many orders as the tolerance asks for */
+        for (; k < ORDERS && !(ratio <= 1.0); k++) { /* as many orders as the tolerance needs */
             double error = 0.0;
             status = screen__sweep(def, bed, k + 1, h);
             if (status) return status;
@@ -1912,7 +1916,7 @@ typedef struct screen__problem {
     int last_steps; /* 1: down to rounding */
 } screen__problem;
 
-/* The deck of a case. */
+/* Returns the deck of a case. */
 static inline screen_def screen__deck_of(const screen__problem *p, int index) {
     if (!p->decks) return p->def;
     screen_def deck = p->decks[index];
@@ -1986,7 +1990,8 @@ typedef struct screen__sums {
     screen__matrix curvature; /* Gauss-Newton, by c */
 } screen__sums;
 
-/* Do derivatives come from differences of curves? Model 3's always; those of model 2 with holes that come and go, and of worn meshes. */
+/* Returns whether derivatives come from differences of curves: those of model 3 always; those of model 2 with a free fraction that changes,
+   and of worn meshes. */
 static inline int screen__is_numeric(const screen_def *deck, screen_model model) {
     return model == SCREEN_SOLDINGER || (model == SCREEN_SUBASINGHE && deck->free_points > 0) || deck->worn_share > 0.0;
 }
@@ -2597,7 +2602,7 @@ SCREEN_API double screen_student(double level, double dof) {
 
 /* >>judge: errors, correlation, ranges and what is not determined */
 
-/* What the residuals of a fit say: how alike neighbours in time are, and how far whole cases are off. */
+/* Residuals of a fit: correlation of neighbours in time, and deviation of whole cases. */
 typedef struct screen__residuals {
     double points, squares, lag, pairs; /* number, sum of squares, sum of products of neighbours, number of those */
     double case_squares;                /* mean over cases of their mean square */
@@ -2632,7 +2637,7 @@ static inline double screen__variance(const screen__problem *p, const screen_fit
     int open = 0;
     for (int j = 0; j < p->parameters; j++) open += p->low[j] < p->high[j];
     double rho = sum->squares > 0.0 && sum->pairs > 0.0 ? sum->lag / sum->squares * (sum->points / sum->pairs) : 0.0;
-    if (!(rho > 2.0 / sqrt(sum->points)) || !(out->rms > options->data_error)) rho = 0.0; /* what chance may do is not seen as likeness */
+    if (!(rho > 2.0 / sqrt(sum->points)) || !(out->rms > options->data_error)) rho = 0.0; /* chance is not correlation */
     rho = screen__clip(rho, 0.0, 0.975);
     double alike = (1.0 + rho) / (1.0 - rho), effective = sum->points / alike;
     out->dof = effective - open > 1.0 ? effective - open : 1.0;
@@ -2876,8 +2881,8 @@ static inline void screen__keep_mean_rate(const screen__problem *p, const double
     else if (fabs(lever) > 1e-6) trial[k + 1] = screen__clip((mean - trial[k]) / lever, p->low[k + 1], p->high[k + 1]);
 }
 
-/* Is a border better? Each parameter at each of its bounds, the others fitted again from the best. Model 3, whose curves cost much, looks
-   at near bounds only. */
+/* Tries whether a bound is better: each parameter at each of its bounds, the others fitted again from the best. Model 3, whose curves are
+   expensive, tries near bounds only. */
 static inline double screen__try_borders(screen__problem *p, double best, double *q) {
     for (int j = 0; j < p->parameters; j++)
         for (int side = 0; side < 2; side++) {
@@ -2930,7 +2935,7 @@ static inline double screen__try_plain_rates(screen__problem *p, double best, do
     return best;
 }
 
-/* All starts; the best in q. seen [2][starts] */
+/* Runs all starts; the best ends in q. seen [2][starts] */
 static inline double screen__search(screen__problem *p, const screen_fit_options *options, double *seen, double *best_q) {
     double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], last_time = screen__last_time(p);
     uint64_t state = options->seed;
@@ -2949,7 +2954,7 @@ static inline double screen__search(screen__problem *p, const screen_fit_options
     return best;
 }
 
-/* Borders, the last steps with the caller's tolerance, and what the fit says. */
+/* Tries the bounds, takes the last steps with the caller's tolerance, and computes the result. */
 static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options, const double *seen,
                                   double best, double *q, screen_fit_result *result) {
     int left = p->model == SCREEN_SOLDINGER ? 12 : 600, stage = options->loss == SCREEN_LOSS_SQUARES ? 0 : SCREEN__STAGES - 1;
