@@ -1956,7 +1956,7 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh may have as many */
+    dem__touch touch[DEM__TOUCHES]; /* a mesh may be touched in so many places */
     touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
     dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
     *out = touch[0];
@@ -2235,7 +2235,7 @@ typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed;           /* contacts that begin or end in this step, listed in contacts.slots; number of postponed
                                               forces */
-    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__next_chunk */
+    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
     int32_t low, high;                     /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
 } dem__chunk;
 
@@ -2307,7 +2307,7 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
-    int has_unset_pairs; /* of two materials that differ, in this run */
+    int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
@@ -8210,7 +8210,7 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
    May be changed here alone: how rows are gathered, bit for bit the same. */
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* from the centre of j, or the nearest point of a wall, to the centre of i */
+    dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
@@ -10055,7 +10055,7 @@ static inline int dem__kick(dem_world *w, double h) {
 }
 
 /* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
-   centre of mass. New bounds count on it. */
+   centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);

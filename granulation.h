@@ -392,7 +392,7 @@ typedef struct granulation_sim {
     /* below: private */
     int capacity, cells, item_capacity, event_capacity, hit_capacity;
     int64_t events; /* in the heap */
-    int stage;      /* of a step that was stopped: granulation__stage */
+    int stage;      /* of a step that was stopped: GRANULATION__BEGIN ... */
     int *cell_start;
     void *items, *heap, *hits, *motion;
 } granulation_sim;
@@ -2271,10 +2271,10 @@ static inline void granulation__stir(granulation_sim *sim) {
     }
 }
 
-/* What of a step is next. A step that is stopped keeps its stage; its time has passed already. */
+/* The part of a step that comes next. A step that was stopped keeps its stage; time has already advanced over it. */
 enum { GRANULATION__BEGIN, GRANULATION__BREAK, GRANULATION__MOVE };
 
-/* The rest of a step, from the stage that it is in. begun: its time at the start [s]. */
+/* Finishes a step from its stage on. begun: time at the start of the step [s]. */
 static inline granulation_status granulation__finish_step(granulation_sim *sim, double begun) {
     if (sim->stage == GRANULATION__BREAK) {
         granulation_status status = sim->def.breakage ? granulation__break_all(sim) : GRANULATION_OK;

@@ -153,7 +153,7 @@ static inline int dem__kick(dem_world *w, double h) {
 }
 
 /* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the normal velocity of their
-   centre of mass. New bounds count on it. */
+   centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);

@@ -33,7 +33,7 @@ typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed;           /* contacts that begin or end in this step, listed in contacts.slots; number of postponed
                                               forces */
-    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__next_chunk */
+    int32_t first_particle, postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
     int32_t low, high;                     /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
 } dem__chunk;
 
@@ -105,7 +105,7 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
-    int has_unset_pairs; /* of two materials that differ, in this run */
+    int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;

@@ -4,7 +4,7 @@
    May be changed here alone: how rows are gathered, bit for bit the same. */
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* from the centre of j, or the nearest point of a wall, to the centre of i */
+    dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
