@@ -215,8 +215,8 @@ typedef struct blocking_ode_report {
 } blocking_ode_report;
 
 BLOCKING_API blocking_ode_def blocking_default_ode_def(void);
-/* Returns OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check functions
-   likewise. */
+/* Returns OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check functions do the
+   same. */
 BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def, const char **field);
 
 /* Solves df/dt = -k1(t) f + k2(t)(1 - f) (eq 10). times[n]: rising, times[0] >= start. f[n]: free fraction at those times; mean[n], or
@@ -245,8 +245,8 @@ typedef struct blocking_schedule {
 /* Returns OK, or what is wrong; *row (may be NULL) is the first bad row. */
 BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *schedule, size_t *row);
 
-/* A blocking_rates_fn: set def.rates = blocking_schedule_rates, def.user = &schedule, def.breaks = schedule.time, def.n_breaks =
-   schedule.n. */
+/* Returns the rates of a schedule, as a blocking_rates_fn: set def.rates = blocking_schedule_rates, def.user = &schedule, def.breaks =
+   schedule.time, def.n_breaks = schedule.n. */
 BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, double *k2);
 
 /* ============================================ rate constants from three readings ============================================ */
@@ -274,8 +274,9 @@ typedef struct blocking_estimate {
    with times far from 0, is NaN and OUT_OF_RANGE. */
 BLOCKING_API blocking_status blocking_three_point(const double *t, const double *f, double sigma, double tolerance, blocking_estimate *out);
 
-/* Noise amplification for readings at 0, t, 2t with r = exp(-k t), 0 < r < 1: standard error of f_inf over that of a reading, and
-   standard error of ln k times |f0 - f_inf| over that of a reading. The second is least, 6.1146, at r = 0.20384: read at t = 1.5904 / k. */
+/* Return the amplification of noise for readings at 0, t, 2t with r = exp(-k t), 0 < r < 1: the standard error of f_inf over that of a
+   reading, and the standard error of ln k times |f0 - f_inf| over that of a reading. The second is least, 6.1146, at r = 0.20384: read at t
+   = 1.5904 / k. */
 static inline double blocking_noise_f_inf(double r);
 static inline double blocking_noise_k(double r);
 #define BLOCKING_BEST_KT 1.5904140601732491
@@ -299,14 +300,13 @@ typedef struct blocking_fit_def {
 } blocking_fit_def;
 
 typedef struct blocking_fit_result {
-    double f0, f_inf; /* [-], both held within 0..1 */
-    double k, k1, k2; /* [1/s] */
-    double sse;       /* sum of squared deviations, each over its sigma squared if sigma is given */
-    double r2;        /* 1 - SSE/SST; NaN if SST = 0 */
-    double dof;       /* degrees of freedom of the spread: n - 3; infinite if sigma is given */
-    double student;   /* half-width of the ranges in standard errors: blocking_student(z, dof); infinite for dof 0 */
-    double error_f0, error_f_inf,
-        error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its bound: look at its range */
+    double f0, f_inf;                      /* [-], both held within 0..1 */
+    double k, k1, k2;                      /* [1/s] */
+    double sse;                            /* sum of squared deviations, each over its sigma squared if sigma is given */
+    double r2;                             /* 1 - SSE/SST; NaN if SST = 0 */
+    double dof;                            /* degrees of freedom of the spread: n - 3; infinite if sigma is given */
+    double student;                        /* half-width of the ranges in standard errors: blocking_student(z, dof); infinite for dof 0 */
+    double error_f0, error_f_inf, error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its bound: use its range */
     /* Ranges that hold the truth in 95 of 100 cases (def.z): all values with which some curve has a sum of squares within student^2 s^2 of
        the least. They tell more than the errors, which are symmetric. NaN for dof 0. */
     double k_lowest, k_highest;         /* [1/s]; 0 or infinite: open on that side */
@@ -516,7 +516,7 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
 BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking_deck *out);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
@@ -526,7 +526,7 @@ BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking
 #define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
 #define RIDDLE_LN2_LO 1.9082149292705877e-10
 
-/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+/* Returns exp(r) - 1 for |r| < 0.36: Taylor series to r^14. */
 static inline double riddle__expm1_small(double r) {
     double p = 1.0 / 87178291200.0;
     p = p * r + 1.0 / 6227020800.0;
@@ -554,7 +554,7 @@ static inline double riddle_exp(double x) {
 
 static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
 
-/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+/* Returns log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f). */
 static inline double riddle__log1p_small(double f) {
     double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
     p = p * z + 2.0 / 21.0;
@@ -584,7 +584,7 @@ static inline double riddle_log(double x) {
 
 static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
 
-/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+/* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
     if (y == 0.0 || x == 1.0) return 1.0;
     return riddle_exp(y * riddle_log(x));
@@ -601,7 +601,7 @@ static inline double riddle_cbrt(double x) {
     return ldexp(x < 0.0 ? -y : y, third);
 }
 
-/* sin and cos of r + quarter turns, |r| <= pi/4 */
+/* Returns the sine of r + quarter turns for |r| <= pi/4. */
 static inline double riddle__sin_quarter(double r, int quarter) {
     double z = r * r, p, value;
     if (quarter & 1) {
@@ -635,7 +635,7 @@ static inline double riddle__sin_shifted(double x, int quarters) {
     return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
 }
 
-/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+/* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */
 static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
 static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
 
@@ -691,7 +691,7 @@ static inline double blocking_relative_size(double d, double l) {
 
 static inline int blocking_is_hard_to_screen(double phi) { return blocking__within(phi, 0.8 - BLOCKING__EDGE, 1.2 + BLOCKING__EDGE); }
 
-/* Acceleration of the deck along its normal over that of gravity, for a normal amplitude of 1 m and n = 1 Hz. */
+/* Returns the normal acceleration of the deck over that of gravity, for a normal amplitude of 1 m and n = 1 Hz; alpha [rad]. */
 static inline double blocking__toss_factor(double alpha, double g) {
     double c = riddle_cos(alpha);
     return c > BLOCKING__EDGE && g > 0.0 && blocking__finite(g) ? 4.0 * RIDDLE_PI * RIDDLE_PI / (g * c) : (double)NAN;
@@ -760,7 +760,7 @@ static inline double blocking_k1(double f_inf, double k) {
 }
 static inline double blocking_k2(double f_inf, double k) { return blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 ? k * f_inf : (double)NAN; }
 
-/* 1 - (1 - e^-x)/x for x >= 0: how far the mean over 0..x has come from the start to the end */
+/* Returns 1 - (1 - e^-x)/x for x >= 0: the share of the way from its start to its end that the mean over 0..x has covered. */
 static inline double blocking__mean_share(double x) {
     if (x >= 0.5) return 1.0 + riddle_expm1(-x) / x;
     double p = 1.0;
@@ -790,7 +790,7 @@ static inline double blocking_exposure(double f0, double f_inf, double k, double
     return mean * t;
 }
 
-/* Root of g between a and b, where g has different signs: Chandrupatla (1997), to the last bits. */
+/* Returns a root of g between a and b, where g has different signs, to the last bits (Chandrupatla 1997). */
 static inline double blocking__root(double (*g)(const void *, double), const void *data, double a, double b) {
     double ga = g(data, a), gb = g(data, b), c = a, gc = ga, share = 0.5;
     if (ga == 0.0) return a;
@@ -1020,7 +1020,7 @@ BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, 
     return BLOCKING_OK;
 }
 
-/* Straight lines between the points, constant outside. */
+/* Interpolates linearly between the points, or by steps; constant outside. */
 static inline double blocking__interpolate(const double *x, const double *y, size_t n, double at, int stepwise) {
     if (!(at > x[0])) return y[0];
     if (!(at < x[n - 1])) return y[n - 1];
@@ -1140,7 +1140,7 @@ static inline int blocking__rates_at(const blocking_ode_def *def, double t, bloc
     return blocking__within(r->k1, 0.0, 1e300) && blocking__within(r->k2, 0.0, 1e300);
 }
 
-/* Exact for constant rates. */
+/* Advances the state by h at constant rates, exactly. */
 static inline blocking__state blocking__advance(blocking__state s, double k1, double k2, double h) {
     double k = k1 + k2, f_inf = k > 0.0 ? k2 / k : s.f;
     blocking__state next;
@@ -1150,9 +1150,9 @@ static inline blocking__state blocking__advance(blocking__state s, double k1, do
     return next;
 }
 
-/* One step of the commutator-free Magnus method of order 4 with the moments from Simpson's rule: two exact half steps with mixed rates. A
-   mixture is negative only where rates grow by more than a factor 3 within the step; cutting it keeps f within 0..1, and the error
-   control sees the rest. */
+/* Makes one step of the commutator-free Magnus method of order 4 with the moments from Simpson's rule: two exact half steps with mixed
+   rates. A mixture is negative only where rates grow by more than a factor 3 within the step; cutting it off keeps f within 0..1, and the
+   error control accounts for the rest. */
 static inline blocking__state blocking__magnus(blocking__state s, blocking__rates a, blocking__rates m, blocking__rates b, double h) {
     const double sixth = 1.0 / 6.0;
     s = blocking__advance(s, blocking__clip(sixth * (3.0 * a.k1 + 4.0 * m.k1 - b.k1), 0.0, HUGE_VAL),
@@ -1161,9 +1161,9 @@ static inline blocking__state blocking__magnus(blocking__state s, blocking__rate
                              blocking__clip(sixth * (3.0 * b.k2 + 4.0 * m.k2 - a.k2), 0.0, HUGE_VAL), 0.5 * h);
 }
 
-/* Tests whether the rates between t and t + step, seen at a, q1, m, q3, b, agree with those at the samples of the whole time that lie
-   there. Samples stand at irregular places, so that nothing periodic hides from all of them. Differences of less than the tolerance over a
-   gap of samples are accepted. Returns 1, 0, or -1 for a bad rate. */
+/* Tests whether the rates between t and t + step, known at a, q1, m, q3, b, agree with those at the samples of the whole time in this
+   interval. Samples stand at irregular places, so that no periodic change is missed by all of them. Differences of less than the tolerance
+   over a gap of samples are accepted. Returns 1, 0, or -1 for a bad rate. */
 static inline int blocking__steps_see_all(const blocking_ode_def *def, double t, double step, double span, const blocking__rates *r,
                                           blocking_ode_report *report) {
     const double samples = blocking__samples(def->tolerance), gap = span / samples, first = floor((t - def->start) / gap),
@@ -1195,7 +1195,7 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
     const int sampled = def->n_breaks == 0 && !(def->max_step < HUGE_VAL);
     blocking__rates a, q1, m, q3, b;
     if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report)) return BLOCKING_BAD_RATE;
-    /* Never the whole way at once: rates that repeat themselves would look constant in steps of whole periods. */
+    /* Never the whole interval at once: periodic rates would look constant in steps of whole periods. */
     const double first = 0.27639320225002103 * (end - *t);
     if (*h > first) *h = first;
     while (*t < end) {
@@ -1321,7 +1321,7 @@ typedef struct blocking__ratio {
     double rho, log_p;
 } blocking__ratio;
 
-/* ln of (f2 - f1)/(f1 - f0) = r (1 - r^(rho - 1))/(1 - r) at r = e^-x, less the measured one; falls with x */
+/* Returns ln of (f2 - f1)/(f1 - f0) = r (1 - r^(rho - 1))/(1 - r) at r = e^-x, less the measured one; it falls with x. */
 static inline double blocking__ratio_miss(const void *data, double x) {
     const blocking__ratio *q = (const blocking__ratio *)data;
     double share = x > 0.0 ? riddle_expm1(-(q->rho - 1.0) * x) / riddle_expm1(-x) : q->rho - 1.0;
@@ -1392,7 +1392,7 @@ BLOCKING_API blocking_status blocking_three_point(const double *t, const double 
 
 /* ======================================================== >>student ========================================================= */
 
-/* P(|Z| < z) for a normal Z: erf's series, all terms positive */
+/* Returns P(|Z| < z) for a normal Z by the series of erf, whose terms are all positive. */
 static inline double blocking__normal_share(double z) {
     double term = z, sum = z;
     for (int n = 1; n < 200 && term > 1e-18 * sum; n++) {
@@ -1402,7 +1402,7 @@ static inline double blocking__normal_share(double z) {
     return sqrt(2.0 / RIDDLE_PI) * riddle_exp(-0.5 * z * z) * sum;
 }
 
-/* P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
+/* Returns P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
 static inline double blocking__student_share(double theta, int dof) {
     double s = riddle_sin(theta), c2 = blocking__square(riddle_cos(theta)), term = 1.0, sum = 0.0;
     for (int j = dof & 1 ? 1 : 0; j <= dof - 2; j += 2) {
@@ -1468,7 +1468,7 @@ typedef struct blocking__trial {
 
 static inline double blocking__weight(const blocking__data *d, size_t i) { return d->sigma ? 1.0 / (d->sigma[i] * d->sigma[i]) : 1.0; }
 
-/* 1 - e^-x, and e^-x, for one transcendental function */
+/* Returns 1 - e^-x and sets *e to e^-x, at the price of one transcendental function. */
 static inline double blocking__gone(double x, double *e) {
     double u = x < 0.35 ? -riddle_expm1(-x) : 0.0;
     *e = x < 0.35 ? 1.0 - u : riddle_exp(-x);
@@ -1485,8 +1485,8 @@ static inline void blocking__residuals(const blocking__data *d, blocking__trial 
     }
 }
 
-/* For a fixed k, f = f0 + (f_inf - f0) u with u = 1 - e^(-k t) is a straight line: regression, then, if it leaves the box 0..1, the best
-   of its edges. */
+/* Finds the best f0 and f_inf for a fixed k. f = f0 + (f_inf - f0) u with u = 1 - e^(-k t) is a straight line: a regression, then, if it
+   leaves the box 0..1, the best of the edges of the box. */
 static inline blocking__trial blocking__try(const blocking__data *d, double log_k) {
     blocking__trial best;
     best.k = riddle_exp(log_k);
@@ -1524,7 +1524,8 @@ static inline blocking__trial blocking__try(const blocking__data *d, double log_
 }
 
 static inline double blocking__slope_at(const void *data, double log_k) { return blocking__try((const blocking__data *)data, log_k).slope; }
-/* The minimum near `at`, which is lower than its neighbours at +- step: where the slope goes from falling to rising. */
+/* Returns the place of the minimum near `at`, which is lower than its neighbours at +- step: where the slope changes from falling to
+   rising. */
 static inline double blocking__refine(const blocking__data *d, double at, double step) {
     double here = blocking__slope_at(d, at);
     if (here == 0.0) return at;
@@ -1539,8 +1540,8 @@ static inline double blocking__refine(const blocking__data *d, double at, double
     return 0.5 * (low + high);
 }
 
-/* Standard errors from the inverse of the normal matrix of (f0, f_inf, ln k). A value on a bound has none; the others have them given
-   that bound. */
+/* Computes standard errors from the inverse of the normal matrix of (f0, f_inf, ln k). A value on a bound has none; those of the others
+   hold for this value fixed. */
 static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_result *out, double variance) {
     double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < d->n; i++) {
@@ -1567,7 +1568,7 @@ static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_re
     out->error_k = error[2] * out->k;
 }
 
-/* The largest run of readings against the curve, and whether it is beyond the noise. */
+/* Returns whether readings run against the curve by more than the allowed share of the range and more than the noise. */
 static inline int blocking__turns_back(const blocking_fit_def *def, const blocking__data *d, double direction, double range) {
     size_t extreme = 0;
     for (size_t i = 1; i < d->n; i++) {
@@ -1581,8 +1582,8 @@ static inline int blocking__turns_back(const blocking_fit_def *def, const blocki
     return 0;
 }
 
-/* sse of the straight line through the readings: what curves of ever smaller k and ever farther f_inf tend to. No curve within 0..1 being
-   better, the readings do not level off. */
+/* Returns the sum of squares of the straight line through the readings, the limit of curves with ever smaller k and ever more distant
+   f_inf. If no curve within 0..1 is better, the readings do not level off. */
 static inline double blocking__straight_line(const blocking__data *d) {
     double sw = 0.0, st = 0.0, stt = 0.0, stf = 0.0, sse = 0.0, middle = d->t[d->n / 2];
     for (size_t i = 0; i < d->n; i++) {
@@ -1608,7 +1609,7 @@ typedef struct blocking__line {
     double v_alpha, v_beta, v_cross; /* inverse of the normal matrix */
 } blocking__line;
 
-/* u at the share x of the time between first and last, for k times that time */
+/* Returns u at the share x of the time between first and last reading, for kappa = k times that time. */
 static inline double blocking__shape(double kappa, double x) {
     if (kappa < 0.0) return 1.0 - blocking__shape(-kappa, 1.0 - x);
     return kappa > 1e-12 ? riddle_expm1(-kappa * x) / riddle_expm1(-kappa) : x;
@@ -1639,20 +1640,20 @@ static inline blocking__line blocking__regress(const blocking__data *d, double k
     return line;
 }
 
-/* kappa of a place x on the way from accelerating curves (x < 0) to saturating ones; sinh opens the logarithmic ends */
+/* Returns kappa of a place x on the scale from accelerating curves (x < 0) to saturating ones; sinh makes it logarithmic at both ends. */
 static inline double blocking__kappa(double x) { return 0.5 * (riddle_exp(x) - riddle_exp(-x)); }
 
 enum { BLOCKING__SCAN = 120 };
 
 typedef struct blocking__region {
-    double end;    /* places from -end to end are looked at */
+    double end;    /* places from -end to end are searched */
     double least;  /* smallest sum of squares */
     double target; /* largest sum of squares that is accepted */
     double student, variance;
     double from, to; /* places of the range of k */
 } blocking__region;
 
-/* The place of the least sum of squares between two, by golden section. */
+/* Finds the place of the least sum of squares between two by golden section. */
 static inline double blocking__least_place(const blocking__data *d, double low, double high) {
     const double golden = 0.38196601125010515;
     double a = low + golden * (high - low), b = high - golden * (high - low);
@@ -1697,7 +1698,7 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     return r;
 }
 
-/* From a place inside to one outside: where the target is met. */
+/* Finds by bisection the place between one inside the target and one outside at which the target is met. */
 static inline double blocking__meet(const blocking__data *d, double target, double inside, double outside) {
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (inside + outside);
@@ -1707,11 +1708,11 @@ static inline double blocking__meet(const blocking__data *d, double target, doub
     return inside;
 }
 
-/* The range of k: 0 where straight lines are within the target, infinite where steps are. */
+/* Finds the range of k: from 0 where straight lines are within the target, to infinity where steps are. */
 static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low, double *high) {
     const double span = d->t[d->n - 1] - d->t[0], step = r->end / (double)BLOCKING__SCAN, x = k * span;
     const double at = riddle_log(x + sqrt(x * x + 1.0));
-    double first = at, last = at; /* outermost places seen within the target */
+    double first = at, last = at; /* outermost places found within the target */
     for (int i = 0; i <= BLOCKING__SCAN; i++) {
         if (!(blocking__regress(d, blocking__kappa(i * step)).sse <= r->target)) continue;
         if (i * step < first) first = i * step;
@@ -1731,7 +1732,7 @@ typedef struct blocking__wish {
     int mean; /* of f over 0..T */
 } blocking__wish;
 
-/* The values within the target at one place join *low and *high. */
+/* Extends *low and *high by the values within the target at one place. */
 static inline void blocking__join(const blocking__data *d, const blocking__region *r, blocking__wish wish, double place, double *low,
                                   double *high) {
     const double kappa = blocking__kappa(place), first = d->t[0], span = d->t[d->n - 1] - first, k = kappa / span;
@@ -1749,7 +1750,7 @@ static inline void blocking__join(const blocking__data *d, const blocking__regio
     if (value + reach > *high) *high = value + reach;
 }
 
-/* The hull over all places, cut at 0 and 1; best: the fitted value, which always belongs to it. */
+/* Finds the hull of the values over all places, cut at 0 and 1. best: the fitted value, which always belongs to it. */
 static inline void blocking__range(const blocking__data *d, const blocking__region *r, blocking__wish wish, double best, double *low,
                                    double *high) {
     *low = *high = best;
@@ -1816,7 +1817,7 @@ static inline blocking_status blocking__pose(const blocking_fit_def *def, const 
     return BLOCKING_OK;
 }
 
-/* The best of all minima of a grid in ln k. *end: -1 or 1 if it lies at an end of the search. */
+/* Returns the best of all minima on a grid in ln k. *end: -1 or 1 if it lies at an end of the search, otherwise 0. */
 static inline blocking__trial blocking__search_k(const blocking__search *s, int *end) {
     const int cells = 2 + (int)((s->high - s->low) / 0.25);
     const double step = (s->high - s->low) / cells;
@@ -1951,7 +1952,7 @@ static inline double blocking__test_weight(const blocking_test *test, size_t i) 
     return test->sigma ? 1.0 / (test->sigma[i] * test->sigma[i]) : 1.0;
 }
 
-/* The f0 of a test that suits k1 and k2 best, and f_inf. */
+/* Returns the f0 of a test that suits k1 and k2 best; *f_inf: theirs. */
 static inline double blocking__best_f0(const blocking_test *test, double k1, double k2, double *f_inf) {
     double ee = 0.0, ef = 0.0;
     *f_inf = k2 / (k1 + k2);
@@ -1963,7 +1964,7 @@ static inline double blocking__best_f0(const blocking_test *test, double k1, dou
     return ee > 0.0 ? blocking__clip(ef / ee, 0.0, 1.0) : test->f[0];
 }
 
-/* Sum of squares, gradient and normal matrix; each f0 follows the rates (variable projection). */
+/* Computes sum of squares, gradient and normal matrix; each f0 follows from the rates (variable projection). */
 static inline void blocking__law_sums(const blocking__tests *all, blocking__law_trial *trial) {
     const double h = 1e-6;
     trial->sse = 0.0;
@@ -2002,7 +2003,7 @@ static inline void blocking__law_sums(const blocking__tests *all, blocking__law_
     }
 }
 
-/* x = (A + damping diag A)^-1 x for the used terms; 0 if A is not positive. */
+/* Computes x = (A + damping diag A)^-1 x for the used terms. Returns 0 if A is not positive definite. */
 static inline int blocking__law_solve(const blocking__law_trial *trial, double damping, double *x) {
     double l[BLOCKING__MOST][BLOCKING__MOST];
     for (int i = 0; i < BLOCKING__MOST; i++) {
@@ -2025,7 +2026,7 @@ static inline int blocking__law_solve(const blocking__law_trial *trial, double d
     return 1;
 }
 
-/* Levenberg-Marquardt in at most 200 steps. */
+/* Minimises the sum of squares by at most 200 steps of the Levenberg-Marquardt method. */
 static inline void blocking__law_descend(const blocking__tests *all, blocking__law_trial *trial) {
     double damping = 1e-3;
     int quiet = 0;
@@ -2050,7 +2051,7 @@ static inline void blocking__law_descend(const blocking__tests *all, blocking__l
 
 static inline int blocking__bits(int mask) { return (mask & 1) + (mask >> 1 & 1) + (mask >> 2 & 1) + (mask >> 3 & 1); }
 
-/* Constant k1 and k2: the best of a grid that spans what the times can show, then descended from. */
+/* Finds constant k1 and k2: the best of a grid that spans what the times can show, refined by descent. */
 static inline void blocking__law_start(const blocking__tests *all, blocking__law_trial *best) {
     enum { GRID = 24 };
     double last = 0.0, gap = HUGE_VAL;
@@ -2112,7 +2113,7 @@ static inline double blocking__aicc(const blocking__tests *all, const blocking__
     return fit + 2.0 * q + 2.0 * q * (q + 1.0) / (n - q - 1.0);
 }
 
-/* From scaled covariates to plain ones: a_j = x_j/width_j, and what that shifts goes into a_0. spread: covariance of x. */
+/* Converts scaled covariates to plain ones: a_j = x_j/width_j; the shift of the centres goes into a_0. spread: covariance of x. */
 static inline void blocking__law_plain(const blocking__tests *all, const blocking__law_trial *trial,
                                        double spread[BLOCKING__MOST][BLOCKING__MOST], blocking_law *out) {
     double map[BLOCKING__MOST][BLOCKING__MOST] = {{0.0}}, half[BLOCKING__MOST][BLOCKING__MOST];
@@ -2165,7 +2166,8 @@ static inline void blocking__law_single(const blocking__tests *all, blocking__la
     }
 }
 
-/* A form's coefficients as the linear regression of what single tests say; where that is too little, none but the first. */
+/* Computes a form's coefficients by linear regression of the results of single tests. A weak penalty keeps all terms but the first near 0
+   where the tests are too few. sse is infinite if there is no solution. */
 static inline void blocking__law_regress(const blocking__law_guess *guess, blocking__law_trial *trial) {
     blocking__law_trial line = *trial;
     for (int i = 0; i < BLOCKING__MOST; i++) {
@@ -2182,7 +2184,7 @@ static inline void blocking__law_regress(const blocking__law_guess *guess, block
     if (!blocking__law_solve(&line, 0.0, trial->x)) trial->sse = HUGE_VAL;
 }
 
-/* The better of a form descended from *trial and from what single tests say. */
+/* Descends from *trial and from the results of single tests, and keeps the better form. */
 static inline void blocking__law_best(const blocking__tests *all, const blocking__law_guess *guess, blocking__law_trial *trial) {
     blocking__law_trial other = *trial;
     blocking__law_descend(all, trial);
@@ -2201,7 +2203,7 @@ typedef struct blocking__law_set {
     int best;
 } blocking__law_set;
 
-/* Every form, from its best parent with one term less and from single tests; the best by AICc. */
+/* Fits every form, from its best parent with one term less and from single tests, and selects the best by AICc. */
 static inline void blocking__law_forms(const blocking__tests *all, blocking__law_set *set) {
     blocking__law_trial *form = set->form;
     blocking__law_guess guess;
@@ -2234,8 +2236,9 @@ static inline double blocking__law_dof(const blocking__tests *all, const blockin
     return (double)all->readings - (double)all->n - trial->terms;
 }
 
-/* Covariance of the best form's coefficients, with what the choice of the form adds: every form by its Akaike weight, its own covariance
-   and the square of how far it is off the best (Burnham and Anderson 2002, section 4.3). NaN where the best has none. */
+/* Computes the covariance of the best form's coefficients, including the choice of the form: every form counts by its Akaike weight, with
+   its own covariance and the square of its difference from the best (Burnham and Anderson 2002, section 4.3). NaN where the best has
+   none. */
 static inline void blocking__law_spread(const blocking__tests *all, const blocking__law_set *set,
                                         double spread[BLOCKING__MOST][BLOCKING__MOST]) {
     double weights = 0.0;
@@ -2301,7 +2304,7 @@ BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t
     return out->covariance[0][0] == out->covariance[0][0] ? BLOCKING_OK : BLOCKING_UNDETERMINED;
 }
 
-/* Variance of a . z (first 0), b . z (4) or their difference (both) */
+/* Returns the variance of a . z (of_a 1, of_b 0), of b . z (of_a 0, of_b 1) or of their difference (1 and -1). */
 static inline double blocking__law_variance(const blocking_law *law, const double *z, double of_a, double of_b) {
     double sum = 0.0;
     for (int i = 0; i < BLOCKING__MOST; i++)
@@ -2615,7 +2618,7 @@ BLOCKING_API blocking_duty blocking_default_duty(void) {
     return duty;
 }
 
-/* A range within 0..1, or none. */
+/* Returns whether low and high are a range within 0..1, or both NaN: no range. */
 static inline int blocking__is_range(double low, double high) {
     return (low != low && high != high) || (low >= 0.0 && low <= high && high <= 1.0);
 }

@@ -58,7 +58,7 @@ extern "C" {
 typedef struct dem_io_surface {
     int vertices, triangles;
     double *vertex;          /* shape [vertices][3] [m] */
-    int *triangle;           /* shape [triangles][3]: indices of vertices; counter-clockwise seen from where the normal points to */
+    int *triangle;           /* shape [triangles][3]: indices of vertices; counter-clockwise around the outward normal */
     int *wall;               /* [vertices]: index of the wall */
     dem_allocator allocator; /* of block */
     void *block;             /* what dem_io_free_surface frees */
@@ -71,9 +71,9 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface);
 DEM_IO_API void dem_io_free_surface(dem_io_surface *surface); /* safe on a zeroed or freed one */
 
-/* One .vtp file: particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; where there are clumps or polyhedra also body,
-   the id of its first particle, and orientation_w, orientation_xyz, the quaternion of dem_orientation(). Walls with their index as array
-   "wall". */
+/* Write one .vtp file. dem_io_particles: the particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; where there are
+   clumps or polyhedra also body, the id of its first particle, and orientation_w, orientation_xyz, the quaternion of dem_orientation().
+   dem_io_walls: the walls, with their index as array "wall". */
 DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name);
 
@@ -126,18 +126,18 @@ static inline void dem_io__face(dem_io_surface *s, int a, int b, int c) {
     t[0] = a, t[1] = b, t[2] = c;
 }
 
-/* A point of the circle around `centre` in the plane of two unit vectors. */
+/* Returns a point of the circle around `centre` in the plane of two unit vectors: number `side` of `sides` evenly spaced ones. */
 static inline dem_vec dem_io__on_circle(dem_vec centre, dem_vec u, dem_vec v, double radius, int side, int sides) {
     const double angle = 2.0 * dem_io__pi() * side / sides;
     return dem_io__along(dem_io__along(centre, radius * cos(angle), u), radius * sin(angle), v);
 }
 
-/* A convex polygon of corners that follow each other, as a fan. */
+/* Adds a convex polygon, whose corners are consecutive vertices, as a fan of triangles. */
 static inline void dem_io__fan(dem_io_surface *s, int first, int corners) {
     for (int k = 2; k < corners; k++) dem_io__face(s, first, first + k - 1, first + k);
 }
 
-/* The strip between two rings of corners that stand one after the other. */
+/* Adds the strip between two rings of `sides` vertices, the second of which follows the first. */
 static inline void dem_io__strip(dem_io_surface *s, int first, int sides) {
     for (int k = 0; k < sides; k++) {
         const int next = (k + 1) % sides;
@@ -146,7 +146,7 @@ static inline void dem_io__strip(dem_io_surface *s, int first, int sides) {
     }
 }
 
-/* The end of a cylinder around particles that a plane closes, if there is one. */
+/* Adds the end of a cylinder around particles that a plane closes, if there is one. Returns whether it did. */
 static inline int dem_io__disc(dem_io_surface *s, const dem_world *world, int index) {
     const dem_wall *plane = &world->wall[index];
     for (int k = 0; k < world->walls; k++) {
@@ -164,7 +164,7 @@ static inline int dem_io__disc(dem_io_surface *s, const dem_world *world, int in
     return 0;
 }
 
-/* What a box leaves of a plane: a large square, cut by the six sides one after the other (Sutherland & Hodgman 1974). */
+/* Adds the part of a plane inside a box: a large square, cut by the six sides one after the other (Sutherland & Hodgman 1974). */
 static inline void dem_io__plane(dem_io_surface *s, const dem_world *world, int index, dem_vec low, dem_vec high) {
     const dem_wall *w = &world->wall[index];
     dem_vec polygon[16], cut[16];
@@ -205,7 +205,7 @@ static inline void dem_io__tube(dem_io_surface *s, const dem_wall *w, int index,
     dem_io__strip(s, first, DEM_IO__SIDES);
 }
 
-/* The part of a cylinder that lies beside a box. */
+/* Adds the part of a cylinder that lies beside a box. */
 static inline void dem_io__cylinder(dem_io_surface *s, const dem_wall *w, int index, dem_vec low, dem_vec high) {
     double from = HUGE_VAL, to = -HUGE_VAL;
     for (int k = 0; k < 8; k++) {
@@ -269,7 +269,7 @@ static inline void dem_io__mesh(dem_io_surface *s, const dem_wall *w, int index)
     }
 }
 
-/* At most as many corners and faces as a wall takes. */
+/* Adds an upper limit of the number of corners and faces of a wall to *vertices and *triangles. */
 static inline void dem_io__size(const dem_wall *w, double *vertices, double *triangles) {
     switch (w->kind) {
     case DEM_SCREEN: {
@@ -347,7 +347,7 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
     }
 }
 
-/* One block, as large as the walls need at most. */
+/* Allocates one block that is large enough for all enabled walls. */
 static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surface *s) {
     double vertices = 1.0, triangles = 1.0;
     for (int k = 0; k < world->walls; k++)

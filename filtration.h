@@ -678,7 +678,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
 
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
@@ -688,7 +688,7 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
 #define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
 #define RIDDLE_LN2_LO 1.9082149292705877e-10
 
-/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+/* Returns exp(r) - 1 for |r| < 0.36: Taylor series to r^14. */
 static inline double riddle__expm1_small(double r) {
     double p = 1.0 / 87178291200.0;
     p = p * r + 1.0 / 6227020800.0;
@@ -716,7 +716,7 @@ static inline double riddle_exp(double x) {
 
 static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
 
-/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+/* Returns log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f). */
 static inline double riddle__log1p_small(double f) {
     double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
     p = p * z + 2.0 / 21.0;
@@ -746,7 +746,7 @@ static inline double riddle_log(double x) {
 
 static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
 
-/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+/* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
     if (y == 0.0 || x == 1.0) return 1.0;
     return riddle_exp(y * riddle_log(x));
@@ -763,7 +763,7 @@ static inline double riddle_cbrt(double x) {
     return ldexp(x < 0.0 ? -y : y, third);
 }
 
-/* sin and cos of r + quarter turns, |r| <= pi/4 */
+/* Returns the sine of r + quarter turns for |r| <= pi/4. */
 static inline double riddle__sin_quarter(double r, int quarter) {
     double z = r * r, p, value;
     if (quarter & 1) {
@@ -797,7 +797,7 @@ static inline double riddle__sin_shifted(double x, int quarters) {
     return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
 }
 
-/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+/* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */
 static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
 static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
 

@@ -238,9 +238,9 @@ static inline double bridge_drag_normal(double viscous_gap, double volume, doubl
 /* Returns the tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and
    passive. */
 static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity);
-/* Resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far: x >= 0.1 (both evaluate
-   anywhere x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t U - f_r R W), moment/R = -6 pi eta R (f_rr R W -
-   f_r U). */
+/* Return resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far: x >= 0.1 (both can be
+   evaluated at any x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t U - f_r R W), moment/R = -6 pi eta R
+   (f_rr R W - f_r U). */
 static inline double bridge_goldman_translation_near(double x);
 static inline double bridge_goldman_translation_far(double x);
 static inline double bridge_goldman_coupling_near(double x);
@@ -392,7 +392,7 @@ BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
 BRIDGE_API double bridge_films_total(const bridge_films *films);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and their kin with the same bits on every machine; libm's differ. Word for word the same in every
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
    Riddle header that needs it (tests/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
    stated; NaN outside the domain. */
 /* clang-format off */
@@ -402,7 +402,7 @@ BRIDGE_API double bridge_films_total(const bridge_films *films);
 #define RIDDLE_LN2_HI 0.6931471803691238   /* first 32 bits of ln 2, so that k * LN2_HI is exact for |k| < 2^20 */
 #define RIDDLE_LN2_LO 1.9082149292705877e-10
 
-/* exp(r) - 1 for |r| < 0.36, Taylor series to r^14 */
+/* Returns exp(r) - 1 for |r| < 0.36: Taylor series to r^14. */
 static inline double riddle__expm1_small(double r) {
     double p = 1.0 / 87178291200.0;
     p = p * r + 1.0 / 6227020800.0;
@@ -430,7 +430,7 @@ static inline double riddle_exp(double x) {
 
 static inline double riddle_expm1(double x) { return fabs(x) < 0.35 ? riddle__expm1_small(x) : riddle_exp(x) - 1.0; }
 
-/* log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f) */
+/* Returns log(1 + f) for -0.3 <= f <= 0.42: 2 atanh(s) with s = f / (2 + f). */
 static inline double riddle__log1p_small(double f) {
     double s = f / (2.0 + f), z = s * s, p = 2.0 / 23.0;
     p = p * z + 2.0 / 21.0;
@@ -460,7 +460,7 @@ static inline double riddle_log(double x) {
 
 static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
 
-/* x^y for x >= 0; relative error about (2 + |y log x|) ulp */
+/* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
     if (y == 0.0 || x == 1.0) return 1.0;
     return riddle_exp(y * riddle_log(x));
@@ -477,7 +477,7 @@ static inline double riddle_cbrt(double x) {
     return ldexp(x < 0.0 ? -y : y, third);
 }
 
-/* sin and cos of r + quarter turns, |r| <= pi/4 */
+/* Returns the sine of r + quarter turns for |r| <= pi/4. */
 static inline double riddle__sin_quarter(double r, int quarter) {
     double z = r * r, p, value;
     if (quarter & 1) {
@@ -511,7 +511,7 @@ static inline double riddle__sin_shifted(double x, int quarters) {
     return riddle__sin_quarter(r, (int)(n - 4.0 * floor(n * 0.25)) + quarters);
 }
 
-/* |x| <= 1e6 rad, NaN beyond; absolute error 2e-16 */
+/* Return the sine and the cosine for |x| <= 1e6 rad, NaN beyond; absolute error 2e-16. */
 static inline double riddle_sin(double x) { return riddle__sin_shifted(x, 0); }
 static inline double riddle_cos(double x) { return riddle__sin_shifted(x, 1); }
 
@@ -630,7 +630,7 @@ static inline double bridge_effective_angle(double angle_i, double angle_j) {
     return 2.0 * riddle_asin(sqrt(0.5 * (si * si + sj * sj)));
 }
 
-/* pi sigma R_h (cos i + cos j) [N]; NaN outside the domain that all the capillary laws share */
+/* Returns pi sigma R_h (cos i + cos j) [N]; NaN outside the domain that all the capillary laws share */
 static inline double bridge__scale(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                    double surface_tension) {
     if (!(gap >= 0.0 && volume > 0.0 && harmonic_radius > 0.0 && surface_tension > 0.0)) return bridge__nan();
@@ -944,7 +944,8 @@ static inline int bridge__half_solve(const bridge__solid *solid, double y0, doub
     return 1;
 }
 
-/* a[n][columns]: n equations, columns - n right-hand sides, which become the solutions. Gauss-Jordan, partial pivoting. 0: singular. */
+/* Solves n equations a[n][columns] by Gauss-Jordan elimination with partial pivoting; the columns - n right-hand sides become the
+   solutions. Returns 0 if the matrix is singular. */
 static inline int bridge__solve(double *a, int n, int columns) {
     for (int c = 0; c < n; c++) {
         int pivot = c;
@@ -991,7 +992,8 @@ static inline void bridge__row(const bridge__meniscus *m, const double *p, const
 
 typedef enum bridge__aim { BRIDGE__AT_GAP, BRIDGE__AT_NECK } bridge__aim;
 
-/* Newton: the bridge of the problem's volume that has this gap, or this ln y0, from m as a first guess. */
+/* Finds by Newton's method the bridge of the problem's volume that has a given gap or a given ln y0 (aim), from m as a first guess. Returns
+   whether it converged. */
 static inline int bridge__newton(const bridge__problem *problem, bridge__meniscus *m, bridge__aim aim, double target) {
     int n = problem->symmetric ? 3 : 4, columns = n + 2;
     double last = HUGE_VAL;
@@ -1027,7 +1029,7 @@ static inline int bridge__newton(const bridge__problem *problem, bridge__meniscu
     return 0;
 }
 
-/* The bridge in contact. Small volumes start from the parabolic gap; large ones are grown from a small one. */
+/* Finds the bridge of spheres in contact. Small volumes start from the parabolic gap; large ones are grown from a small one. */
 static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus *m) {
     double wanted = problem->volume;
     int ok = 0;
@@ -1061,8 +1063,9 @@ static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus 
     return ok && m->slope < 0.0 && m->force > 0.0;
 }
 
-/* Newton to another ln y0 of the same family, in as many steps as it takes not to lose the branch: near the instability of equal spheres
-   the neck of unequal ones wanders off to one side, and a long step lands on another solution, with g'(u) < 0 at both solids. */
+/* Moves m to another ln y0 of the same family by Newton's method, in as many steps as are needed to stay on the branch: near the
+   instability of equal spheres the neck of unequal ones wanders off to one side, and a long step lands on another solution, with g'(u) < 0
+   at both solids. */
 static inline int bridge__advance(const bridge__problem *problem, bridge__meniscus *m, double target) {
     double part = 1.0;
     while (m->z[1] != target) {
@@ -1081,10 +1084,11 @@ static inline int bridge__advance(const bridge__problem *problem, bridge__menisc
     return 1;
 }
 
-/* What ends a stable family: the slope at the fold, the contact condition's derivative at the first instability of a symmetric bridge. */
+/* Returns the function whose zero ends a stable family: the slope at the fold, or the derivative of the contact condition at the first
+   instability of a symmetric bridge. */
 static inline double bridge__event(const bridge__meniscus *m, int fold) { return fold ? m->slope : -m->half[0].g[3]; }
 
-/* The meniscus between a (event < 0) and b (event > 0) at which the event is 0: regula falsi with bisection. */
+/* Finds the meniscus between a (event < 0) and b (event > 0) at which the event is 0, by regula falsi with bisection. */
 static inline int bridge__locate(const bridge__problem *problem, const bridge__meniscus *a, const bridge__meniscus *b, int fold,
                                  bridge__meniscus *m) {
     double za = a->z[1], zb = b->z[1], ea = bridge__event(a, fold), eb = bridge__event(b, fold);
@@ -1200,7 +1204,7 @@ static inline bridge_status bridge__open(const bridge__problem *problem, double 
     return bridge__newton(problem, m, BRIDGE__AT_GAP, gap) ? BRIDGE_OK : BRIDGE_NO_SOLUTION;
 }
 
-/* What a failed solution leaves, so that nobody takes it for one */
+/* Sets all results to NaN, so that a failed solution is not taken for one. */
 static inline void bridge__no_shape(bridge_shape *shape) {
     shape->force = shape->pressure = shape->gap = shape->neck = shape->ring_i = shape->ring_j = (double)NAN;
     shape->filling_i = shape->filling_j = shape->share_i = shape->energy = (double)NAN;
@@ -1303,7 +1307,8 @@ static inline int bridge__sample(const bridge__problem *problem, const bridge__m
     }
     return 1;
 }
-/* Nearly equal spheres: a long step may pass the fold and find another. */
+/* Follows the family of bridges from contact to rupture and samples it. Tries up to three step sizes: for nearly equal spheres a long step
+   may pass the fold and find another. */
 static inline int bridge__curve_solve(bridge__problem *problem, bridge__curve *curve) {
     bridge__meniscus contact, rupture;
     if (!bridge__in_contact(problem, &contact)) return 0;
@@ -1316,7 +1321,7 @@ static inline int bridge__curve_solve(bridge__problem *problem, bridge__curve *c
     return 0;
 }
 
-/* Least relative squares of force/X by a polynomial in tau: coefficients of tau^k. */
+/* Fits force/X by a polynomial in tau, by least relative squares: *series receives the coefficients of tau^k. */
 static inline int bridge__curve_fit(const bridge__problem *problem, const bridge__curve *curve, double *series) {
     enum { N = BRIDGE_SERIES };
     double a[N * (N + 1)], area = 2.0 / RIDDLE_PI * problem->volume;
@@ -1374,7 +1379,7 @@ static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
     for (int k = 0; k < BRIDGE_SERIES; k++, scale *= inverse) b->series[k] = value[k] * scale;
 }
 
-/* ln of the reduced volume whose larger half-filling angle in contact is 30 degrees */
+/* Returns ln of the reduced volume whose larger half-filling angle in contact is 30 degrees; HUGE_VAL if there is none. */
 static inline double bridge__pendular_limit(const bridge_pair_def *def) {
     double lo = riddle_log(1e-3), hi = riddle_log(def->volume_max);
     if (!(hi > lo)) return HUGE_VAL;
@@ -1450,7 +1455,7 @@ static inline void bridge__compare_all(bridge_pair *pair) {
     pair->rupture_deviation *= 1.25;
 }
 
-/* Share of i at rupture; NaN if there is no solution. */
+/* Returns the share of the liquid that stays on i at rupture; NaN if there is no solution. */
 static inline double bridge__share_at(const bridge_pair_def *def, double ln_volume) {
     bridge__problem problem = bridge__problem_of(def, riddle_exp(ln_volume));
     bridge__meniscus contact, rupture;
@@ -1458,7 +1463,8 @@ static inline double bridge__share_at(const bridge_pair_def *def, double ln_volu
     return bridge__share(&problem, &rupture);
 }
 
-/* ln of the volume at which the share at rupture changes fastest: the steepest of some intervals, halved towards its steeper half. */
+/* Returns ln of the volume at which the share at rupture changes fastest: takes the steepest of some intervals and halves it repeatedly
+   towards its steeper half. */
 static inline double bridge__jump(const bridge_pair *pair) {
     enum { PARTS = 24 };
     double width = (pair->ln_max - pair->ln_min) / (double)PARTS, before = bridge__share_at(&pair->def, pair->ln_min), low = pair->ln_min,

@@ -164,24 +164,25 @@ RIDDLE_IO_API void riddle_io_plot_equal(riddle_io_plot *p); /* same length for o
 RIDDLE_IO_API void
 riddle_io_plot_legend_outside(riddle_io_plot *p); /* right of the panel; default: inside where no data are, else outside */
 
-/* Series; n points. Each takes the next colour. */
+/* Add a series of n points. Each takes the next colour. */
 RIDDLE_IO_API void riddle_io_plot_line(riddle_io_plot *p, const char *label, const double *x, const double *y, int n);
 RIDDLE_IO_API void riddle_io_plot_points(riddle_io_plot *p, const char *label, const double *x, const double *y, int n);
 RIDDLE_IO_API void riddle_io_plot_band(riddle_io_plot *p, const char *label, const double *x, const double *low, const double *high, int n);
 RIDDLE_IO_API void riddle_io_plot_error_bars(riddle_io_plot *p, const char *label, const double *x, const double *y,
                                              const double *plus_minus, int n);
-/* Shaded discs, for spheres to scale: x, y and radius in the axes' unit; with riddle_io_plot_equal. Drawn in the given order. */
+/* Adds shaded discs, for spheres to scale: x, y and radius in the axes' unit; with riddle_io_plot_equal. They are drawn in the given
+   order. */
 RIDDLE_IO_API void riddle_io_plot_discs(riddle_io_plot *p, const char *label, const double *x, const double *y, const double *radius,
                                         int n);
-/* Bars beside each other, one group a name; call again for the next series of the same groups. */
+/* Adds bars beside each other, one group for each name; call again for the next series of the same groups. */
 RIDDLE_IO_API void riddle_io_plot_bars(riddle_io_plot *p, const char *label, const char *const *names, const double *values, int n);
-/* values[row][column], row 0 at the bottom, between the given corners; colour bar with its label at the right. */
+/* Adds a heat map of values[row][column], row 0 at the bottom, between the given corners, and a colour bar with its label at the right. */
 RIDDLE_IO_API void riddle_io_plot_heat(riddle_io_plot *p, const char *label, const double *values, int columns, int rows, double x0,
                                        double x1, double y0, double y1);
 /* Sets the range of the colours of the heat map just added; default: that of its values. To compare panels. */
 RIDDLE_IO_API void riddle_io_plot_heat_range(riddle_io_plot *p, double low, double high);
 
-/* How the series just added looks. */
+/* The appearance of the series just added. */
 enum {
     RIDDLE_IO_DASHED = 1,
     RIDDLE_IO_DOTTED = 2,
@@ -194,7 +195,7 @@ enum {
 enum { RIDDLE_IO_NEXT = -1, RIDDLE_IO_SAME = -2, RIDDLE_IO_GREY = -3, RIDDLE_IO_BLACK = -4 }; /* colours; 0 .. 7 from the palette */
 RIDDLE_IO_API void riddle_io_plot_style(riddle_io_plot *p, int flags, int colour);
 
-/* Reference lines over the whole panel, and text at a place in data coordinates (or share 0..1 of the panel). */
+/* Draw reference lines over the whole panel, and text at a place in data coordinates (or at a share 0..1 of the panel). */
 RIDDLE_IO_API void riddle_io_plot_horizontal(riddle_io_plot *p, const char *label, double y);
 RIDDLE_IO_API void riddle_io_plot_vertical(riddle_io_plot *p, const char *label, double x);
 RIDDLE_IO_API void riddle_io_plot_text(riddle_io_plot *p, double x, double y, const char *text);
@@ -325,7 +326,7 @@ static inline const char *riddle_io__last_slash(const char *path) {
     return slash;
 }
 
-/* "dir/name" -> "dir/.name.123.0.part" beside it */
+/* Returns the name of a temporary file beside a file: "dir/name" -> "dir/.name.123.0.part". The caller frees it. */
 static inline char *riddle_io__temporary_name(const char *path, int attempt) {
     const char *slash = riddle_io__last_slash(path);
     size_t folder = slash ? (size_t)(slash - path) + 1 : 0, size = strlen(path) + 50;
@@ -349,7 +350,7 @@ static inline int riddle_io__make_one_folder(const char *path) {
 #endif
 }
 
-/* A new file for writing where none of that name is; NULL with errno else. */
+/* Creates a new file for writing. Returns NULL with errno if a file of that name exists, or cannot be created. */
 static inline FILE *riddle_io__create(const char *name) {
 #ifdef _WIN32
     int descriptor = _open(name, _O_CREAT | _O_EXCL | _O_WRONLY | _O_BINARY, _S_IREAD | _S_IWRITE);
@@ -365,7 +366,7 @@ static inline FILE *riddle_io__create(const char *name) {
     return stream;
 }
 
-/* A new file beside `path`, or `path` itself where it is a device or a pipe. */
+/* Opens a new file beside `path`, or `path` itself where it is a device or a pipe. */
 static inline FILE *riddle_io__open_beside(const char *path, char **temporary) {
     struct stat info;
     *temporary = NULL;
@@ -707,7 +708,7 @@ static inline bool riddle_io__are_whole(const riddle_io_array *arrays, int n_arr
     return whole;
 }
 
-/* Every cell has corners, and all of them are points: a reader would crash otherwise. */
+/* Returns whether every cell has corners and all corners are points: a reader would crash otherwise. */
 static inline bool riddle_io__are_cells(int n_points, int n_cells, const int *ends, const int *corners) {
     if (n_cells < 0 || (n_cells > 0 && (!ends || !corners))) return false;
     for (int c = 0; c < n_cells; c++)
@@ -956,7 +957,8 @@ struct riddle_io_plot {
     bool failed; /* out of memory */
 };
 
-/* Okabe & Ito (2008), colour-blind safe; their yellow is too pale for a line, a brown stands for it. */
+/* Returns a colour of Okabe & Ito (2008), which the colour-blind can tell apart; brown replaces their yellow, which is too pale for a
+   line. */
 static inline const char *riddle_io__palette(int colour) {
     static const char *const colours[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5C2E", "#555555"};
     return colours[colour & 7];
@@ -1230,7 +1232,7 @@ static inline void riddle_io__include(const riddle_io__axis *a, double v, double
     if (v > *high) *high = v;
 }
 
-/* From the data's range to the axis' range. */
+/* Sets the range of an axis from the range of its data. */
 static inline void riddle_io__settle(riddle_io__axis *a, double low, double high, bool tight) {
     if (a->fixed_range && riddle_io__can_show(a, a->low)) return;
     if (!(low <= high)) {
@@ -1253,7 +1255,7 @@ static inline void riddle_io__settle(riddle_io__axis *a, double low, double high
     if (!(a->high - a->low > 0.5 * span)) a->high = a->low + span;
 }
 
-/* 0 .. 1 along the axis */
+/* Returns the place of v along an axis, 0 .. 1. */
 static inline double riddle_io__share(const riddle_io__axis *a, double v) {
     if (a->log) return (log(v) - log(a->low)) / (log(a->high) - log(a->low)); /* a quotient could overflow */
     return (v - a->low) / (a->high - a->low);
@@ -1288,7 +1290,8 @@ static inline double riddle_io__nice_step(double span, int wanted, int *minor) {
     return power * (m <= 1.41 ? 1.0 : m <= 3.16 ? 2.0 : m <= 7.07 ? 5.0 : 10.0);
 }
 
-/* exponent: 10^exponent is divided out of the labels and stands at the end of the axis. */
+/* Makes the ticks of a linear axis. Returns their number. *exponent: 10^exponent is divided out of the labels and is written at the end of
+   the axis. */
 static inline int riddle_io__linear_ticks(const riddle_io__axis *a, int wanted, riddle_io__tick *ticks, int *exponent) {
     int minor, n = 0;
     double step = riddle_io__nice_step(a->high - a->low, wanted, &minor), fine = step / minor, largest = fmax(fabs(a->low), fabs(a->high));
@@ -1312,7 +1315,7 @@ static inline int riddle_io__linear_ticks(const riddle_io__axis *a, int wanted, 
     return n;
 }
 
-/* m x 10^exponent */
+/* Writes m x 10^exponent as the text of a tick. */
 static inline void riddle_io__power_text(riddle_io__tick *t, int m, int exponent, bool plain) {
     char raised[20], front[10] = "";
     if (plain) {
@@ -1356,7 +1359,7 @@ static inline int riddle_io__log_ticks(const riddle_io__axis *a, int wanted, rid
     return n;
 }
 
-/* A log axis within a factor of two has no useful powers of ten on it. */
+/* Makes the ticks of an axis. A logarithmic axis within a factor of two gets linear ones: it has no useful powers of ten. */
 static inline int riddle_io__make_ticks(const riddle_io__axis *a, int wanted, riddle_io__tick *ticks, int *exponent) {
     *exponent = 0;
     if (a->log && a->high / a->low > 2.0) return riddle_io__log_ticks(a, wanted, ticks);
@@ -1392,7 +1395,7 @@ static inline void riddle_io__text_at(riddle_io_file *f, double x, double y, con
     riddle_io_print(f, "</text>\n");
 }
 
-/* The factor that was divided out of an axis' numbers. */
+/* Draws the factor that was divided out of the numbers of an axis. */
 static inline void riddle_io__power_of_ten(riddle_io_file *f, double x, double y, const char *anchor, int exponent) {
     if (!exponent) return;
     riddle_io_print(f,
@@ -1401,7 +1404,7 @@ static inline void riddle_io__power_of_ten(riddle_io_file *f, double x, double y
                     x, y, anchor, exponent < 0 ? "\xE2\x88\x92" : "", abs(exponent));
 }
 
-/* A size for letters so that a text that would be too long for its room fits; not under half the usual one. */
+/* Returns a font size at which a text fits into its room; at least half the usual one. */
 static inline double riddle_io__fitting(const char *text, double size, double room) {
     double width = riddle_io__text_width(text, size);
     return width > room ? fmax(0.5 * size, size * room / width) : size;
@@ -1421,7 +1424,7 @@ static inline const char *riddle_io__colour_of(const riddle_io__series *s) {
     return riddle_io__palette(s->colour);
 }
 
-/* viridis (van der Walt & Smith 2015) at nine places */
+/* Computes the colour of a share 0..1 in the map viridis (van der Walt & Smith 2015), given at nine places. */
 static inline void riddle_io__heat_colour(double share01, int rgb[3]) {
     static const int map[9][3] = {{68, 1, 84},    {71, 44, 122}, {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
                                   {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
@@ -1440,7 +1443,7 @@ static inline bool riddle_io__visible(const riddle_io__panel *a, double x, doubl
     return riddle_io__can_show(&a->x, x) && riddle_io__can_show(&a->y, y);
 }
 
-/* Far-away points stay within what a renderer can take. */
+/* Limits a coordinate to what a renderer can take. */
 static inline double riddle_io__limited(double v) { return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v; }
 
 static inline void riddle_io__draw_path(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
@@ -1470,7 +1473,7 @@ static inline void riddle_io__draw_path(riddle_io_file *f, const riddle_io__pane
     riddle_io_print(f, "\"/>\n");
 }
 
-/* A shape for each colour, for those who do not see the colours. */
+/* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart. */
 static inline void riddle_io__draw_marker(riddle_io_file *f, const riddle_io__series *s, double x, double y, double r) {
     switch (s->colour < 0 ? 0 : s->colour % 4) {
     case 1:
@@ -1537,7 +1540,7 @@ static inline double riddle_io__disc_radius(const riddle_io__panel *a, const rid
     return r > 0.0 && r < 1e5 ? r : 0.0;
 }
 
-/* Lit from the upper left: a light spot over the colour, and a dark rim. */
+/* Draws discs lit from the upper left: a light spot over the colour, and a dark rim. */
 static inline void riddle_io__draw_discs(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *s) {
     const char *colour = riddle_io__colour_of(s);
     riddle_io_print(f,
@@ -1607,7 +1610,7 @@ static inline double riddle_io__between(double from, double to, int i, int n) {
     return from * (1.0 - (double)i / n) + to * ((double)i / n);
 }
 
-/* 0 .. 160, or -1 where there is no number */
+/* Returns the level of a value in a heat map, 0 .. 160, or -1 where there is no number. */
 static inline int riddle_io__heat_level(double v, double low, double high) {
     return v - v == 0.0 ? (int)(160.0 * fmin(fmax((v - low) / (high - low), 0.0), 1.0)) : -1;
 }
@@ -1904,7 +1907,7 @@ static inline bool riddle_io__place_inside(riddle_io__panel *a) {
     return best < HUGE_VAL;
 }
 
-/* Everything but the place in the figure, which starts at 0, 0. */
+/* Lays out a panel, except for its place in the figure: it starts at 0, 0. */
 static inline void riddle_io__lay_out(const riddle_io_plot *p, riddle_io__panel *a) {
     riddle_io__tick ticks[RIDDLE_IO__MOST_TICKS];
     int exponent, n, entries = 0;
@@ -1981,7 +1984,7 @@ static inline void riddle_io__draw_axes(riddle_io_file *f, const riddle_io__pane
     riddle_io_print(f, "</g>\n");
 }
 
-/* The names of the groups below the frame; returns the room that slanted ones take. */
+/* Draws the names of the groups below the frame. Returns the room that slanted ones take. */
 static inline double riddle_io__draw_names(riddle_io_file *f, const riddle_io__panel *a, const riddle_io__series *bars) {
     bool slanted = riddle_io__slanted_names(a, bars);
     double room = 0.0, base = a->at.y + a->at.height;
