@@ -263,7 +263,7 @@ typedef struct blocking_estimate {
     double error_f_inf, error_f0, error_k; /* standard errors if the readings have equal, independent errors sigma; linearised */
 } blocking_estimate;
 
-/* The exponential through three readings f[3] (0..1) at any rising times t[3] >= 0 (eqs 14, 15 need 0, t, 2t: this does not). sigma:
+/* Finds the exponential through three readings f[3] (0..1) at any rising times t[3] >= 0 (eqs 14, 15 need 0, t, 2t: this does not). sigma:
    standard error of a reading >= 0 (0: errors come out 0; sqrt(f (1 - f) / holes) for counted holes). tolerance >= 0, see
    BLOCKING_TOLERANCE.
    NO_CHANGE       |f1 - f0| <= tolerance: f_inf = f0 = reading, k NaN

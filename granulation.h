@@ -137,7 +137,7 @@ static inline double granulation_film_time(const granulation_granule *g, double 
 /* ==== strength (13) to (17) ==== */
 /* (13) Hertz: largest contact pressure [Pa] of a force [N], effective modulus [Pa], reduced diameter [m]. */
 static inline double granulation_hertz_pressure(double force, double modulus, double diameter);
-/* (14) as it must be, 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2 [Pa]; moduli > 0 [Pa], Poisson ratios -1 .. 0.5. */
+/* (14) corrected, 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2 [Pa]; moduli > 0 [Pa], Poisson ratios -1 .. 0.5. */
 static inline double granulation_effective_modulus(double e1, double nu1, double e2, double nu2);
 /* (14) as printed: the same sum, which is a compliance [1/Pa]. */
 static inline double granulation_contact_compliance(double e1, double nu1, double e2, double nu2);
@@ -592,7 +592,7 @@ typedef struct granulation_montecarlo {
     granulation_random random;
     granulation_memory memory;
     double bound;                          /* of the kernel over all pairs */
-    granulation_granule smallest, largest; /* ever seen: the pairs that the bound is taken from */
+    granulation_granule smallest, largest; /* ever drawn or made: the bound is computed from pairs with these */
 } granulation_montecarlo;
 
 /* Starts a run. sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY, KERNEL. */
@@ -816,7 +816,7 @@ static inline double granulation_consolidation_rate(const granulation_granule *g
     return -rate_constant * ((g->l + g->a) * v / g->s - granulation_least_porosity(g) * v * v / g->s);
 }
 
-/* a decay w / (w + a (1 - decay)), w = s + l: the solution of (27) without a difference of nearly equal numbers */
+/* Returns the air volume a decay w / (w + a (1 - decay)), w = s + l: the solution of (27) without a difference of nearly equal numbers. */
 static inline double granulation__consolidated(double wet, double air, double decay) {
     return air * decay * (wet / (wet + air * (1.0 - decay)));
 }
@@ -974,7 +974,7 @@ static inline double granulation_arrhenius(double viscosity, double activation, 
     return viscosity * riddle_exp(activation * (1.0 / temperature - 1.0 / reference));
 }
 
-/* C gamma cos(theta) / Dp of (16): the same for every granule */
+/* Returns C gamma cos(theta) / Dp of (16), which is the same for every granule. */
 static inline double granulation__capillary(const granulation_laws *laws) {
     return laws->shape_factor * laws->surface_tension / laws->grain_diameter * riddle_cos(laws->contact_angle);
 }
@@ -1036,7 +1036,7 @@ static inline void granulation__contact(const granulation_laws *laws, double b, 
                     : (c->coalesces ? GRANULATION_TYPE_II_DRY : GRANULATION_REBOUND_DRY);
 }
 
-/* u0, st_v and st_def of c are set; the rest is decided here */
+/* Decides the outcome of a collision; u0, st_v and st_def of c are set. */
 static inline void granulation__decide(const granulation_laws *laws, double ratio, double d, double h0, double ha, bool liquid,
                                        granulation_collision *c) {
     c->reason = GRANULATION_NONE;
@@ -1252,7 +1252,7 @@ static inline double granulation_class_kernel(const granulation_granule *i, cons
     return (c.reason == GRANULATION_TYPE_I || c.reason == GRANULATION_TYPE_II_ELASTIC ? k->a : k->b) * granulation__inner(i, j, k);
 }
 
-/* composition of an empty one-component cell: that of everything ever added */
+/* Returns the mean granule of a cell; an empty one-component cell has the composition of everything ever added. */
 static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell) {
     granulation_granule g = {(double)NAN, (double)NAN, (double)NAN};
     if (cell < 0 || cell >= b->n) return g;
@@ -1296,7 +1296,7 @@ static inline void *granulation__memory(const granulation_memory *m, void *old, 
     return NULL;
 }
 
-/* grows *block from *capacity to at least `needed` elements */
+/* Grows *block from *capacity to at least `needed` elements. Returns false when out of memory. */
 static inline bool granulation__grow(const granulation_memory *m, void **block, int *capacity, int64_t needed, size_t element) {
     if (needed <= *capacity) return true;
     int64_t fresh = *capacity + (int64_t)(*capacity) / 2 + 64;
@@ -1487,8 +1487,7 @@ GRANULATION_API void granulation_sim_free(granulation_sim *sim) {
     memset(sim, 0, sizeof *sim);
 }
 
-/* All arrays of granules grow together: each one to the new size, and the capacity only once all have it. A block that has grown while a
-   later one failed is shrunk back, so that its size stays known. */
+/* Grows all arrays of granules together. All new blocks are allocated first, so that a failure leaves everything as it was. */
 static inline granulation_status granulation__reserve(granulation_sim *sim, int64_t needed) {
     if (needed <= sim->capacity) return GRANULATION_OK;
     int64_t fresh = sim->capacity + (int64_t)sim->capacity / 2 + 64;
@@ -1526,7 +1525,7 @@ static inline double granulation__wrap(double x, double box) {
     x -= box * floor(x / box);
     return x >= 0.0 && x < box ? x : 0.0; /* -1e-30 + box rounds to box */
 }
-/* nearest image of a difference of two places in the box, |dx| < 1.5 box */
+/* Returns the nearest image of a difference of two places in the box, |dx| < 1.5 box. */
 static inline double granulation__nearest(double dx, double box) {
     if (dx > 0.5 * box) return dx - box;
     if (dx < -0.5 * box) return dx + box;
@@ -1582,7 +1581,7 @@ typedef struct granulation__span {
     int lo, count;
 } granulation__span;
 
-/* 0 <= centre < box; all cells once where the reach goes round the box */
+/* Returns the cells along an axis within `reach` of a centre, 0 <= centre < box; all cells once where the reach extends around the box. */
 static inline granulation__span granulation__span_of(double centre, double reach, double per_cell, int cells) {
     granulation__span s = {0, cells};
     if (!(2.0 * reach * per_cell + 2.0 < cells)) return s;
@@ -1611,7 +1610,7 @@ static inline granulation__walk granulation__near(const granulation_sim *sim, in
     w.from = w.to = 0;
     return w;
 }
-/* the next run of items: a row of cells along x, in two parts where it wraps */
+/* Sets w to the next run of items: a row of cells along x, in two parts where it wraps around. Returns false at the end. */
 static inline bool granulation__next(granulation__walk *w) {
     while (w->iz < w->z.count) {
         int iz = w->z.lo + w->iz, iy = w->y.lo + w->iy;
@@ -1790,8 +1789,9 @@ static inline granulation__hit granulation__pop(granulation_sim *sim) {
     return top;
 }
 
-/* Time from now to the contact of two spheres at dx that move apart with dv; negative: none. Pairs that overlap and approach meet now.
-   An approach at less than 1e-12 rad to the tangent counts as none: after a contact the velocities are parallel to it up to round-off. */
+/* Returns the time from now to the contact of two spheres whose difference of places, dx, changes with dv; negative if there is none.
+   Overlapping pairs that approach meet now. An approach at less than 1e-12 rad to the tangent does not count: after a contact the
+   velocities are parallel to it up to round-off. */
 static inline double granulation__contact_time(double dx, double dy, double dz, double dvx, double dvy, double dvz, double touch) {
     double b = dx * dvx + dy * dvy + dz * dvz;
     if (!(b < 0.0)) return -1.0;
@@ -1859,7 +1859,7 @@ static inline void granulation__bounce(granulation_sim *sim, int i, int j, doubl
     sim->vz[j] -= impulse / mj * dz;
 }
 
-/* i and j have met, both positions are of now. True if they are one now. */
+/* Makes i and j meet; both positions are at the present time. Returns true if they have become one granule. */
 static inline bool granulation__meet(granulation_sim *sim, int i, int j, double time) {
     granulation_event event;
     double box = sim->def.box, dvx = sim->vx[i] - sim->vx[j], dvy = sim->vy[i] - sim->vy[j], dvz = sim->vz[i] - sim->vz[j];
@@ -1955,11 +1955,11 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
 
 /* ---- swept: every contact in the order of time ----
    A step is cut into sweeps so short that a granule meets only those in the cells around it. Within a sweep each granule keeps the place of
-   its last event; `fastest` bounds the speed of all relative to the mean, `shift` how far any was pushed or jumped to a centre of mass, so
-   that a search finds everyone whose place in the cells is out of date. */
+   its last event; `fastest` bounds the speed of all relative to the mean, `shift` how far any was pushed or moved to a centre of mass, so
+   that a search finds every granule whose place in the cells is out of date. */
 
-/* The paper's reversal can lock three granules that touch into an endless exchange of signs: after so many events in one sweep a
-   granule meets nobody until the next. Ordinary ones have two at most. */
+/* Most contacts of a granule in one sweep; after these it meets no other until the next sweep. The paper's reversal can lock three touching
+   granules in an endless exchange of signs; ordinary granules have two contacts at most. */
 #define GRANULATION__LOCKED 8
 
 typedef struct granulation__sweep {
@@ -1976,7 +1976,7 @@ static inline double granulation__frame_speed(const granulation_sim *sim, const 
     return sqrt(x * x + y * y + z * z);
 }
 
-/* pushes every contact of i, whose place is of `now`, within the rest of the sweep; also raises the bounds */
+/* Adds every contact of i within the rest of the sweep to the heap; the place of i is that at `now`. Also raises the bounds. */
 static inline bool granulation__predict(granulation_sim *sim, granulation__sweep *w, int i, double now) {
     const granulation__motion *motion = (const granulation__motion *)sim->motion;
     const granulation__item *items = (const granulation__item *)sim->items;
@@ -2005,7 +2005,7 @@ static inline bool granulation__predict(granulation_sim *sim, granulation__sweep
     return true;
 }
 
-/* brings i to `now` and into the box */
+/* Moves i to its place at `now`, inside the box. */
 static inline void granulation__bring(granulation_sim *sim, int i, double now) {
     granulation__motion *m = (granulation__motion *)sim->motion + i;
     double t = now - m->time, box = sim->def.box;
@@ -2021,8 +2021,8 @@ static inline void granulation__jump(granulation_sim *sim, granulation__sweep *w
     w->shift = m->jump > w->shift ? m->jump : w->shift;
 }
 
-/* A granule has grown: those that it now overlaps are pushed along the line of centres until they touch, and these push others in turn.
-   Gives up after 64 pushes; what overlap is left then can only shrink. */
+/* Makes room for a granule that has grown: pushes the granules that it now overlaps along the line of centres until they touch it; these
+   push others in turn. Gives up after 64 pushes; any overlap left can only shrink. */
 static inline bool granulation__make_room(granulation_sim *sim, granulation__sweep *w, int first, double now) {
     granulation__motion *motion = (granulation__motion *)sim->motion;
     const granulation__item *items = (const granulation__item *)sim->items;
@@ -2097,7 +2097,7 @@ static inline granulation_status granulation__begin_sweep(granulation_sim *sim, 
     return GRANULATION_OK;
 }
 
-/* every pair of the sweep's start, once */
+/* Adds the contacts of every pair at the start of the sweep to the heap, each pair once. */
 static inline bool granulation__predict_all(granulation_sim *sim, const granulation__sweep *w) {
     const granulation__item *items = (const granulation__item *)sim->items;
     double box = sim->def.box, other = w->fastest * w->end;
@@ -2121,7 +2121,7 @@ static inline bool granulation__predict_all(granulation_sim *sim, const granulat
     return true;
 }
 
-/* One contact of the heap; contacts foreseen before one of the two met another have an old stamp */
+/* Handles one contact of the heap. A contact that was predicted before one of the two met another granule has an old stamp. */
 static inline granulation_status granulation__handle(granulation_sim *sim, granulation__sweep *w, granulation__hit hit, double time) {
     granulation__motion *motion = (granulation__motion *)sim->motion;
     int i = hit.i, j = hit.j;
@@ -2154,7 +2154,7 @@ static inline granulation_status granulation__handle(granulation_sim *sim, granu
     return known && granulation__predict(sim, w, i, hit.time) ? GRANULATION_OK : GRANULATION_NO_MEMORY;
 }
 
-/* *to_go: the path time left when it stopped */
+/* Moves the granules through a step, contact by contact. *to_go: the path time left, also when it stops early. */
 static inline granulation_status granulation__swept_step(granulation_sim *sim, double begun, double *to_go) {
     const double path_time = sim->def.step / sim->def.dilation;
     double left = *to_go;
@@ -2215,7 +2215,7 @@ static inline void granulation__consolidate_all(granulation_sim *sim) {
     sim->ledger.momentum[2] -= pz;
 }
 
-/* (28), (36): two halves of one velocity that touch, in a random direction about the old centre */
+/* Breaks granules by (28), (36): into two halves that touch and have the same velocity, in a random direction about the old centre. */
 static inline granulation_status granulation__break_all(granulation_sim *sim) {
     int n = sim->n;
     for (int i = 0; i < n; i++) {
@@ -2335,7 +2335,7 @@ GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, con
     return GRANULATION_OK;
 }
 
-/* A velocity that keeps its deviate from one mean and deviation to another. */
+/* Returns a velocity with the same deviate about a new mean with a new deviation. */
 static inline double granulation__stretched(double v, double sign, double old_mean, double old_deviation, double mean, double deviation) {
     return sign * mean + (v - sign * old_mean) * (deviation / old_deviation);
 }
@@ -2406,20 +2406,20 @@ GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, d
     return GRANULATION_OK;
 }
 
-/* ---- what the population looks like ---- */
+/* ---- properties of the population ---- */
 
 static inline double granulation__power(double x, int k) {
     double y = 1.0;
     while (k-- > 0) y *= x;
     return y;
 }
-/* (above / below)^(1/k) */
+/* Returns (above / below)^(1/k); NaN unless below > 0. */
 static inline double granulation__mean_of(double above, double below, int k) {
     if (!(below > 0.0)) return (double)NAN;
     return k == 1 ? above / below : k == 3 ? riddle_cbrt(above / below) : riddle_pow(above / below, 1.0 / k);
 }
 
-/* Volume of the granules up to one of volume v; *next: that of the smallest larger one, or HUGE_VAL. */
+/* Returns the volume of the granules up to one of volume v; *next: the volume of the smallest larger one, or HUGE_VAL. */
 static inline double granulation__volume_up_to(const granulation_sim *sim, double v, double *next) {
     double sum = 0.0;
     *next = HUGE_VAL;
@@ -2588,11 +2588,12 @@ GRANULATION_API granulation_status granulation_balance_check_def(const granulati
     return GRANULATION_OK;
 }
 
-/* state: number, then what is carried (liquid with one component, air), cell by cell, then four totals lost: number, solid, liquid, air */
+/* The state: number, then the carried quantities (liquid with one component, air), cell by cell, then four totals lost: number, solid,
+   liquid, air. */
 static inline int granulation__fields(const granulation_balance *b) { return b->components == 1 ? 3 : 2; }
 static inline size_t granulation__length(const granulation_balance *b) { return (size_t)granulation__fields(b) * (size_t)b->n + 4; }
 
-/* index of the pivot at or below a key, -1 below the first */
+/* Returns the index of the pivot at or below a key; -1 below the first. */
 static inline int granulation__below(const double *pivot, int n, double key) {
     if (!(key >= pivot[0])) return -1;
     int low = 0, high = n;
@@ -2631,8 +2632,8 @@ static inline granulation__place_of granulation__share(const granulation_balance
     return p;
 }
 
-/* Mean key of what is born in cell `at` along key k. All sums in it lie between the cell's edges and not beyond the last pivot; round-off
-   of a mean of thousands may, and over- or underflow of its terms. */
+/* Returns the mean key along key k of the granules formed in cell `at`. All terms lie between the cell's edges and not beyond the last
+   pivot; the mean of thousands may not, by round-off, or by over- or underflow of its terms, so it is limited. */
 static inline double granulation__mean_key(const granulation_balance *b, int k, int at, double sum, double count) {
     double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1], mean = sum / count;
     low = low > first ? low : first;
@@ -2796,7 +2797,7 @@ GRANULATION_API granulation_status granulation_balance_add(granulation_balance *
 
 /* ---- rates ---- */
 
-/* where the halves of the granules of a cell go: one place for the question whether they break and for their breakage */
+/* Returns where the halves of the granules of a cell go; used both for the test whether they break and for the breakage. */
 static inline granulation__place_of granulation__halves(const granulation_balance *b, int i) {
     return granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], b->components == 1 ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
 }
@@ -2828,7 +2829,7 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
    digits of M3) */
 #define GRANULATION__NOTHING 1e-20
 
-/* dy/dt of the state y; returns the largest share that any cell loses in a second */
+/* Computes dy/dt of the state y. Returns the largest share that any cell loses per second. */
 static inline double granulation__rates(const granulation_balance *b, const double *y, double *rate) {
     size_t n = (size_t)b->n, length = granulation__length(b);
     double *loss = b->work + 4 * length, *selection = loss + n, *sums = selection + n;
@@ -2896,7 +2897,7 @@ static inline double granulation__rates(const granulation_balance *b, const doub
         }
         loss[i] += own_loss;
     }
-    for (int i = 0; !fixed && i < b->n; i++) /* all that is born in a cell goes to the pivots around its mean */
+    for (int i = 0; !fixed && i < b->n; i++) /* everything formed in a cell goes to the pivots around its mean */
         if (born[i] > 0.0) {
             double mean0 = granulation__mean_key(b, 0, i % b->size[0], key0[i], born[i]);
             double mean1 = one ? 0.0 : granulation__mean_key(b, 1, i / b->size[0], key1[i], born[i]);
@@ -2951,7 +2952,7 @@ static inline double granulation__air_in(const granulation_balance *b, const dou
     return sum;
 }
 
-/* the largest of the relative errors of the moments 0, 1, 2 in the key volume, and of the carried totals */
+/* Returns the largest of the relative errors of the moments 0, 1, 2 in the key volume, and of the carried totals. */
 static inline double granulation__error(const granulation_balance *b, const double *fine, const double *coarse) {
     double e[3] = {0.0, 0.0, 0.0}, m[3] = {0.0, 0.0, 0.0}, worst = 0.0;
     for (int i = 0; i < b->n; i++) {
@@ -2976,8 +2977,9 @@ static inline double granulation__error(const granulation_balance *b, const doub
     return worst;
 }
 
-/* Third-order strong-stability-preserving Runge-Kutta (Shu and Osher 1988) with its second-order companion as error estimate. Each stage is
-   a mean of Euler steps, so that no cell can become negative while step times loss stays below 1: checked, and the step halved if not. */
+/* Advances the balance by the third-order strong-stability-preserving Runge-Kutta method (Shu and Osher 1988) with its second-order
+   companion as error estimate. Each stage is a mean of Euler steps, so that no cell can become negative while step times loss stays below
+   1; this is checked, and the step halved otherwise. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration) {
     if (!b || !b->state || !(duration >= 0.0 && duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
     size_t length = granulation__length(b);
@@ -3043,7 +3045,7 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
     return GRANULATION_OK;
 }
 
-/* ---- what the population looks like ---- */
+/* ---- properties of the population ---- */
 
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q) {
     if (!b || !b->state || !(p >= 0.0 && q >= 0.0) || (b->components == 1 && q != 0.0)) return (double)NAN;
@@ -3091,8 +3093,8 @@ static inline bool granulation__raise(granulation_montecarlo *mc, const granulat
     if (k > mc->bound) mc->bound = k;
     return true;
 }
-/* The bound with granule g against the smallest and the largest ever seen and itself: right for kernels that grow with either size or with
-   the contrast of the two. Another kernel raises the bound as it goes. */
+/* Raises the bound of the kernel by granule g with the smallest and the largest ever present and with itself: right for kernels that grow
+   with either size or with the contrast of the two. Any other kernel raises the bound when a pair exceeds it. */
 static inline bool granulation__bound(granulation_montecarlo *mc, const granulation_granule *g) {
     double v = granulation_volume(g);
     if (v < granulation_volume(&mc->smallest)) mc->smallest = *g;
@@ -3138,7 +3140,7 @@ GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montec
     double end = mc->time + duration;
     for (int64_t proposals = 0; mc->bound > 0.0; proposals++) {
         const double rate = mc->bound * (0.5 * n * (n - 1.0) / mc->volume);
-        if (!((end - mc->time) * rate <= most)) return GRANULATION_STEP; /* seen before they are drawn */
+        if (!((end - mc->time) * rate <= most)) return GRANULATION_STEP; /* too many proposals: refused before any is drawn */
         if (proposals > INT64_C(1000000000)) return GRANULATION_STEP;
         double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / rate;
         if (!(mc->time + wait < end)) break;

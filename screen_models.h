@@ -289,7 +289,7 @@ typedef struct screen_bed {
 /* Fills a bed with the batch at t = 0: undersize_mass x share of every class, unstratified. bed [classes]. */
 SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model model, screen_bed *bed);
 
-/* One step of any model with the operation, the parameters and def as they are now.
+/* Makes one step of any model with the operation, the parameters and def as they are now.
      feed    [classes] laid on top of the bed at the start of the step [kg], >= 0; null: none
      dt      [s], >= 0 and finite (length [m] on a deck)
      passed  out [classes] mass through the mesh in this step [kg]; may be null
@@ -363,7 +363,7 @@ typedef struct screen_fit_result {
     int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|) (exponent) on either
                                               side: the data leave it open */
     int at_bound[SCREEN_MAX_PARAMETERS];   /* 1: stands at a bound that is not low = high */
-    int undetermined;                      /* how many are not determined */
+    int undetermined;                      /* number of parameters that are not determined */
     int starts;                            /* made */
     int starts_at_best;                    /* of them ended within 1e-6 of the best deviation (loss for SQUARES) */
     long evaluations;                      /* of the curves of all cases */
@@ -417,7 +417,7 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
                                          const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
                                          double *mean, double *low, double *high);
 
-/* Mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
+/* Computes mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
      sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
      times    rising from >= 0 [s] or [m], as in screen_predict
      scatter  spread of single measurements about the model to be added [-], >= 0: result.case_error for new data; 0 for the band of the
@@ -456,8 +456,9 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
 static inline double screen_rosin_rammler(double d, double d63, double n);
 static inline double screen_lognormal(double d, double d50, double sg);
 
-/* Undersize classes of a feed from its sieve curve: equal shares of the mass below the aperture, each with its mean size by mass. Cut so,
-   the mean of the classes, d_av, does not depend on their number; the answers of models 0, 1 and 2 converge with it. Model 3 depends on it.
+/* Divides the undersize of a feed into classes by its sieve curve: equal shares of the mass below the aperture, each with its mean size by
+   mass. With this division the mean of the classes, d_av, does not depend on their number, and the results of models 0, 1 and 2 converge
+   with it; model 3 depends on it.
      size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies below the first
      size is taken to lie between 0 and it
      aperture  [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes); undersize: share of the feed
@@ -486,8 +487,8 @@ typedef struct screen_flow {
     double undersize_in_overflow; /* undersize in what stays [-] */
 } screen_flow;
 
-/* What a deck does with a feed whose composition is def's: its classes with their shares make up undersize_mass, oversize_mass is what
-   cannot pass; the masses' sum is set by the duty. Models with continuous 0 take the age of the slice for their time, with 1 the place.
+/* Computes a steady deck whose feed has the composition of def: its classes with their shares make up undersize_mass, oversize_mass cannot
+   pass, and the duty sets the sum of the masses. The time of a model is the age of a slice with continuous 0, and its place with 1.
      places    > 0; results stand at length (j + 1)/places
      retained  out [classes][places] mass flow of a class on the deck over that fed [-]: the last column is the partition curve
      depth     out [places] of the bed [m]; may be null
@@ -662,10 +663,10 @@ static inline double riddle_asin(double x) {
 
 /* >>laws. NaN outside the domain that each comment gives. */
 
-/* Screen velocity, dimensionless: x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to exponent, times k. The rate of every
-   model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43 (k_s of models 2, 3) [1/s]; d/aperture in eqs 33, 35, 40 (k_p
-   of models 2, 3, and k of model 0, which has their form) [1/s]. def.ratio is another one, of masses.
-   k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2], size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
+/* Returns the dimensionless screen velocity x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to exponent, times k. It is the
+   rate of every model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43 (k_s of models 2, 3) [1/s]; d/aperture in eqs 33,
+   35, 40 (k_p of models 2, 3, and k of model 0, which has their form) [1/s]. def.ratio is another ratio, of masses. k >= 0; amplitude [m],
+   frequency [Hz], d [m], g [m/s2], size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
 static inline double screen_rate(double k, double exponent, double moisture_exponent, double amplitude, double frequency, double moisture,
                                  double d, double size_ratio, double g) {
     if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 && size_ratio > 0.0 && g > 0.0))
@@ -709,17 +710,18 @@ static inline double screen_attempts_deck(double rate, double d, double length, 
     return rate * riddle_exp(beta * riddle_log(d / length) + delta * riddle_log(inclination));
 }
 
-/* Model 0, eq 29: exp(-k t); k >= 0, t >= 0. */
+/* Returns Y of model 0, eq 29: exp(-k t); k >= 0, t >= 0. */
 static inline double screen_first_order(double k, double t) { return k >= 0.0 && t >= 0.0 ? riddle_exp(-(k * t)) : (double)NAN; }
 
-/* A single grain after n attempts, eq 22 and Table 1: (1 - p)^n. Not model 1 of a bed: see screen_dong. p [0, 1], n >= 0. */
+/* Returns Y of a single grain after n attempts, eq 22 and Table 1: (1 - p)^n. This is not model 1 of a bed: see screen_dong. p [0, 1], n >=
+   0. */
 static inline double screen_single_grain(double p, double n) {
     if (!(p >= 0.0 && p <= 1.0 && n >= 0.0)) return (double)NAN;
     return n == 0.0 ? 1.0 : p < 1.0 ? riddle_exp(n * riddle_log1p(-p)) : 0.0;
 }
 
-/* Model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite.
-   With s = -ln Y, h(s) = s + n ln(1 - p e^-s) rises and is concave, so one root; it lies near Lambert's W(p n) for small p. */
+/* Returns Y of model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite. With s = -ln Y, h(s) = s + n
+   ln(1 - p e^-s) rises and is concave, so it has one root; this lies near Lambert's W(p n) for small p. */
 static inline double screen_dong(double p, double n) {
     if (!(p >= 0.0 && p <= 1.0 && n >= 0.0 && n < HUGE_VAL)) return (double)NAN;
     double z = p * n;
@@ -750,18 +752,18 @@ static inline double screen_grain_ratio(double density, double d, double referen
     return density * (RIDDLE_PI / 6.0) * (d * d * d) / reference;
 }
 
-/* (1 - e^-z)/z for z >= 0, 1 at 0 */
+/* Returns (1 - e^-z)/z for z >= 0, 1 at 0 */
 static inline double screen__expm1c(double z) { return z > 0.0 ? -riddle_expm1(-z) / z : 1.0; }
 
-/* What rounding took from product = a b (Dekker 1971); a, b of 0 .. 1e150 */
+/* Returns the rounding error of product = a b (Dekker 1971); a, b of 0 .. 1e150. */
 static inline double screen__product_error(double a, double b, double product) {
     double a_up = 134217729.0 * a, b_up = 134217729.0 * b, a_high = a_up - (a_up - a), b_high = b_up - (b_up - b);
     double a_low = a - a_high, b_low = b - b_high;
     return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
 }
 
-/* Model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p, (1 + k t) e^(-k t) where they meet.
-   k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
+/* Returns Y of model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p; (1 + k t) e^(-k t) where they
+   are equal. k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
 static inline double screen_subasinghe(double k_s, double k_p, double t) {
     double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s;
     if (!(slow >= 0.0 && fast < HUGE_VAL && k_s == k_s && k_p == k_p && t >= 0.0 && t < HUGE_VAL)) return (double)NAN;
@@ -772,48 +774,48 @@ static inline double screen_subasinghe(double k_s, double k_p, double t) {
     return riddle_exp(-a) * (1.0 - lost) * (1.0 + a * screen__expm1c((fast - slow) * t));
 }
 
-/* Model 2: what is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this. */
+/* Returns the share of model 2 that is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this. */
 static inline double screen_subasinghe_top(double k_s, double t) { return screen_first_order(k_s, t); }
 
-/* Model 3, eq 42: share of fines in the top layer q [-]; unstratified undersize and oversize [kg], >= 0, sum > 0. */
+/* Returns the share of fines in the top layer q of model 3, eq 42 [-]; unstratified undersize and oversize [kg], >= 0, sum > 0. */
 static inline double screen_fines_share(double unstratified, double oversize) {
     return unstratified >= 0.0 && oversize >= 0.0 && unstratified + oversize > 0.0 ? unstratified / (unstratified + oversize) : (double)NAN;
 }
 
-/* Model 3, ln(c_q/w_q) = -(2q)^5; q [0, 1]. */
+/* Returns ln(c_q/w_q) = -(2q)^5 of model 3; q [0, 1]. */
 static inline double screen_log_fines_factor(double q) {
     double two_q = 2.0 * q, square = two_q * two_q;
     return q >= 0.0 && q <= 1.0 ? -(square * square * two_q) : (double)NAN;
 }
 
-/* Model 3, ln c_d = -2.5 V/V_av; volume of a grain of the class and mean volume of grains in the top layer, > 0, same unit. */
+/* Returns ln c_d = -2.5 V/V_av of model 3; volume of a grain of the class and mean volume of grains in the top layer, > 0, same unit. */
 static inline double screen_log_size_factor(double volume, double mean_volume) {
     return volume > 0.0 && mean_volume > 0.0 ? -2.5 * (volume / mean_volume) : (double)NAN;
 }
 
-/* Model 3, layers of coarse grains in the top layer H_t/d_av,c (under eq 41) [-]; mass of the top layer [kg], area [m2], density [kg/m3],
-   diameter [m], all > 0. */
+/* Returns the number of layers of coarse grains in the top layer of model 3, H_t/d_av,c (under eq 41) [-]; mass of the top layer [kg], area
+   [m2], density [kg/m3], diameter [m], all > 0. */
 static inline double screen_top_layers(double mass, double area, double bulk_density, double coarse_diameter) {
     if (!(mass > 0.0 && area > 0.0 && bulk_density > 0.0 && coarse_diameter > 0.0)) return (double)NAN;
     return mass / (area * bulk_density) / coarse_diameter;
 }
 
-/* Model 3, ln c = ln(c_q c_d/(H_t/d_av,c)), eq 41; logarithms because w_q may be 1e8 and more. layers > 0. */
+/* Returns ln c = ln(c_q c_d/(H_t/d_av,c)) of model 3, eq 41; logarithms, because w_q may be 1e8 and more. layers > 0. */
 static inline double screen_log_stratification(double log_w, double log_fines_factor, double log_size_factor, double layers) {
     return layers > 0.0 ? log_w + log_fines_factor + log_size_factor - riddle_log(layers) : (double)NAN;
 }
 
-/* Model 3, share of the bottom layer that takes part in passage: min(1, B_p/B), text under eq 39. bottom >= 0, limit > 0. */
+/* Returns the share of the bottom layer that takes part in passage in model 3: min(1, B_p/B), text under eq 39. bottom >= 0, limit > 0. */
 static inline double screen_bottom_share(double bottom, double limit) {
     return bottom >= 0.0 && limit > 0.0 ? (bottom > limit ? limit / bottom : 1.0) : (double)NAN;
 }
 
-/* Model 3, passage dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all undersize [1/s]; all >= 0. */
+/* Returns the passage of model 3, dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all undersize [1/s]; all >= 0. */
 static inline double screen_passage(double b, double retained, double bottom, double share) {
     return b >= 0.0 && retained >= 0.0 && bottom >= 0.0 && share >= 0.0 ? b * retained * bottom * share : (double)NAN;
 }
 
-/* Model 3 with instant stratification and no limit of the bottom layer: Y/S_inf = 1/(1 + b S_inf t). b, s_inf, t >= 0. */
+/* Returns Y/S_inf = 1/(1 + b S_inf t) of model 3 with instant stratification and no limit of the bottom layer. b, s_inf, t >= 0. */
 static inline double screen_soldinger_limit(double b, double s_inf, double t) {
     return b >= 0.0 && s_inf >= 0.0 && t >= 0.0 ? 1.0 / (1.0 + b * s_inf * t) : (double)NAN;
 }
@@ -911,7 +913,7 @@ static inline double screen__clip(double x, double low, double high) { return x 
 
 static inline int screen__positive(double x) { return x > 0.0 && x < HUGE_VAL; }
 
-/* The widest hole: a class below it may pass. */
+/* Returns the width of the widest hole [m]: a class below it may pass. */
 static inline double screen__widest(const screen_def *def) { return def->aperture + (def->worn_share > 0.0 ? def->worn_by : 0.0); }
 
 static inline const char *screen__bad_option(const screen_def *def) {
@@ -1067,7 +1069,7 @@ SCREEN_API screen_domain screen_published_domain(void) {
     return d;
 }
 
-/* SCREEN_OUTSIDE for an answer that is there but extrapolated. */
+/* Returns SCREEN_OUTSIDE instead of SCREEN_OK if the result is an extrapolation. */
 static inline screen_status screen__told(screen_status status, const screen_def *def, screen_model model, const screen_operation *operation,
                                          double last_time) {
     return !status && def->domain && screen_outside(def->domain, def, model, operation, last_time) ? SCREEN_OUTSIDE : status;
@@ -1091,7 +1093,7 @@ SCREEN_API screen_status screen_published(screen_model model, double *parameters
     return SCREEN_OK;
 }
 
-/* An array of zero length is never asked for. */
+/* Allocates count elements; count must not be 0. Returns NULL if out of memory. */
 static inline void *screen__take(const screen_memory *memory, size_t count, size_t size) {
     if (count > (size_t)-1 / size) return NULL;
     return memory->fn ? memory->fn(memory->user, NULL, 0, count * size) : malloc(count * size);
@@ -1135,8 +1137,8 @@ static inline screen__terms screen__terms_of(const screen_def *def, screen_model
     return t;
 }
 
-/* ln of what multiplies the rate of passage: the load, and the holes that let a class pass, worn ones at the rate of their size. Model 1
-   has its holes in p. */
+/* Returns ln of the factors of the rate of passage: the load, and the share of the holes that let a class pass, worn ones at the rate for
+   their size. In model 1 the holes are part of p. */
 static inline double screen__log_holes(const screen_def *def, screen_model model, double exponent, double d) {
     double load = def->load_exponent > 0.0 ? def->load_exponent * riddle_log(def->load_reference / screen__load_of(def)) : 0.0;
     if (model == SCREEN_DONG || (def->worn_share == 0.0 && d < def->aperture)) return load;
@@ -1146,7 +1148,7 @@ static inline double screen__log_holes(const screen_def *def, screen_model model
     return share > 0.0 ? load + riddle_log(share) : -1e5; /* passes nowhere */
 }
 
-/* ln of the rates of a class, [screen__rates]; coefficients [parameters]. */
+/* Computes ln of the rates of a class, [screen__rates]; coefficients [parameters]. */
 static inline void screen__log_rates(const screen_def *def, screen_model model, const double *c, const screen__terms *t, double *log_rate) {
     int last = screen__rates(model) - 1;
     for (int r = 0; r <= last; r++) log_rate[r] = c[3 * r] + c[3 * r + 1] * t->speed[r] + c[3 * r + 2] * t->wet;
@@ -1154,7 +1156,7 @@ static inline void screen__log_rates(const screen_def *def, screen_model model, 
     log_rate[last] += screen__log_holes(def, model, c[3 * last + 1], t->d);
 }
 
-/* p of model 1, mean over the holes. */
+/* Returns p of model 1 as the mean over the holes. */
 static inline double screen__dong_probability(const screen_def *def, double d, double inclination) {
     double length = def->aperture * def->aperture_ratio, tau = def->continuous ? inclination : 0.0;
     double p = screen_slot_probability(def->aperture, length, def->wire, d, tau);
@@ -1175,8 +1177,7 @@ static inline screen_def screen__projected(const screen_def *def, screen_model m
     return seen;
 }
 
-/* Free fraction at a place in time, and its integral from the dead time to there: what passes does so as if all holes were free for that
-   long. */
+/* Returns the free fraction of the holes at a time. */
 static inline double screen__free_at(const screen_def *def, double t) {
     int n = def->free_points, low = 0, high = n - 1;
     if (n == 0) return 1.0;
@@ -1190,6 +1191,7 @@ static inline double screen__free_at(const screen_def *def, double t) {
     return def->free_fraction[low] + x * (def->free_fraction[high] - def->free_fraction[low]);
 }
 
+/* Returns the integral of the free fraction over a time: as much passes in it as with all holes free for that long. */
 static inline double screen__exposure_between(const screen_def *def, double from, double to) {
     double sum = 0.0, at = from;
     if (!(to > from)) return 0.0;
@@ -1207,8 +1209,8 @@ static inline double screen__exposure(const screen_def *def, double t) {
     return def->dead_time > 0.0 || def->free_points > 0 ? screen__exposure_between(def, def->dead_time, t) : t;
 }
 
-/* The mean free fraction from *from to the next place where it bends, or to `to`, in pieces over
-   which it changes by 0.02 at most; *from goes there. */
+/* Returns the mean free fraction from *from to the next point of its curve, or to `to`, in pieces over which it changes by 0.02 at most.
+   Moves *from to the end of the piece. */
 static inline double screen__next_free(const screen_def *def, double *from, double to) {
     double start = *from, end = to;
     for (int i = 0; i < def->free_points; i++)
@@ -1242,7 +1244,7 @@ static inline screen_status screen__coefficients(const screen_def *def, screen_m
     return SCREEN_OK;
 }
 
-/* A rate must be a number below e^600, so that no product of two of its kind with a time overflows. */
+/* Returns whether a rate is a number below e^600, so that no product of two such rates with a time overflows. */
 static inline int screen__rate_ok(double log_rate) { return log_rate < 600.0 && log_rate > -1e300; }
 
 static inline screen_status screen__check_call(const screen_def *def, screen_model model, const double *parameters,
@@ -1269,7 +1271,7 @@ static inline screen_status screen__check_times(int times, const double *time) {
    never is negative, and what has passed is what is missing: nothing is lost at any step size.
    u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a sweep works on, slot 2 the top layer half a step ahead of it. */
 
-/* c of every class for the top layer in a slot. SCREEN_NOT_FINITE above e^600 1/s. */
+/* Computes c of every class from the top layer in a slot. SCREEN_NOT_FINITE above e^600 1/s. */
 static inline screen_status screen__stratification(const screen_def *def, screen_bed *bed, int slot) {
     double fines = 0.0, grains = 0.0;
     double d_c = def->coarse_diameter, coarse = def->oversize_mass / def->undersize_mass;
@@ -1300,7 +1302,8 @@ static inline screen_status screen__stratification(const screen_def *def, screen
     return SCREEN_OK;
 }
 
-/* e^-z and its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: evaluated there in an order with few dependencies */
+/* Returns e^-z and sets *mean to its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: there the order of evaluation has few
+   dependencies. */
 static inline double screen__decay(double z, double *mean) {
     double e = z < 0.35 ? 0.0 : riddle_exp(-z), z2 = z * z, z4 = z2 * z2;
     if (z < 0.0625)
@@ -1310,7 +1313,7 @@ static inline double screen__decay(double z, double *mean) {
     return z < 0.35 ? 1.0 - z * *mean : e;
 }
 
-/* Slot 1 over h with the c of slot 2, which belongs to the middle of the step: the same backwards in time. */
+/* Advances slot 1 by h with the c of slot 2, which belongs to the middle of the step; symmetric in time. */
 static inline void screen__positive_step(const screen_def *def, screen_bed *bed, double h) {
     int n = def->classes, limited = def->bottom_limit < HUGE_VAL;
     double before = 1.0, share, bottom = 0.0;
@@ -1347,8 +1350,8 @@ static inline void screen__positive_step(const screen_def *def, screen_bed *bed,
     }
 }
 
-/* n steps of length h/n from slot 0, whose c is known, to slot 1, by the midpoint rule of Gragg (1965): slots 1 and 2 leap over each
-   other, so that the error is a series in h^2. */
+/* Makes n steps of length h/n from slot 0, whose c is known, to slot 1, by the midpoint rule of Gragg (1965): slots 1 and 2 are advanced in
+   turn, each over the other, so that the error is a series in h^2. */
 static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed, int n, double h) {
     screen_status status = SCREEN_OK;
     for (int k = 0; k < n && !status; k++) {
@@ -1370,7 +1373,7 @@ static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed
     return status;
 }
 
-/* From slot 0 over the given time to slot 0. hint carries the step size from call to call; 0 at first. */
+/* Advances slot 0 by a duration. *hint carries the step size from call to call; 0 at first. */
 static inline screen_status screen__advance(const screen_def *def, screen_bed *bed, double duration, double *hint) {
     /* 1 to 5 steps extrapolated to order 2 to 10: the errors in h^2, h^4, .. cancel */
     enum { ORDERS = 5 };
@@ -1474,7 +1477,7 @@ static inline screen_status screen__load(const screen_def *def, double average, 
 
 /* >>predict */
 
-/* Y of model 2 with its derivatives by ln k_s and ln k_p. */
+/* Returns Y of model 2, and in slope its derivatives with respect to ln k_s and ln k_p. */
 static inline double screen__subasinghe_slopes(double k_s, double k_p, double t, double *slope) {
     double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s, z = (fast - slow) * t, e = riddle_exp(-(slow * t));
     double mean = screen__expm1c(z), by_slow, by_fast; /* e t mean = (e^(-slow t) - e^(-fast t))/(fast - slow) */
@@ -1491,7 +1494,8 @@ static inline double screen__subasinghe_slopes(double k_s, double k_p, double t,
     return slow * t > 745.2 ? 0.0 : e * (1.0 + slow * t * mean);
 }
 
-/* Model 1 of a class: Y after n attempts; with slope (may be null) dY/d ln n. NaN where p times the grain's ratio exceeds 1. */
+/* Returns Y of a class after n attempts in model 1; *slope (may be null) receives dY/d ln n. NaN where p times the grain's ratio exceeds
+   1. */
 static inline double screen__dong_class(const screen_def *def, double d, double p, double n, double *slope) {
     if (def->ratio == SCREEN_RATIO_GRAIN) {
         double pass = p * screen_grain_ratio(def->density, d, def->ratio_mass), y = screen_single_grain(pass, n);
@@ -1509,14 +1513,14 @@ static inline double screen__dong_attempts(const screen_def *def, double d, doub
     return y < 1.0 ? riddle_log(y) / riddle_log1p(-pass) : 0.0;
 }
 
-/* Model 1 of a class one step on from y in (0, 1]; NaN where screen__curves would refuse. */
+/* Advances a class of model 1 by one step from y in (0, 1]. Returns NaN where screen__curves would refuse. */
 static inline double screen__dong_step(const screen_def *def, const double *c, const screen_operation *operation, double d, double rate,
                                        double y, double dt) {
     double p = screen__dong_probability(def, d, operation->inclination);
     if (p == 0.0) return y; /* the masses stay */
     double n = screen__dong_attempts(def, d, p, y);
     if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
-    else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the N reached, then go on from there */
+    else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the present N, then continue from there */
         double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
         if (!(reached >= HUGE_VAL)) n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
     }
@@ -1531,7 +1535,8 @@ typedef struct screen__out {
     double *retained, *stratified, *bottom, *slopes;
 } screen__out;
 
-/* Y of what can pass, and the top layer, of a class at one time; with the share that never passes. */
+/* Writes Y and the layers of a class at one time into the output. y: of the share that can pass; what is written includes the share that
+   never passes. */
 static inline void screen__write(const screen_def *def, const screen__out *out, int klass, int j, double y, double top,
                                  const double *slope) {
     size_t at = (size_t)klass * (size_t)out->times + (size_t)j;
@@ -1544,7 +1549,7 @@ static inline void screen__write(const screen_def *def, const screen__out *out, 
     out->slopes[2 * at + 1] = passes * slope[1];
 }
 
-/* The batch at t = 0. */
+/* Sets the bed to the batch at t = 0. */
 static inline void screen__fill_bed(const screen_def *def, screen_model model, screen_bed *bed) {
     for (int i = 0; i < def->classes; i++) {
         double mass = def->undersize_mass * screen__share(def, i);
@@ -1555,7 +1560,7 @@ static inline void screen__fill_bed(const screen_def *def, screen_model model, s
     }
 }
 
-/* Model 3; a dead time shifts the curve. */
+/* Computes the curves of model 3; a dead time shifts them. */
 static inline screen_status screen__curves_soldinger(const screen_def *def, double average, const double *c,
                                                      const screen_operation *operation, const screen__out *out, screen_bed *bed) {
     double now = def->dead_time, hint = 0.0;
@@ -1579,7 +1584,7 @@ static inline screen_status screen__curves_soldinger(const screen_def *def, doub
     return status;
 }
 
-/* Model 2 with holes that come and go: exact over pieces with constant free fraction. */
+/* Computes a curve of model 2 with a varying free fraction: exact over pieces in which it is constant. */
 static inline void screen__curve_of_pieces(const screen_def *def, const double *rate, int klass, const screen__out *out) {
     double now = def->dead_time, top = 1.0, y = 1.0;
     for (int j = 0; j < out->times; j++) {
@@ -1592,7 +1597,7 @@ static inline void screen__curve_of_pieces(const screen_def *def, const double *
     }
 }
 
-/* Model 1 of a class. */
+/* Computes the curve of a class in model 1. */
 static inline screen_status screen__curve_dong(const screen_def *def, const double *c, const screen_operation *operation, double rate,
                                                int klass, const screen__out *out) {
     double d = def->diameters[klass], p = screen__dong_probability(def, d, operation->inclination);
@@ -1758,7 +1763,7 @@ SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model mod
     return status;
 }
 
-/* What happens in one step: how long the bed works in it, by how many of the holes. */
+/* The screening time h of one step, after the dead time, and the mean free fraction of the holes in it. */
 typedef struct screen__moment {
     double h, free_holes;
 } screen__moment;
@@ -1774,7 +1779,8 @@ static inline screen__moment screen__moment_of(const screen_def *def, const scre
     return m;
 }
 
-/* The mass on the deck that the model works on: scaled so that the share that never passes is left out. */
+/* Returns the mass on the deck that the model works on: the share that never passes is left out, and the rest is scaled to the full
+   mass. */
 static inline double screen__active(const screen_def *def, double on_deck, double fed) {
     if (def->never_passes == 0.0) return on_deck;
     double active = (on_deck - def->never_passes * fed) / (1.0 - def->never_passes);
@@ -1797,7 +1803,7 @@ static inline screen_status screen__check_step(const screen_def *def, screen_mod
     return SCREEN_OK;
 }
 
-/* What a class has on the deck and in its top layer after the step, into own.y[0] and own.u[0], as masses. */
+/* Computes the masses of a class on the deck and in its top layer after the step, into own.y[0] and own.u[0]. */
 static inline screen_status screen__step_class(const screen_def *def, screen_model model, const double *c,
                                                const screen_operation *operation, double fresh, int i, screen_bed *b) {
     double log_rate[2], rate[2] = {0.0, 0.0}, fed = b->fed + fresh;
@@ -1827,7 +1833,7 @@ static inline screen_status screen__step_class(const screen_def *def, screen_mod
     return SCREEN_OK;
 }
 
-/* The same of model 3, for all classes at once. */
+/* Does the same for model 3, for all classes at once. */
 static inline screen_status screen__step_soldinger(const screen_def *def, const double *c, const screen_operation *operation, double dt,
                                                    const double *feed, screen_bed *bed) {
     double hint = 0.0;
@@ -1951,7 +1957,7 @@ static inline void screen__to_coefficients(screen_model model, int n, const doub
     }
 }
 
-/* To the nearest q inside the bounds that keeps the mean log rates where it can. */
+/* Finds the q inside the bounds nearest to c that keeps the mean log rates where possible. */
 static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high, const double *c,
                                   double *q) {
     for (int j = 0; j < n; j++) q[j] = screen__clip(c[j], low[j], high[j]);
@@ -1969,7 +1975,8 @@ static inline void screen__uncentre(screen_model model, int n, const double *cen
     for (int r = 0; r < screen__rates(model); r++) out[3 * r] -= c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
 }
 
-/* d log_rate[r] of a class / d c: features [2][parameters]; second row for model 1 on a deck: d beta, which multiplies -ln length. */
+/* Computes the derivatives of log_rate[r] of a class with respect to c: f[2][parameters]. The second row is for model 1 on a deck: the
+   derivative of beta, which multiplies -ln length. */
 static inline void screen__features(const screen__problem *p, const screen__terms *t, double f[2][SCREEN_MAX_PARAMETERS]) {
     for (int j = 0; j < p->parameters; j++) f[0][j] = f[1][j] = 0.0;
     for (int r = 0; r < screen__rates(p->model); r++) {
@@ -2025,7 +2032,7 @@ static inline screen_status screen__numeric_slopes(screen__problem *p, const scr
     return SCREEN_OK;
 }
 
-/* What a point adds to the loss; *pull: weight of its residual in the curvature, of gain in the gradient. */
+/* Returns the contribution of a point to the loss; *pull: the weight of its residual in the curvature, and of its gain in the gradient. */
 static inline double screen__point_loss(const screen__problem *p, double r, double rounding, int weigh, double *pull) {
     *pull = 1.0;
     if (p->loss == SCREEN_LOSS_SQUARES) return 0.5 * r * r;
@@ -2078,7 +2085,7 @@ static inline void screen__add_class(const screen__problem *p, const screen_def 
     }
 }
 
-/* The price of large exponents, and the upper half of the curvature. */
+/* Adds the penalty on large exponents, and completes the upper half of the curvature. */
 static inline void screen__add_shrink(const screen__problem *p, const double *c, screen__sums *out) {
     int n = p->parameters;
     for (int a = 0; a < n; a++) {
@@ -2124,7 +2131,7 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
     screen__add_shrink(p, c, out);
 }
 
-/* Lower Cholesky factor of a symmetric matrix, in place; 0 if it is not positive. */
+/* Computes the lower Cholesky factor of a symmetric matrix in place. Returns 0 if the matrix is not positive definite. */
 static inline int screen__cholesky(int n, screen__matrix a) {
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) {
@@ -2147,7 +2154,7 @@ static inline void screen__solve(int n, screen__matrix l, double *x) { /* L L^T 
     }
 }
 
-/* dc/dq at q, [parameters][parameters] */
+/* Computes dc/dq at q, [parameters][parameters]. */
 static inline void screen__jacobian(const screen__problem *p, const double *q, screen__matrix t) {
     int n = p->parameters;
     for (int a = 0; a < n; a++)
@@ -2161,7 +2168,7 @@ static inline void screen__jacobian(const screen__problem *p, const double *q, s
     }
 }
 
-/* a = T^T a T, g = T^T g */
+/* Computes a = T^T a T and g = T^T g. */
 static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, double *g) {
     screen__matrix half;
     double old[SCREEN_MAX_PARAMETERS];
@@ -2226,7 +2233,7 @@ static inline void screen__model_loss(const screen__problem *p, screen__descent 
     }
 }
 
-/* An exponent on its way through 0 is stopped by the bound of its moisture exponent: tries the other side, with the same product. */
+/* Tries the other sign of an exponent, with the same product, where the bound of its moisture exponent stops it on its way through 0. */
 static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
     double across[SCREEN_MAX_PARAMETERS], trial[SCREEN_MAX_PARAMETERS];
     screen__sums there;
@@ -2243,7 +2250,7 @@ static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
     return 0;
 }
 
-/* Where the damped model has its minimum, cut to the bounds: trial, and the same in coefficients. 0: the model has none. */
+/* Finds the minimum of the damped model, cut to the bounds: trial, and the same as coefficients. Returns 0 if the model has none. */
 static inline int screen__damped_minimum(const screen__problem *p, const screen__descent *d, double *trial, double *trial_c) {
     int n = p->parameters;
     double biggest = 0.0, step[SCREEN_MAX_PARAMETERS];
@@ -2270,7 +2277,7 @@ static inline int screen__damped_minimum(const screen__problem *p, const screen_
     return 1;
 }
 
-/* One step downhill, damped until the loss falls; 0: it does not fall any more. */
+/* Makes one step downhill, damped until the loss falls. Returns 0 if it cannot fall any more. */
 static inline int screen__step_down(screen__problem *p, screen__descent *d) {
     const int with = p->model != SCREEN_SOLDINGER; /* whose derivatives cost seven curves: only where a step is taken */
     double trial[SCREEN_MAX_PARAMETERS], trial_c[SCREEN_MAX_PARAMETERS];
@@ -2288,7 +2295,7 @@ static inline int screen__step_down(screen__problem *p, screen__descent *d) {
     return 0;
 }
 
-/* Levenberg-Marquardt from q (inside the bounds) to a minimum of the rounded loss; uses up to *left iterations. */
+/* Minimises the rounded loss by the Levenberg-Marquardt method from q (inside the bounds); uses up to *left iterations. */
 static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
     screen__descent d;
     d.rounding = rounding;
@@ -2328,8 +2335,8 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     return options;
 }
 
-/* Scatter of single points: the median of how far they lie off the straight line between their neighbours in time, over all curves with
-   three points or more; 0 without such. Found by bisection: nothing is stored. */
+/* Returns the scatter of single points: the median of their distances from the straight line between their neighbours in time, over all
+   curves with three points or more; 0 without such. It is found by bisection, so nothing is stored. */
 static inline double screen__scatter(const screen_def *def, const screen_def *decks, int cases, const screen_case *data) {
     double low = 0.0, high = 2.0;
     for (int it = 0; it < 40; it++) {
@@ -2351,7 +2358,7 @@ static inline double screen__scatter(const screen_def *def, const screen_def *de
     return high < 1e-9 ? 0.0 : high / 0.6744897501960817; /* median of a normal distribution's absolute values */
 }
 
-/* The numbers of one case. rises (may be null): rises are noted there and not refused. */
+/* Checks the numbers of one case. rises (may be null): rises are noted there and not refused. */
 static inline screen_status screen__check_case(const screen_def *deck, const screen_case *data, double tolerance, screen_where *where,
                                                screen_fit_result *rises) {
     screen_status status = screen_check_operation(&data->operation);
@@ -2405,7 +2412,7 @@ SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, co
     return SCREEN_OK;
 }
 
-/* The same for a fit, each case with its deck: rises are noted in *out. */
+/* Checks the data of a fit, each case with its deck; rises are noted in *out. */
 static inline screen_status screen__check_data(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
                                                screen_fit_result *out) {
     screen_where where;
@@ -2463,7 +2470,7 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2]) {
     for (int k = 0; k < 4; k++) p->centre[k] /= terms;
 }
 
-/* Bounds, centre and arrays of a problem whose cases have been checked. */
+/* Sets bounds, centre and arrays of a problem whose cases have been checked. */
 static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
                                          const screen_fit_options *options) {
     int n = screen_parameter_count(model, def->continuous);
@@ -2506,7 +2513,7 @@ static inline void screen__dispose(screen__problem *p) {
     screen__release(&p->def.memory, p->bed, (size_t)p->most, sizeof(screen_bed));
 }
 
-/* Random start: mean rates such that something happens within the time of the data, exponents of either sign. */
+/* Draws a random start: mean rates such that passage takes place within the time of the data, exponents of either sign. */
 static inline void screen__random_start(const screen__problem *p, double last_time, uint64_t *state, double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     int n = p->parameters;
@@ -2559,7 +2566,7 @@ static inline int screen__prefer(screen__problem *p, const double *c, double *q)
     return 1;
 }
 
-/* Among equally good sets the plainest: exponents that change nothing become 0, and of the two steps of model 2 the slower is called
+/* Chooses the plainest of equally good sets: exponents without effect become 0, and the slower of the two steps of model 2 is called
    stratification. */
 static inline void screen__tidy(screen__problem *p, double *q) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
@@ -2576,7 +2583,7 @@ static inline void screen__tidy(screen__problem *p, double *q) {
 
 /* >>student: how wide a range is */
 
-/* P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
+/* Returns P(|T| < sqrt(dof) tan(theta)) for whole dof: Abramowitz & Stegun 26.7.3, 26.7.4 */
 static inline double screen__student_share(double theta, int dof) {
     double s = riddle_sin(theta), c = riddle_cos(theta), term = 1.0, sum = 0.0;
     for (int j = dof & 1 ? 1 : 0; j <= dof - 2; j += 2) {
@@ -2631,7 +2638,7 @@ static inline screen__residuals screen__look_at_residuals(screen__problem *p, co
     return sum;
 }
 
-/* Variance of the mean of a point's residual (squared error of a fit to one number), and the degrees of freedom it has. */
+/* Returns the variance of the mean of a point's residual: the squared error of a fit to one number. Sets the degrees of freedom in *out. */
 static inline double screen__variance(const screen__problem *p, const screen_fit_options *options, const screen__residuals *sum,
                                       screen_fit_result *out) {
     int open = 0;
@@ -2649,8 +2656,8 @@ static inline double screen__variance(const screen__problem *p, const screen_fit
     return loss * (square > least ? square : least) / effective;
 }
 
-/* Covariance of the free parameters that stand at no bound: the curvature is scaled to ones on its diagonal, and 1e-13 added there keeps a
-   singular one invertible. 0 if it has no inverse. */
+/* Computes the covariance of the free parameters that are at no bound: the curvature is scaled to ones on its diagonal, and 1e-13 added
+   there keeps a singular one invertible. Returns 0 if it has no inverse. */
 static inline int screen__covariance(int n, screen__matrix curvature, const int *still, double variance, screen__matrix cov) {
     screen__matrix a;
     double scale[SCREEN_MAX_PARAMETERS];
@@ -2667,7 +2674,7 @@ static inline int screen__covariance(int n, screen__matrix curvature, const int 
     return solved;
 }
 
-/* Value, error, range and verdict of one parameter. */
+/* Sets value, error, range and verdict of one parameter. */
 static inline void screen__judge_one(const screen__problem *p, const screen_fit_options *options, const double *q, int j, double error,
                                      screen_fit_result *out) {
     int rate = screen__is_rate(p->model, j), fixed = options->low[j] == options->high[j], idle = !fixed && p->low[j] == p->high[j];
@@ -2686,7 +2693,8 @@ static inline void screen__judge_one(const screen__problem *p, const screen_fit_
     out->undetermined += !out->determined[j];
 }
 
-/* By c: factor of the covariance for screen_sample; where the data say nothing the spread is 2, of moisture coefficients 20. */
+/* Computes the factor of the covariance by c, for screen_sample. Where the data give no information the spread is 2, for moisture
+   coefficients 20. */
 static inline void screen__judge_factor(const screen__problem *p, const screen__sums *sums, double variance, screen_fit_result *out) {
     int n = p->parameters;
     double scale[SCREEN_MAX_PARAMETERS];
@@ -2750,7 +2758,7 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     for (int j = 0; j < n; j++) out->coefficient[j] = c[j];
 }
 
-/* The range of what was fitted. */
+/* Returns the range of what was fitted. */
 static inline screen_domain screen__domain_of(const screen__problem *p) {
     screen_domain d;
     for (int s = 0; s < p->cases; s++) {
@@ -2807,7 +2815,7 @@ static inline screen_status screen__check_fit(const screen_def *def, screen_mode
     return points < free_ones ? SCREEN_TOO_FEW_POINTS : SCREEN_OK;
 }
 
-/* All of a result but what the check of the data notes, numbers as given */
+/* Sets all of a result, except what the check of the data notes; all numbers to `value`. */
 static inline void screen__blank(screen_fit_result *result, screen_model model, int parameters, double value) {
     for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) {
         result->parameter[j] = result->error[j] = result->low[j] = result->high[j] = result->coefficient[j] = value;
@@ -2830,13 +2838,13 @@ static inline void screen__blank(screen_fit_result *result, screen_model model, 
 
 enum { SCREEN__STAGES = 8 };
 
-/* Rounding of |r| at a stage of the descent to the sharp deviation. */
+/* Returns the rounding of |r| at a stage of the descent to the sharp deviation. */
 static inline double screen__rounding(int stage) {
     const double rounding[SCREEN__STAGES] = {0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6};
     return rounding[stage];
 }
 
-/* Deviation, or mean square, at q. */
+/* Returns the deviation, or the mean square, at q. */
 static inline double screen__sharp_loss(screen__problem *p, const double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     screen__sums sums;
@@ -2871,7 +2879,7 @@ static inline double screen__run_start(screen__problem *p, double *q, int iterat
     return screen__sharp_loss(p, q);
 }
 
-/* One parameter has moved from q to trial: another of the same rate takes it back, so that the mean log rate is as before. */
+/* Keeps the mean log rate when parameter j has moved from q to trial: another parameter of the same rate compensates. */
 static inline void screen__keep_mean_rate(const screen__problem *p, const double *q, int j, double *trial) {
     int r = j / 3, k = 3 * r;
     if (p->parameters == 5 && r == 1) return;
@@ -2914,7 +2922,8 @@ static inline double screen__last_time(const screen__problem *p) {
     return last > 0.0 ? last : p->def.duration;
 }
 
-/* Few data have minima that random starts miss: once more from each pair of plain rates, slow, middling and fast, without exponents. */
+/* Descends once more from each pair of plain rates (slow, middling and fast) without exponents: few data have minima that random starts
+   miss. */
 static inline double screen__try_plain_rates(screen__problem *p, double best, double *q) {
     const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
     const int squares = p->loss == SCREEN_LOSS_SQUARES;
@@ -2935,7 +2944,7 @@ static inline double screen__try_plain_rates(screen__problem *p, double best, do
     return best;
 }
 
-/* Runs all starts; the best ends in q. seen [2][starts] */
+/* Runs all starts; the best ends in best_q. seen[starts][2]: the loss of each start after the first stage, and its sharp loss. */
 static inline double screen__search(screen__problem *p, const screen_fit_options *options, double *seen, double *best_q) {
     double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], last_time = screen__last_time(p);
     uint64_t state = options->seed;
@@ -3166,7 +3175,7 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
 
 /* >>separation */
 
-/* Last size at which the curve rises through level; NaN if it does not. */
+/* Returns the last size at which the curve rises through level; NaN if it does not. */
 static inline double screen__crossing(int n, const double *d, const double *y, double level) {
     for (int i = n - 1; i > 0; i--)
         if (y[i] >= level && y[i - 1] < level) return d[i - 1] + (d[i] - d[i - 1]) * ((level - y[i - 1]) / (y[i] - y[i - 1]));
@@ -3207,7 +3216,7 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
 
 /* >>feed */
 
-/* Share finer at d: straight lines between the points, from (0, 0) to the first. */
+/* Returns the share finer than d: straight lines between the points, and from (0, 0) to the first. */
 static inline double screen__finer(int points, const double *size, const double *passing, double d) {
     if (!(d > size[0])) return passing[0] * (d / size[0]);
     for (int i = 1; i < points; i++)
@@ -3263,7 +3272,7 @@ static inline int screen__good_duty(const screen_duty *duty) {
            screen__positive(duty->length / duty->velocity);
 }
 
-/* def with the masses of a slice. */
+/* Returns def with the masses of a slice. */
 static inline screen_def screen__slice(const screen_def *def, const screen_duty *duty) {
     screen_def slice = *def;
     double scale = duty->feed / (duty->width * duty->velocity) / screen__load_of(def);
