@@ -110,7 +110,8 @@ typedef struct classifier_drag {
     classifier_drag_law law;
 } classifier_drag;
 
-/* 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi = 1. */
+/* Returns 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi =
+   1. */
 static inline double classifier_newton_factor(double psi);
 /* Returns the law of Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are
    one (Cauchy). psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
@@ -138,14 +139,16 @@ static inline double classifier_rorato(double psi_2d);
 /* Returns the same with psi_2d moved into the range first; *clamped (may be NULL) : whether that was needed. NaN stays NaN. */
 static inline double classifier_rorato_clamped(double psi_2d, bool *clamped);
 
-/* Di Felice 1994: exponent chi(Re) (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re 31.6. */
+/* Returns the exponent chi(Re) of Di Felice 1994 (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re
+   31.6. */
 static inline double classifier_di_felice_exponent(double re);
 /* Returns the factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with.
    Superficial slip (= voids * interstitial): voids^-chi. */
 static inline double classifier_di_felice_superficial(double voids, double re);
-/* Interstitial slip, drag alone: voids^(2 - chi). */
+/* Returns the factor with the interstitial slip, for the drag alone: voids^(2 - chi). */
 static inline double classifier_di_felice_interstitial_drag(double voids, double re);
-/* Interstitial slip, drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not add -V grad p to it. */
+/* Returns the factor with the interstitial slip, for drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not add -V grad p to
+   it. */
 static inline double classifier_di_felice_interstitial_total(double voids, double re);
 
 /* ========================================================== balance =========================================================== */
@@ -161,12 +164,13 @@ typedef struct classifier_balance {
     bool buoyancy; /* true: particle_density - fluid_density drives (the gas turns with the particle); default false, as the paper */
 } classifier_balance;
 
-/* Eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2)) [m]: sphere in Stokes flow. */
+/* Returns the cut size of spheres in Stokes flow [m], eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2)). */
 static inline double classifier_cut_size_stokes(const classifier_balance *at);
-/* Eq 6: the one size [m] at which both forces are equal, x = K c_D(a x). iterations may be NULL; at most 6. Quartic in sqrt(x) with one
-   positive root (Descartes), Newton from above; Schiller-Naumann by Newton in ln x. NaN for bad input. */
+/* Returns the one size [m] at which both forces are equal, eq 6: x = K c_D(a x). iterations may be NULL; at most 6. Solves a quartic in
+   sqrt(x) with one positive root (Descartes) by Newton's method from above; for Schiller-Naumann, uses Newton's method in ln x. NaN for bad
+   input. */
 static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations);
-/* d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
+/* Returns d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
 static inline double classifier_cut_sensitivity(classifier_drag drag, double re);
 /* Returns the tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root. */
 static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x);
@@ -180,31 +184,34 @@ static inline double classifier_terminal_velocity(classifier_drag drag, double x
    int_0^Re dRe / (Re c_D). Stokes number = this / length. */
 static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
                                                   double viscosity, double speed);
-/* The handbook's for spheres, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) - sqrt6 atan(Re^(1/3) / sqrt6)). */
+/* Returns the stopping distance of spheres by the handbook formula, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) -
+   sqrt6 atan(Re^(1/3) / sqrt6)). */
 static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density, double viscosity,
                                                          double speed);
 
 /* ========================================================== rebound =========================================================== */
 
-/* Thornton & Ning 1998: restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0; 1 up to the
-   yield velocity [m/s]. */
+/* Returns the restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0 by Thornton & Ning 1998; 1 up to the yield
+   velocity [m/s]. */
 static inline double classifier_thornton_ning(double speed, double yield_velocity);
-/* 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]: a sphere on a plane; contact_pressure: limiting contact pressure [Pa] (1.6 to 2.8 yield
-   stresses). */
+/* Returns the yield velocity of a sphere on a plane, 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]; contact_pressure: limiting contact pressure [Pa]
+   (1.6 to 2.8 yield stresses). */
 static inline double classifier_yield_velocity(double contact_pressure, double density, double reduced_modulus);
-/* E* [Pa] of two materials: 1 / ((1 - nu1^2) / E1 + (1 - nu2^2) / E2). */
+/* Returns E* [Pa] of two materials: 1 / ((1 - nu1^2) / E1 + (1 - nu2^2) / E2). */
 static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2, double poisson_2);
 
-/* Normal hit on a paddle of speed v_w by a particle that comes against it with v_i: v_w + e (v_w + v_i), in the direction of the wheel
-   [m/s]. */
+/* Returns the velocity after a normal hit on a paddle of speed v_w by a particle with the opposite velocity v_i: v_w + e (v_w + v_i), in
+   the direction of the wheel [m/s]. */
 static inline double classifier_rebound_normal(double paddle_speed, double e, double approach_speed);
-/* Tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's normal, specular
-   + imperfection. */
+/* Returns the tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's
+   normal, specular + imperfection. */
 static inline double classifier_rebound_paddle(double paddle_speed, double e, double relative_speed, double cos_angle);
-/* Two equal particles: one leaves the wheel with v_a, the other comes against it with v_t. k = (1 + e) / 2.
-   Thrown (case B): -v_t + k share (v_a + v_t), share = cos(alpha), or cos^2(alpha) if the impulse follows the line of centres. */
+/* Returns the velocity of the thrown one (case B) of two equal particles, one of which leaves the wheel with v_a, while the other moves
+   against it with v_t: -v_t + k share (v_a + v_t), k = (1 + e) / 2, share = cos(alpha), or cos^2(alpha) if the impulse follows the line of
+   centres. */
 static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share);
-/* The other one (case C): v_a - k share (v_a + v_t); the paper's share is 1, momentum asks for the cos^2(alpha) of its partner. */
+/* Returns the velocity of the other one (case C): v_a - k share (v_a + v_t). The paper's share is 1; conservation of momentum requires
+   cos^2(alpha), as for the thrown one. */
 static inline double classifier_rebound_slowed(double v_a, double v_t, double e, double share);
 
 /* ====================================================== collision cases ======================================================= */
@@ -216,12 +223,14 @@ typedef struct classifier_weights {
     double again;  /* C: turned round by a particle, then hit by a paddle at last */
 } classifier_weights;
 
-/* For n >= 0 contacts with particles, all possible sequences equally likely (Fig 12 b): (n+1) 3^(1-n) / 4, 1/4, rest. NaN for n < 0. */
+/* Returns the weights for n >= 0 contacts with particles, if all possible sequences are equally likely (Fig 12 b): (n+1) 3^(1-n) / 4, 1/4,
+   rest. NaN for n < 0. */
 static inline classifier_weights classifier_weights_of(int n);
 static inline classifier_weights classifier_weights_poisson(double mean);   /* mixed over a Poisson number, mean >= 0 */
 static inline classifier_weights classifier_weights_geometric(double mean); /* mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean) */
-/* Extension: a chain instead of equal sequences. counter: probability that a contact turns the particle round; wall: that it hits the
-   paddle whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of for (1/2, 1/2): that counts forced steps once. */
+/* Returns the weights of a Markov chain, an extension of the equally likely sequences. counter: probability that a contact turns the
+   particle round; wall: probability that it hits the paddle whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of
+   for (1/2, 1/2), which counts forced steps once. */
 static inline classifier_weights classifier_weights_markov(int n, double counter, double wall);
 
 /* ======================================================= distributions ======================================================== */
@@ -244,7 +253,7 @@ static inline classifier_distribution classifier_normal(double mean, double sd, 
    on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
 CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made);
 CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d);
-/* P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN of what classifier_check_distribution refuses. */
+/* Return P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN for what classifier_check_distribution refuses. */
 CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value);
 CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u);
 CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d); /* after the cut */
@@ -319,7 +328,7 @@ typedef struct classifier_def {
     classifier_drag_law law;               /* CLASSIFIER_HOELZER_SOMMERFELD; the two others ignore the sphericity */
     classifier_basis basis;                /* CLASSIFIER_EQUIVALENT; the paper: CLASSIFIER_PROJECTED */
     bool buoyancy;                         /* false */
-    double size_low, size_high;            /* [m] where cut sizes are looked for; 1e-7, 1e-2 */
+    double size_low, size_high;            /* [m] range in which cut sizes are searched; 1e-7, 1e-2 */
     classifier_sampler sampler;            /* CLASSIFIER_LATTICE */
     bool preintegrate;    /* true (default): the last restitution is integrated in closed form; false: drawn, rejected particles counted */
     int points;           /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
@@ -371,7 +380,7 @@ typedef struct classifier_result {
     double sharpness;        /* x25 / x75 [-] */
     double ecart_probable;   /* (x75 - x25) / 2 [m] */
     double x50_error;        /* half width of the 95 % interval [m] */
-    double t_error;          /* largest error of T at x25, x50, x75 and the sizes asked for */
+    double t_error;          /* largest error of T at x25, x50, x75 and the requested sizes */
     double re25, re50, re75; /* Reynolds numbers with the gas velocity at the mean hit radius */
     classifier_weights weights;
     double clamped, missed; /* shares of the drawn particles */
@@ -411,12 +420,12 @@ CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_de
 
 /* =========================================================== curves =========================================================== */
 
-/* Separation curves T(x) of sizes x [m] >= 0, and their inverses for t in [0, 1). */
+/* Return separation curves T(x) of sizes x [m] >= 0, and their inverses for t in [0, 1). */
 static inline double classifier_plitt(double x, double x50, double m);         /* 1 - exp(-ln2 (x/x50)^m) */
 static inline double classifier_plitt_size(double t, double x50, double m);    /* inverse */
 static inline double classifier_rosin_rammler(double x, double x63, double n); /* 1 - exp(-(x/x63)^n) */
 static inline double classifier_rosin_rammler_size(double t, double x63, double n);
-/* 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0; the inverse by Lambert's W */
+/* Return 1 / (1 + (x50/x)^2 exp(alpha (1 - (x/x50)^2))), alpha >= 0, and its inverse by Lambert's W. */
 static inline double classifier_molerus_hoffmann(double x, double x50, double alpha);
 static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha);
 
@@ -761,9 +770,9 @@ static inline double classifier_di_felice_interstitial_total(double voids, doubl
 
 /* >>balance =================================================================================================================== */
 
-/* Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3 y^2 - u2 y - u1 = 0 with
-   all u in [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method cannot
-   leave. The start takes sqrt(Re) of the middle term as 1. */
+/* Solves Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3 y^2 - u2 y - u1 = 0
+   with all u in [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method
+   converges. The start takes sqrt(Re) of the middle term as 1. */
 static inline double classifier__solve_cut(classifier_drag drag, double g, int *iterations) {
     double s1 = sqrt(g) * sqrt(drag.c1), s2 = riddle_cbrt(g * drag.c2), s3 = g * drag.c3;
     s2 *= s2;
@@ -780,8 +789,8 @@ static inline double classifier__solve_cut(classifier_drag drag, double g, int *
     return unit * y * y;
 }
 
-/* Re^2 c_D(Re) = b: in units of the smallest one-term solution v3 y^4 + v2 y^3 + v1 y^2 = 1, rising and convex, root between 1/sqrt 3 and
-   1. */
+/* Solves Re^2 c_D(Re) = b. In units of the smallest one-term solution, v3 y^4 + v2 y^3 + v1 y^2 = 1, which rises and is convex, with a root
+   between 1/sqrt 3 and 1. */
 static inline double classifier__solve_speed(classifier_drag drag, double b, int *iterations) {
     double s1 = b / drag.c1, s2 = riddle_cbrt(b / drag.c2), s3 = sqrt(b / drag.c3); /* infinite where a term is missing */
     s2 *= s2;
@@ -797,7 +806,8 @@ static inline double classifier__solve_speed(classifier_drag drag, double b, int
     return unit * y * y;
 }
 
-/* Re^k c_D = b for Schiller-Naumann, k = -1 (cut) or 2 (speed): Newton in ln Re, monotone because the slope k - m is monotone. */
+/* Solves Re^k c_D = b for Schiller-Naumann, k = -1 (cut) or 2 (speed), by Newton's method in ln Re; it converges monotonically because the
+   slope k - m is monotone. */
 static inline double classifier__solve_schiller_naumann(classifier_drag drag, double b, double k, int *iterations) {
     double ln_b = riddle_log(b), l = k < 0.0 ? -0.5 * (riddle_log(drag.c1) - ln_b) : ln_b - riddle_log(drag.c1);
     int i = 0;
@@ -860,7 +870,7 @@ static inline double classifier_threshold_velocity(const classifier_balance *at,
            sqrt(0.75 * at->fluid_density / classifier__driving_density(at) * at->radius / x * classifier_drag_coefficient(drag, re));
 }
 
-/* Speed at which the drag on x [m] balances particle_density * acceleration; density: the one that drives */
+/* Returns the speed at which the drag on x [m] balances density * acceleration. density: that of the driving force. */
 static inline double classifier__speed_for(classifier_drag drag, double x, double density, double fluid_density, double viscosity,
                                            double acceleration) {
     double unit = viscosity / (fluid_density * x); /* speed at Re = 1 */
@@ -887,7 +897,7 @@ static inline double classifier_terminal_velocity(classifier_drag drag, double x
     return difference > 0.0 ? v : -v;
 }
 
-/* int_0^re dRe / (Re c_D). With u = sqrt(Re): int 2 u du / (c1 + c2 u + c3 u^2). */
+/* Returns int_0^re dRe / (Re c_D). With u = sqrt(Re) this is int 2 u du / (c1 + c2 u + c3 u^2). */
 static inline double classifier__drag_integral(classifier_drag drag, double re) {
     double c1 = drag.c1, c2 = drag.c2, c3 = drag.c3, u = sqrt(re);
     if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) {
@@ -1034,7 +1044,7 @@ static inline classifier_weights classifier_weights_markov(int n, double counter
 
 /* >>curves ==================================================================================================================== */
 
-/* solves w + ln w = l: Lambert's W(e^l) without overflow. Newton's method for a concave function, from below. */
+/* Solves w + ln w = l, which gives Lambert's W(e^l) without overflow, by Newton's method for a concave function, from below. */
 static inline double classifier__lambert_w_exp(double l) {
     double w = l < 1.0 ? riddle_exp(l) / (1.0 + riddle_exp(l)) : l - riddle_log(l);
     for (int i = 0; i < 40 && w > 0.0; i++) {
@@ -1126,7 +1136,7 @@ static inline double classifier__polynomial(double z, const double *c, int n) { 
     return p;
 }
 
-/* P(N > z), N normal; rational approximations of erfc, Cody 1969 */
+/* Returns P(N > z) for a normal N by the rational approximations of erfc of Cody 1969. */
 static inline double classifier__normal_above(double z) {
     const double a[] = {1.85777706184603153e-1, 3.16112374387056560, 1.13864154151050156e2, 3.77485237685302021e2, 3.20937758913846947e3};
     const double b[] = {1.0, 2.36012909523441209e1, 2.44024637934444173e2, 1.28261652607737228e3, 2.84423683343917062e3};
@@ -1159,13 +1169,13 @@ static inline double classifier__normal_above(double z) {
     return z > 0.0 ? value : 1.0 - value;
 }
 
-/* P(a < N < b) from the nearer tail */
+/* Returns P(a < N < b), computed from the nearer tail. */
 static inline double classifier__normal_between(double a, double b) {
     return b < 0.0 ? classifier__normal_above(-b) - classifier__normal_above(-a)
                    : classifier__normal_above(a) - classifier__normal_above(b);
 }
 
-/* z with P(N < z) = u, 0 < u < 1: Wichura 1988, algorithm AS 241, 1e-16 */
+/* Returns z with P(N < z) = u, 0 < u < 1, to 1e-16: Wichura 1988, algorithm AS 241. */
 static inline double classifier__normal_at(double u) {
     const double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4, 4.5921953931549871457e4,
                         1.3731693765509461125e4, 1.9715909503065514427e3, 1.3314166789178437745e2, 3.3871328727963666080};
@@ -1236,7 +1246,8 @@ CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_
     return mass > 1e-9 ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
 }
 
-/* P(X < value). normal_low, normal_mass: P(N > low) and P(low < N < high); beyond the mean normal_low is - P(N < low) <= 0, its digits. */
+/* Returns P(X < value). normal_low, normal_mass: P(N > low) and P(low < N < high); if high is below the mean, normal_low is -P(N < low) <=
+   0, which keeps its digits. */
 static inline double classifier__below(const classifier_distribution *d, double value, double normal_low, double normal_mass) {
     if (!(value > d->low)) return value != value ? value : 0.0;
     if (!(value < d->high)) return 1.0;
@@ -1288,7 +1299,8 @@ static inline classifier__drawer classifier__drawer_of(const classifier_distribu
     return w;
 }
 static inline double classifier__draw(const classifier__drawer *w, double u) { return classifier__at(w->d, u, w->low, w->mass); }
-/* The share u of the way through what lies between low and high; the middle if nothing does */
+/* Draws a value between low and high from the distribution cut to them, by the random number u; the middle if the probability between them
+   is 0. */
 static inline double classifier__draw_between(const classifier__drawer *w, double u, double low, double high) {
     double a = classifier__below(w->d, low, w->low, w->mass), b = classifier__below(w->d, high, w->low, w->mass);
     return b > a ? classifier__draw(w, a + u * (b - a)) : 0.5 * (low + high);
@@ -1356,7 +1368,7 @@ CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_con
 
 /* >>root ====================================================================================================================== */
 
-/* Brent 1973: zero of f in [a, b], f(a) and f(b) of opposite sign, to 1e-14 of b or an exact zero */
+/* Returns a zero of f in [a, b], where f(a) and f(b) have opposite signs, to 1e-14 of b, or an exact zero (Brent 1973). */
 static inline double classifier__brent(double (*f)(double, const void *), const void *user, double a, double fa, double b, double fb) {
     double c = a, fc = fa, d = b - a, e = d;
     for (int i = 0; i < 200; i++) {
@@ -1407,8 +1419,8 @@ static inline double classifier__brent(double (*f)(double, const void *), const 
     return b;
 }
 
-/* Zero of a function of ln x between low and high: walks from start in steps of `stride` to a change of sign, then Brent. Exponential of
-   it; NaN if none. */
+/* Returns the exponential of a zero of a function of ln x between low and high; NaN if there is none. Goes from start in steps of `stride`
+   until the sign changes, then uses Brent's method. */
 static inline double classifier__find(double (*f)(double, const void *), const void *user, double low, double high, double start,
                                       double stride) {
     low = riddle_log(low);
@@ -1519,7 +1531,7 @@ static inline void classifier__sequence_begin(classifier__sequence *s, classifie
     }
 }
 
-/* Point i (in order) into u[DIMENSIONS], inside (0, 1). */
+/* Computes point i of the sequence into u[DIMENSIONS], inside (0, 1). Points must be computed in order. */
 static inline void classifier__sequence_point(classifier__sequence *s, int i, double *u) {
     const double per_point = 1.0 / s->points;
     int bit = 0;
@@ -1650,14 +1662,14 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
     return status;
 }
 
-/* sine and cosine; the angle between two paddles is small, where no reduction is needed */
+/* Computes sine and cosine. The angle between two paddles is small and needs no reduction. */
 static inline void classifier__sincos(double angle, double *s, double *c) {
     bool small = fabs(angle) < 0.25 * RIDDLE_PI;
     *s = small ? riddle__sin_quarter(angle, 0) : riddle_sin(angle);
     *c = small ? riddle__sin_quarter(angle, 1) : riddle_cos(angle);
 }
 
-/* radius_only: speed and angle are not needed */
+/* Computes where and how a particle meets the face of the paddle; radius_only: without speed and angle. */
 static inline classifier_impact classifier__approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward, bool radius_only) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
@@ -1696,7 +1708,7 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
     return classifier__approach(wheel, angular_speed, ahead, tangential_against, radial_inward, false);
 }
 
-/* d/dt of {x, y, v_x, v_y} in the frame of the wheel: drag on the slip, centrifugal and Coriolis acceleration */
+/* Computes d/dt of {x, y, v_x, v_y} in the frame of the wheel: drag on the slip, centrifugal and Coriolis acceleration. */
 static inline void classifier__motion_in_wheel(const classifier_def *def, classifier_drag drag, double size, const double *y,
                                                double *rate) {
     double omega = def->rpm * RIDDLE_PI / 30.0, r = sqrt(y[0] * y[0] + y[1] * y[1]);
@@ -1710,7 +1722,7 @@ static inline void classifier__motion_in_wheel(const classifier_def *def, classi
     rate[3] = per_slip * v + omega * omega * y[1] - 2.0 * omega * y[2];
 }
 
-/* A step of h by the classical rule of order 4 */
+/* Makes a step of h by the classical Runge-Kutta method of order 4. */
 static inline void classifier__step_in_wheel(const classifier_def *def, classifier_drag drag, double size, double h, double *y) {
     double k[4][4], at[4];
     classifier__motion_in_wheel(def, drag, size, y, k[0]);
@@ -1721,7 +1733,7 @@ static inline void classifier__step_in_wheel(const classifier_def *def, classifi
     for (int c = 0; c < 4; c++) y[c] += h / 6.0 * (k[0][c] + 2.0 * k[1][c] + 2.0 * k[2][c] + k[3][c]);
 }
 
-/* The last step is cut, by Newton's method, where the face is. */
+/* Computes how a particle meets the face under the drag of the gas. The last step is shortened, by Newton's method, to end at the face. */
 static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
                                                             double tangential_against, double radial_inward) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
@@ -1768,13 +1780,13 @@ CLASSIFIER_API classifier_impact classifier_approach_in_gas(const classifier_def
     return classifier__approach_in_gas(def, drag, x, ahead, tangential_against, radial_inward);
 }
 
-/* cosine of an angle within +-90 degrees */
+/* Returns the cosine of an angle within +-90 degrees. */
 static inline double classifier__cos_forward(double angle) {
     double s = riddle__sin_quarter(0.5 * angle, 0);
     return 1.0 - 2.0 * s * s;
 }
 
-/* The threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] / x */
+/* Computes the terms of the threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] / x. */
 static inline void classifier__threshold_terms(const classifier_def *def, classifier_drag drag, double r, double *k) {
     double v = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r), a = def->fluid_density * v / def->viscosity;
     double scale =
@@ -1795,7 +1807,7 @@ static inline classifier_drag classifier__model_drag(const classifier_def *def, 
     return classifier_hoelzer_sommerfeld(psi, def->basis);
 }
 
-/* v_phi = start + slope e >= v* needs e >= (v* - start) / slope */
+/* Returns the inverse of a slope, limited: v_phi = start + slope e >= v* requires e >= (v* - start) / slope. */
 static inline double classifier__inverse_slope(double slope) { return slope > 1e-290 ? 1.0 / slope : 1e290; }
 
 /* What the random numbers come from, and one drawn particle. */
@@ -1865,7 +1877,8 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     p->e_last = def->preintegrate ? 0.0 : classifier__draw(&q->restitution, u[CLASSIFIER__U_RESTITUTION_2]);
 }
 
-/* lines v = start + slope e of the three cases, for the k-th rebound in A; e is the first restitution in A and B, the second in C */
+/* Computes the lines v = start + slope e of the three cases (in case A after the first rebound); e is the first restitution in A and B, the
+   second in C. */
 static inline void classifier__case_lines(const classifier__recipe *q, const classifier__particle *p, double line[3][2]) {
     double w1 = q->omega * p->first.radius, w2 = q->omega * p->second.radius, gain = p->first.speed * p->cos_first[0],
            e_pp = q->def->particle_restitution;
@@ -1880,9 +1893,9 @@ static inline void classifier__case_lines(const classifier__recipe *q, const cla
     line[2][1] = caught ? (w2 - slowed) * p->cos_second : 0.0;
 }
 
-/* The particle's numbers in the model: threshold terms at the first hit [3] and at the second [3]; start of A's lines and their inverse
-   slopes [REBOUNDS]; start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line is
-   flat. */
+/* Stores the numbers of a particle in the model: threshold terms at the first hit [3] and at the second [3]; start of A's lines and their
+   inverse slopes [REBOUNDS]; start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line
+   is flat. */
 static inline void classifier__store(const classifier__recipe *q, const classifier__particle *p, double *out) {
     const classifier_def *def = q->def;
     double line[3][2], *slopes = out + 7, *b = slopes + CLASSIFIER__REBOUNDS, *c = b + 2;
@@ -1909,7 +1922,7 @@ static inline void classifier__store(const classifier__recipe *q, const classifi
     c[1] = classifier__inverse_slope(line[2][1]);
 }
 
-/* P(restitution >= e) on its effective support as quintics through value, slope and curvature: 1e-13, 5 ns */
+/* Tabulates P(restitution >= e) on its effective support as quintics through value, slope and curvature: error 1e-13, 5 ns a call. */
 static inline void classifier__survival_table(classifier_model *m) {
     const classifier_distribution *d = &m->def.restitution;
     classifier__drawer w = classifier__drawer_of(d);
@@ -2035,8 +2048,8 @@ static inline void classifier__evaluate(const classifier_model *m, double x, dou
     }
 }
 
-/* Student's t for 97.5 %, n - 1 degrees of freedom: exact up to 6, above by the expansion around the normal quantile (Abramowitz and Stegun
-   26.7.5), within 2.1e-5 */
+/* Returns the quantile of Student's t for 97.5 %, n - 1 degrees of freedom: exact up to 6; above, by the expansion around the normal
+   quantile (Abramowitz and Stegun 26.7.5), within 2.1e-5. */
 static inline double classifier__student(int n) {
     const double exact[6] = {12.706204736174705, 4.302652729749464,  3.1824463052837096,
                              2.7764451051977944, 2.5705818356363155, 2.44691185114497};
@@ -2087,7 +2100,7 @@ static inline double classifier__quantile_gap(double ln_x, const void *user) {
     return classifier__weighted(goal->model, riddle_exp(ln_x), 1.0, NULL) - goal->t;
 }
 
-/* eq 6 with the model's mean values: where a search for the cut begins */
+/* Returns the cut size by eq 6 with the model's mean values, the start of a search for the cut. */
 static inline double classifier__typical_cut(const classifier_model *m) {
     const classifier_def *d = &m->def;
     classifier_balance at;
@@ -2112,7 +2125,8 @@ CLASSIFIER_API double classifier_quantile(const classifier_model *model, double 
                             0.2);
 }
 
-/* The cut for a size in the approach depends on it weakly: its secants converge in three or four steps. */
+/* Finds the quantile where the approach is computed for the size itself. The cut depends only weakly on the size in the approach: the
+   secant method converges in three or four steps. */
 CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
                                                             const classifier_memory *memory, double *x) {
     double size = 0.0, before = 0.0, gap = 0.0;
@@ -2185,7 +2199,7 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
     return CLASSIFIER_OK;
 }
 
-/* T falls with the gas velocity: the sign is turned so that the search sees a rising function */
+/* Returns the target less T, which falls with the gas velocity, so that the search has a rising function. */
 static inline double classifier__calibration_gap(double ln_factor, const void *user) {
     const classifier__goal *goal = (const classifier__goal *)user;
     return goal->t - classifier__weighted(goal->model, goal->x, riddle_exp(ln_factor), NULL);
@@ -2250,8 +2264,8 @@ CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, d
 
 /* >>trajectory ================================================================================================================ */
 
-/* d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration and drag on the slip against a gas that turns with the wheel
-   and flows inward */
+/* Computes d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration, and drag on the slip against a gas that rotates with
+   the wheel and flows inward. */
 static inline void classifier__motion(const classifier_def *def, classifier_drag drag, double x, classifier_slip slip, const double *y,
                                       double *rate) {
     double omega = def->rpm * RIDDLE_PI / 30.0, r = y[0];
@@ -2395,7 +2409,7 @@ static inline double classifier__curve_clean_size(const classifier_curve *c, dou
     return classifier_molerus_hoffmann_size(t, c->size, c->slope);
 }
 
-/* The largest gap (least T) between two sizes by golden section, or the first that is not negative */
+/* Finds the largest gap (least T) between two sizes by golden section, or the first that is not negative. */
 static inline double classifier__curve_least(const classifier__curve_goal *goal, double low, double high, double *at) {
     const double golden = 0.6180339887498949;
     double a = high - golden * (high - low), b = low + golden * (high - low), gap_a = classifier__curve_gap(a, goal),
@@ -2481,7 +2495,7 @@ static inline classifier_curve classifier__curve_from(const classifier_curve *li
     return c;
 }
 
-/* a x = b for symmetric positive definite a[n][4], n <= 4, by Cholesky; false if it is not */
+/* Solves a x = b for symmetric positive definite a[n][4], n <= 4, by Cholesky's method. Returns false if a is not positive definite. */
 static inline bool classifier__solve_spd(double a[4][4], double *b, int n) {
     for (int j = 0; j < n; j++) {
         for (int k = 0; k < j; k++) a[j][j] -= a[j][k] * a[j][k];
@@ -2503,7 +2517,8 @@ static inline bool classifier__solve_spd(double a[4][4], double *b, int n) {
     return true;
 }
 
-/* Sum of squared residuals of the curve; with normal != NULL also J'J and J'r over the free parameters by central differences */
+/* Returns the sum of squared residuals of the curve. With normal != NULL, also computes J'J and J'r over the free parameters by central
+   differences. */
 static inline double classifier__fit_squares(const classifier_curve *like, const double *p, const int *free, int n_free, const double *x,
                                              const double *t, const double *sd, int n, double normal[4][4], double *gradient) {
     double sum = 0.0, step = 1e-5;
@@ -2545,7 +2560,7 @@ static inline double classifier__try_squares(const classifier__fit_try *f, const
     return classifier__fit_squares(&f->like, p, f->free, f->n_free, d->x, d->t, d->sd, d->n, normal, gradient);
 }
 
-/* The step of Levenberg and Marquardt, no longer than 1 in any parameter; false if there is none. */
+/* Computes the step of Levenberg and Marquardt, no longer than 1 in any parameter. Returns false if there is none. */
 static inline bool classifier__fit_step(const classifier__fit_try *f, double normal[4][4], const double *gradient, double damping,
                                         double *step, double *length) {
     double a[4][4];
@@ -2601,7 +2616,8 @@ static inline void classifier__fit_take(classifier__fit_try *best, const classif
     if (other->squares < best->squares * (1.0 - 1e-12)) *best = *other;
 }
 
-/* The best curve with a bypass, from the floor of the points and from small ones; the border is no bypass. */
+/* Finds the best curve with a bypass, starting from the least T of the points and from small ones; a result at the bound counts as no
+   bypass. */
 static inline void classifier__fit_bypass(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
     const double starts[3] = {floor_t, 0.01, 0.1};
     const classifier__fit_try none = *best;
@@ -2613,7 +2629,8 @@ static inline void classifier__fit_bypass(classifier__fit_try *best, const class
     }
 }
 
-/* The best curve with a hook: the sum of squares has a kink at every size, so one start between each two. The border is no hook. */
+/* Finds the best curve with a hook. The sum of squares has a kink at every size, so there is one start between each two. A result at the
+   bound counts as no hook. */
 static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
     const classifier__fit_try without = *best;
     const double floors[2] = {floor_t, 0.1};
@@ -2632,7 +2649,7 @@ static inline void classifier__fit_hook(classifier__fit_try *best, const classif
     }
 }
 
-/* 1, 2, .. of the sizes are distinct; counts no further than `most`. */
+/* Returns the number of distinct sizes, counted up to `most`. */
 static inline int classifier__distinct(const double *x, int n, int most) {
     int count = 0;
     for (int i = 0; i < n && count < most; i++) {
@@ -2643,7 +2660,8 @@ static inline int classifier__distinct(const double *x, int n, int most) {
     return count;
 }
 
-/* Size by interpolation at one half, slope from the best of a few. False: not on both sides of one half. */
+/* Sets the start of a fit: the size by interpolation at T = one half, the slope as the best of a few. Returns false if the points are not
+   on both sides of one half. */
 static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law, const classifier__fit_data *d, double *floor_t) {
     double least = HUGE_VAL, most = 0.0, at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0, best = HUGE_VAL, first = 0.0;
     for (int i = 0; i < d->n; i++) {
@@ -2767,7 +2785,7 @@ static inline double classifier__balance_at(classifier__balance *b, double c) {
     return chi;
 }
 
-/* Half of d(chi squared)/dc: by the envelope theorem - sum of multiplier * (reconciled coarse - reconciled fine) */
+/* Returns Half of d(chi squared)/dc by the envelope theorem: minus the sum of multiplier * (reconciled coarse - reconciled fine) */
 static inline double classifier__balance_slope(double c, const void *user) {
     classifier__balance b = *(const classifier__balance *)user;
     const classifier_balance_data *d = b.data;
@@ -2875,8 +2893,8 @@ static inline classifier_status classifier__circuit(const classifier_circuit_def
         *(to_c >= 0 ? &to[i][to_c] : &out[i]) += t[i];
         *(to_f >= 0 ? &to[i][to_f] : &out[i]) += 1.0 - t[i];
     }
-    /* From the last stage down each is bridged: what enters it goes on in the shares in which it leaves. Only positive numbers are summed
-       (Grassmann, Taksar and Heyman 1985), so a flow that leaves slowly keeps its digits. */
+    /* Stages are eliminated from the last one down: what enters a stage continues to others in the shares in which it leaves. Only positive
+       numbers are summed (Grassmann, Taksar and Heyman 1985), so a flow that leaves slowly keeps its digits. */
     for (int k = n - 1; k >= 0; k--) {
         leaves[k] = out[k];
         for (int j = 0; j < k; j++) leaves[k] += to[k][j];
