@@ -2187,8 +2187,27 @@ typedef struct dem__convex_pair {
     dem__nearest_cache cache;
 } dem__convex_pair;
 
+/* What the engine asks of polyhedra, in the order of a step. convex_add.h answers: its functions come into the world with the first shape,
+   so that a program which adds none, and loads no world, compiles none of them. Without shapes nothing is asked. */
+struct dem__rows;
+struct dem__type_rows;
+struct dem__wall_row;
+struct dem__columns;
+struct dem__chunk;
+typedef struct dem__convex_room {
+    int (*list_pairs)(dem_world *w);            /* of a list of near pairs made anew; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step); /* finds the points of contact at a step; contacts follow them and begin */
+    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sizes and mass of the contact in slot c */
+    void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
+                      struct dem__wall_row *wall); /* of a block, for the law */
+    void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
+                        const struct dem__columns *at, double half, int features);    /* forces and torques after the law */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* which edge steps are not corrected */
+} dem__convex_room;
+
 /* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
 typedef struct dem__convex_state {
+    const dem__convex_room *room; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
     int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
@@ -2278,6 +2297,32 @@ typedef struct dem__rigid {
     dem_quaternion ahead;     /* and the orientation there; neither is saved */
 } dem__rigid;
 
+/* Where a rigid body is at a time: its centre of mass, its orientation, and how they change. */
+typedef struct dem__posture {
+    dem_vec x, v, spin, momentum;
+    dem_quaternion turn;
+} dem__posture;
+
+/* What the engine asks of rigid bodies, in the order of a step. rigid.h answers: its functions come into the world with the first body
+   (dem__reserve_bodies), so that a program which adds none, and loads no world, compiles none of them. Without bodies nothing is asked. */
+typedef struct dem__body_room {
+    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* at tau [s] after its origin step */
+    void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
+    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* at the origin */
+    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts it into the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r);                                           /* its particles where it is */
+    void (*fall)(dem_world *w, dem__rigid *r);                                            /* accelerations without contacts */
+    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* pairs in pages of timers */
+    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* active particles to the end of a step */
+    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* bodies of active particles, by forces */
+    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                                               /* then its shift */
+    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* by the change of links' forces */
+    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* of i in flight, about the centre [m/s] */
+    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* change of i's velocity by links [m/s] */
+    void (*note_strides)(dem_world *w);                                                   /* how far flights have come */
+} dem__body_room;
+
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* step from which `due` counts */
@@ -2332,7 +2377,8 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid; /* bodies with an orientation; NULL without any */
+    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
+    const dem__body_room *room; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
@@ -2509,6 +2555,12 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
+}
+
+/* Returns the radius with which particle i touches: its own, or that of its rounding. */
+DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : w->particle[i].radius;
 }
 
 /* Lists the arrays of particles. Returns their number. */
@@ -3132,51 +3184,11 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* State of a rigid body at tau after its origin step. */
-typedef struct dem__posture {
-    dem_vec x, v, spin, momentum;
-    dem_quaternion turn;
-} dem__posture;
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
-    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.room->posture(w, r, tau);
 }
 
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
-static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
-    dem_quaternion q = r->turn;
-    double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
-}
-
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
-static inline void dem__note_strides(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
-    }
-}
-
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
-    p.momentum = dem__plus(r->momentum, tau, r->torque);
-    if (tau == 0.0) p.turn = r->turn;
-    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
-    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
-    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
-    return p;
-}
+/* Position and velocity of a particle of a rigid body at tau after its origin step. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__posture p = dem__posture_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
@@ -3222,176 +3234,16 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
-/* --------------------------------------------------------------------------------------------- >>rigid */
-/* Motion of rigid bodies: kick of momentum and angular momentum, free drift, kick. Reads the sums of forces on their particles; writes
-   bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one thread, so that bits do not depend on
-   threads.
-   May be changed here alone: how a body is integrated.
-
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
-   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
-   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
-   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
-static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
-    dem__bodies *bodies = &w->engine->bodies;
-    r->strides = 0.0;
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__to_lab(r->turn, bodies->offset[i]), round = dem__cross(spin, arm);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
-        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
-        w->spin_rate[i] = rate;
-    }
-}
-
-/* Makes the present step the origin of a body. */
-static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__posture_at(w, r, dem__now(w, r->first));
-    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
-    dem__place_pieces(w, r);
-}
-
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
-static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
-    const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
-    r->x = x;
-}
-
-/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
-   particles, which kernels read, are computed with the mean of the arms at both ends. */
-static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
-    const dem__posture end = dem__posture_at(w, r, tau);
-    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__posture_at(w, r, tau - h).turn;
-    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
-    dem_vec spin = dem__spin_of(end.turn, r->moments, momentum);
-    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
-    r->v = dem__plus(r->v, middle, r->a), r->x = end.x, r->momentum = momentum;
-    r->turn = dem__kept_unit(end.turn);
-    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = dem__to_lab(end.turn, bodies->offset[i]);
-        const dem_vec before = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
-        dem_particle *p = &w->particle[i];
-        bodies->arm[i] = arm;
-        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
-        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(before, arm))));
-    }
-}
-
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
-static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        for (int k = 0; k < 2; k++) {
-            if (!(k ? loads : contacts)) continue;
-            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
-            *force = dem__add(*force, dem__first(six));
-            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
-        }
-    }
-}
-
-/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
-   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
-static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const int loads = bodies->loads_on || w->engine->links.on;
-    dem_vec force;
-    r->strides = 0.0;
-    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
-    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
-    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
-    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
-        const dem_vec pull = dem__plus(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), 1.0 / r->mass, force);
-        dem__sum *sum = &bodies->sum[i];
-        dem_particle *p = &w->particle[i];
-        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
-        p->spin = dem__plus(spin, -half, rate);
-        for (int a = 0; a < 3; a++) {
-            sum->load[a] = dem_axis(pull, a) / sum->per_mass - (loads ? bodies->load[i][a] : 0.0);
-            sum->load[3 + a] = dem_axis(rate, a) / sum->per_inertia - (loads ? bodies->load[i][3 + a] : 0.0);
-        }
-    }
-}
-
-/* Computes the acceleration of a body that touches nothing. */
-static inline void dem__free_body(dem_world *w, dem__rigid *r) {
-    dem_vec force;
-    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
-    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
-    dem__place_pieces(w, r);
-}
-
-/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
-static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
-    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
-    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
-    if (shift == 0.0) return;
-    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
-    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
-    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
-    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
-        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
-}
-
-/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
-static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
-    const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
-                 least = i_min < r->moments.y ? i_min : r->moments.y;
-    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
-                                                                              inertia */
-}
-
-/* Moves the bodies whose first particles are among the active ones first .. end-1. */
-static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const double h = *(const double *)context;
-    const int64_t step = w->step + (h > 0.0);
-    (void)part;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
-    }
-}
-/* Moves their velocities to the end of the step. */
-static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const double half = 0.5 * *(const double *)context;
-    (void)part;
-    for (ptrdiff_t k = first; k < end; k++) {
-        const int32_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first == i) dem__kick_body(w, r, half);
-    }
-}
-
 /* ------------------------------------------------------------------------------------------------- >>scene */
 /* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h, rigid.h and the ledger.
+   Relies on flight.h and the ledger.
    May be changed here alone: what a function that changes a particle refuses. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        dem__set_body_origin(w, r);
+        w->engine->bodies.room->set_origin(w, r);
         return;
     }
     const double tau = dem__now(w, i);
@@ -3491,7 +3343,7 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        dem__free_body(w, r);
+        bodies->room->fall(w, r);
         return;
     }
     const dem__sum *sum = &bodies->sum[i];
@@ -3563,81 +3415,6 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
-}
-
-/* Definition of a rigid body: see rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
-   when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
-    if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger;
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
-}
-
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
-   frame accordingly; order: the old axis of each new one. */
-static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
-    const double m[3] = {moments->x, moments->y, moments->z};
-    int third = 2;
-    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
-        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
-    }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
-    const double turns = (double)((third + 1) % 3);
-    if (turns > 0.0) {
-        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
-        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
-    }
-    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
-    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
-    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
 }
 
 static inline void dem__set_stride(dem_world *w) {
@@ -3735,10 +3512,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) {
-        r->v = dem__flushed_vec(velocity), r->momentum = dem__momentum_of(r->turn, r->moments, dem__flushed_vec(spin));
-        dem__place_pieces(w, r);
-    }
+    if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -3766,327 +3540,10 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
-    if (r) dem__place_pieces(w, r);
+    if (r) w->engine->bodies.room->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
-    return DEM_OK;
-}
-
-/* --------------------------------------------------------------------------------------- >>clump-shape */
-/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
-   May be changed here alone: how volumes and moments are computed. */
-
-/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
-typedef struct dem__content {
-    double volume;
-    dem_vec first;
-    double second[6];
-} dem__content;
-
-static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
-    const double v = weight * volume;
-    c->volume += v;
-    c->first = dem__plus(c->first, v, at);
-    c->second[0] += v * (at.x * at.x + spread.x), c->second[1] += v * (at.y * at.y + spread.y),
-        c->second[2] += v * (at.z * at.z + spread.z);
-    c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
-}
-
-/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
-static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
-    const double spread = 0.2 * r * r;
-    dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
-}
-
-static inline void dem__sort_numbers(double *v, int n) {
-    for (int k = 1; k < n; k++) {
-        const double x = v[k];
-        int q = k;
-        for (; q > 0 && v[q - 1] > x; q--) v[q] = v[q - 1];
-        v[q] = x;
-    }
-}
-
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
-static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
-    double next = HUGE_VAL;
-    for (int i = 0; i < n; i++) {
-        const double begin = at[i] - radius[i], end = at[i] + radius[i];
-        next = begin > x && begin < next ? begin : next;
-        next = end > x && end < next ? end : next;
-        for (int j = 0; j < i; j++) {
-            const double meet = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
-            if (at[i] != at[j] && meet > x && meet < next) next = meet;
-        }
-    }
-    return next;
-}
-
-/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
-   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
-   points integrates exactly. */
-static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
-    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
-    static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
-                                     0.23692688505618909};
-    double begin = dem__next_end(n, at, radius, -HUGE_VAL);
-    for (double end; (end = dem__next_end(n, at, radius, begin)) < HUGE_VAL; begin = end) {
-        const double half = 0.5 * (end - begin), middle = 0.5 * (end + begin);
-        for (int g = 0; g < 5; g++) {
-            const double x = middle + half * node[g];
-            double square = 0.0;
-            for (int i = 0; i < n; i++) {
-                const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
-                square = s > square ? s : square;
-            }
-            const double q = 0.25 * square; /* mean square of a disc along its diameter */
-            dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
-                             dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
-            c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
-            c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
-            c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
-        }
-    }
-}
-
-/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
-static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
-    double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
-    int m = 0;
-    for (int k = 0; k < n; k++) {
-        const double dx = x - centre[k].x, dy = y - centre[k].y, square = radius[k] * radius[k] - dx * dx - dy * dy;
-        if (!(square > 0.0)) continue;
-        const double half = sqrt(square);
-        low[m] = centre[k].z - half, high[m] = centre[k].z + half;
-        bound[2 * m] = low[m], bound[2 * m + 1] = high[m];
-        m++;
-    }
-    if (m < 2) return;
-    dem__sort_numbers(bound, 2 * m);
-    for (int b = 1; b < 2 * m; b++) {
-        const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
-        int times = -1;
-        for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
-        if (times > 0) dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
-    }
-}
-
-/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
-enum { DEM__CLUMP_LINES = 400 };
-static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < n; k++) {
-        dem__add_ball(c, 1.0, centre[k], radius[k]);
-        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
-            const double sum = radius[k] + radius[other];
-            const dem_vec d = dem__sub(centre[k], centre[other]);
-            if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
-            for (int a = 0; a < 2; a++) {
-                const double at = dem_axis(centre[k], a);
-                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a], high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
-            }
-        }
-    }
-    const double wx = (high[0] - low[0]) / (double)DEM__CLUMP_LINES, wy = (high[1] - low[1]) / (double)DEM__CLUMP_LINES;
-    for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
-        for (int q = 0; q < DEM__CLUMP_LINES; q++)
-            dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
-    }
-}
-
-/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
-   diagonal tensor is left as it is. */
-static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
-    double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
-    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    for (int sweep = 0; sweep < 60; sweep++) {
-        const int p = sweep % 3, r = (p + 1) % 3, o = (p + 2) % 3;
-        const double least = 1e-15 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]));
-        if (!(fabs(a[p][r]) > least)) continue;
-        const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
-        const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
-        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r], apo = a[p][o], aro = a[r][o];
-        a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
-        a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
-        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
-        const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
-        q = dem__turns(q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
-    }
-    *axes = dem__kept_unit(q);
-    return dem_vec3(a[0][0], a[1][1], a[2][2]);
-}
-
-/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
-static inline void dem__merge_moments(dem_vec *moments, double known) {
-    double *m[3] = {&moments->x, &moments->y, &moments->z};
-    for (int k = 0; k < 3; k++) {
-        double *a = m[k], *b = m[(k + 1) % 3];
-        if (fabs(*a - *b) <= known * *a) *a = *b = 0.5 * (*a + *b);
-    }
-    if (fabs(moments->x - moments->y) <= known * moments->x && fabs(moments->y - moments->z) <= known * moments->x)
-        moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
-}
-
-/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
-static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
-    double most = 0.0;
-    *u = dem_vec3(1.0, 0.0, 0.0);
-    for (int k = 1; k < n; k++) {
-        const dem_vec d = dem__sub(centre[k], centre[0]);
-        const double length = dem__length(d);
-        if (length > most) most = length, *u = dem__scale(1.0 / length, d);
-    }
-    for (int k = 0; k < n; k++) {
-        const dem_vec d = dem__sub(centre[k], centre[0]);
-        at[k] = dem__dot(d, *u);
-        if (!(dem__length(dem__plus(d, -at[k], *u)) <= 1e-12 * size)) return 0;
-    }
-    return 1;
-}
-
-/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
-static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
-    int kept = 0;
-    for (int k = 0; k < n; k++) {
-        int inner = 0;
-        for (int o = 0; o < n && !inner; o++) {
-            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
-            inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
-        }
-        if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
-    }
-    return kept;
-}
-
-DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump) {
-    dem_clump c;
-    dem__content content;
-    double size = 0.0, at[DEM_CLUMP_MAX];
-    int order[3];
-    dem_vec u;
-    if (!centres || !diameters || !clump || n < 1) return DEM_BAD_ARGUMENT;
-    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
-    memset(&c, 0, sizeof c), memset(&content, 0, sizeof content);
-    for (int k = 0; k < n; k++) {
-        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!(diameters[k] >= 1e-30 && diameters[k] <= 1e30) || !(dem__length(x) <= 1e30)) return DEM_BAD_ARGUMENT;
-        c.radius[k] = 0.5 * diameters[k], c.centre[k] = x;
-        const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
-        size = extent > size ? extent : size;
-    }
-    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
-    for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
-    c.spheres = dem__drop_inner(n, c.centre, c.radius);
-    const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
-    if (c.spheres == 1) dem__add_ball(&content, 1.0, c.centre[0], c.radius[0]);
-    else if (line) dem__add_revolution(&content, c.spheres, at, c.radius, c.centre[0], u);
-    else dem__add_union(&content, c.spheres, c.centre, c.radius);
-    const double v = content.volume, *s = content.second;
-    const dem_vec m = dem__scale(1.0 / v, content.first);
-    const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
-    const double tensor[6] = {yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
-    c.moments = dem__clump_axes(tensor, &c.axes);
-    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
-    dem__order_moments(&c.moments, &c.axes, order);
-    for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
-    c.origin = dem__plus(from, size, m);
-    c.volume = v * size * size * size;
-    c.moments = dem__scale(size * size * size * size * size, c.moments);
-    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
-        return DEM_BAD_ARGUMENT;
-    *clump = c;
-    return DEM_OK;
-}
-
-/* -------------------------------------------------------------------------------------------- >>clumps */
-/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
-   May be changed here alone: what is refused and how bodies are made of shapes. */
-
-static inline int dem__is_clump(const dem_clump *c) {
-    dem_quaternion unit;
-    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
-    const dem_vec m = c->moments;
-    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
-    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
-    for (int k = 0; k < c->spheres; k++) {
-        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
-    }
-    return 1;
-}
-
-DEM_API double dem_clump_diameter(const dem_clump *clump) {
-    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
-}
-
-/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
-static inline double dem__clump_reach(const dem_clump *c) {
-    double reach = 0.0;
-    for (int k = 0; k < c->spheres; k++) {
-        const double r = dem__length(c->centre[k]) + c->radius[k];
-        reach = r > reach ? r : reach;
-    }
-    return reach;
-}
-
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
-   here. */
-static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
-                                            double *radius) {
-    const double density = w->def.material[material].density, cube = scale * scale * scale;
-    dem__body_def def;
-    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    memset(&def, 0, sizeof def);
-    dem__unit_turn(c->axes, &axes);
-    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
-    def.mass = density * cube * c->volume;
-    def.moments = dem__scale(density * cube * scale * scale, c->moments);
-    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
-    return def;
-}
-
-/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
-static inline int dem__is_body_def(const dem__body_def *def) {
-    const dem_vec m = def->moments;
-    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const double r = def->radius[k];
-        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
-                                  const double *orientations, int material, int group) {
-    if (dem__is_running(world)) return DEM_BUSY;
-    dem_world *w = world;
-    dem_vec offset[DEM_CLUMP_MAX];
-    double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
-        return DEM_BAD_ARGUMENT;
-    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
-    const double own = dem_clump_diameter(clump);
-    for (ptrdiff_t k = 0; k < n; k++) {
-        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
-        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
-            return DEM_BAD_ARGUMENT;
-        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
-    }
-    if (n == 0) return DEM_OK;
-    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations ? orientations + 4 * k : NULL;
-        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
-        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
-        dem__add_body(w, &def);
-    }
     return DEM_OK;
 }
 
@@ -4456,901 +3913,6 @@ typedef struct dem__slot {
     uint64_t key;
     int32_t value, forward, backward; /* edges: number of triangles that run along it each way */
 } dem__slot;
-
-/* ------------------------------------------------------------------------------------ >>convex_shape */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
-   and its tables agree with each other.
-   May be changed here alone: how faces are found; tables stay closed and convex. */
-
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
-#define DEM__FLAT 1e-6
-
-/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
-typedef struct dem__hull {
-    int faces;
-    uint32_t holds[DEM_FACES_MAX];
-    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
-} dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
-
-/* Returns half the size of a set of points: half of the longest side of the box around it. */
-static inline double dem__half_size(const double *x, int n) {
-    double size = 0.0;
-    for (int a = 0; a < 3; a++) {
-        double low = x[a], high = x[a];
-        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
-        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
-    }
-    return size;
-}
-
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
-   many. */
-static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
-    int f = 0;
-    while (f < hull->faces && hull->holds[f] != holds) f++;
-    if (f < hull->faces && hull->area[f] >= area) return 1;
-    if (f == DEM_FACES_MAX) return 0;
-    if (f == hull->faces) hull->faces++;
-    hull->holds[f] = holds, hull->area[f] = area;
-    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
-    return 1;
-}
-
-/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
-static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
-    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
-                  cross = dem__cross(u, v);
-    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
-    double lowest = 0.0, highest = 0.0;
-    uint32_t holds = 0;
-    if (!(area > 1e-5 * longest)) return 1;
-    const dem_vec normal = dem__scale(1.0 / area, cross);
-    for (int k = 0; k < n; k++) {
-        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
-        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
-        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
-    }
-    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
-    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
-    return 1;
-}
-
-/* Finds the faces of the hull of points. Returns 0 if there are too many. */
-static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
-    hull->faces = 0;
-    for (int a = 0; a < n; a++) {
-        for (int b = a + 1; b < n; b++) {
-            for (int c = b + 1; c < n; c++) {
-                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
-static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
-    const dem_vec normal = dem__point(hull->plane[f]);
-    const int begin = count;
-    int first = 0, at, total = 0;
-    while (!(hull->holds[f] >> first & 1)) first++;
-    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
-    at = first;
-    do {
-        int next = -1;
-        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
-        corner[count++] = (uint8_t)at;
-        for (int k = 0; k < n; k++) {
-            if (k == at || !(hull->holds[f] >> k & 1)) continue;
-            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
-            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
-        }
-        at = next;
-    } while (at != first);
-    return count - begin == total && total > 2 ? count : 0;
-}
-
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
-   ball. */
-static inline int dem__find_edges(dem_convex *s, double shortest) {
-    s->edges = 0;
-    for (int f = 0; f < s->faces; f++) {
-        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
-            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
-            int e = 0, backward = 0;
-            for (; e < s->edges; e++) {
-                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
-                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
-            }
-            backward = e < s->edges;
-            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
-            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
-            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
-            s->edge_face[e][backward] = (uint8_t)f;
-        }
-    }
-    int sides = 0;
-    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
-    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
-}
-
-/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
-static inline const char *dem__find_surface(dem_convex *s, double flat) {
-    dem__hull hull;
-    int count = 0, used[DEM_CORNERS_MAX] = {0};
-    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
-    if (hull.faces < 4) return "the corners lie in one plane";
-    s->faces = hull.faces;
-    for (int f = 0; f < hull.faces; f++) {
-        s->face_start[f] = (uint8_t)count;
-        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
-        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
-        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
-        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
-    }
-    s->face_start[hull.faces] = (uint8_t)count;
-    for (int k = 0; k < s->corners; k++) {
-        if (used[k] == 0) return "a point is no corner: it lies inside";
-        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
-    }
-    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
-}
-
-/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
-typedef struct dem__moments {
-    double volume;
-    dem_vec first;
-    double second[3][3];
-} dem__moments;
-static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
-    memset(bulk, 0, sizeof *bulk);
-    for (int f = 0; f < s->faces; f++) {
-        const double *a = s->corner[s->face_corner[s->face_start[f]]];
-        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
-            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
-            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
-            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-            bulk->volume += six / 6.0;
-            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
-            for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
-            }
-        }
-    }
-}
-
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
-static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
-    const double size = m[0][0] + m[1][1] + m[2][2];
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
-    }
-    for (int sweep = 0; sweep < 30; sweep++) {
-        for (int p = 0; p < 2; p++) {
-            for (int q = p + 1; q < 3; q++) {
-                if (fabs(m[p][q]) <= 1e-13 * size) continue;
-                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
-                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-                for (int a = 0; a < 3; a++) {
-                    const double old = m[a][p];
-                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
-                }
-                for (int a = 0; a < 3; a++) {
-                    double old = m[p][a];
-                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
-                    old = axis[p][a];
-                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
-                }
-            }
-        }
-    }
-}
-
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
-   wrong. */
-static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
-    dem__moments bulk;
-    double second[3][3], axis[3][3];
-    dem__integrate(s, &bulk);
-    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
-    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
-    }
-    dem__principal(second, axis);
-    s->volume = bulk.volume;
-    s->centroid = dem__add(middle, c);
-    for (int a = 0; a < 3; a++) {
-        s->axis[a] = dem__point(axis[a]);
-        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
-        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
-    }
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
-        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
-    }
-    return NULL;
-}
-
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
-static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
-    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
-    const double det = dem__dot(a, bc);
-    if (fabs(det) < 1e-6) return 0.0;
-    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
-                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
-    *at = dem__scale(1.0 / det, sum);
-    return fabs(det);
-}
-
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
-static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
-    int k = 0;
-    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
-    if (k == DEM_CORNERS_MAX) return 0;
-    if (k < core->corners && sure[k] >= det) return 1;
-    if (k == core->corners) core->corners++;
-    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
-    sure[k] = det;
-    return 1;
-}
-
-/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
-   there are too many. */
-static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
-    double sure[DEM_CORNERS_MAX];
-    core->corners = 0;
-    for (int a = 0; a < s->faces; a++) {
-        for (int b = a + 1; b < s->faces; b++) {
-            for (int c = b + 1; c < s->faces; c++) {
-                dem_vec x;
-                int f = 0;
-                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
-                if (det == 0.0) continue;
-                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
-                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Returns the smallest distance of a face from the corner opposite to it. */
-static inline double dem__least_width(const dem_convex *s) {
-    double least = HUGE_VAL;
-    for (int f = 0; f < s->faces; f++) {
-        double deepest = 0.0;
-        for (int k = 0; k < s->corners; k++) {
-            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
-            deepest = depth > deepest ? depth : deepest;
-        }
-        least = deepest < least ? deepest : least;
-    }
-    return least;
-}
-
-/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
-   because its distances are computed from these. */
-static inline void dem__find_box(dem_convex *s) {
-    const double *h = s->corner[0];
-    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
-    s->is_box = s->corners == 8 && s->faces == 6;
-    for (int k = 0; k < s->corners; k++) {
-        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-12 * s->reach;
-    }
-    for (int k = 0; k < s->corners && s->is_box; k++) {
-        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
-    }
-}
-
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
-   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
-   8 squares on each side of a cube. */
-static inline double dem__mean_share(const dem_convex *s) {
-    double sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
-        const int side = k / 128;
-        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
-        double farthest = -HUGE_VAL, turned = 0.0;
-        dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
-        for (int q = 0; q < s->corners; q++) {
-            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
-            if (dem__dot(r, n) <= farthest) continue;
-            farthest = dem__dot(r, n);
-            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
-        }
-        const double share = 1.0 / (1.0 + turned);
-        sum += weight * share * share, weights += weight * share;
-    }
-    return sum / weights;
-}
-
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
-static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
-    dem_convex core;
-    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
-    const char *reason;
-    if (!(flat > 0.0)) return "the corners lie in one point";
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
-    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
-    core = *s;
-    core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
-    core.reach = 0.0;
-    for (int k = 0; k < core.corners; k++) {
-        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
-        core.reach = far > core.reach ? far : core.reach;
-    }
-    dem__find_box(&core);
-    core.share = dem__mean_share(&core);
-    *s = core;
-    return NULL;
-}
-
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
-    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
-    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
-    for (int k = 0; k < 3 * n && !wrong; k++) {
-        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong) {
-        memset(shape, 0, sizeof *shape);
-        shape->corners = n;
-        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
-        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
-        wrong = dem__shape_from(shape, middle, rounding);
-    }
-    if (reason) *reason = wrong;
-    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
-}
-
-DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
-    double corner[8][3];
-    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
-        if (reason) *reason = "a length is not a number above 0";
-        return DEM_BAD_ARGUMENT;
-    }
-    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
-    return dem_make_convex(shape, 8, corner[0], rounding, reason);
-}
-
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
-static inline int dem__is_closed(const dem_mesh *mesh) {
-    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
-        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
-        int same = 0, opposite = 0;
-        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
-            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
-            same += a == from && b == to;
-            opposite += a == to && b == from;
-        }
-        if (same != 1 || opposite != 1) return 0;
-    }
-    return 1;
-}
-
-/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
-static inline int dem__is_convex(const dem_mesh *mesh) {
-    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
-    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
-        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
-                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
-                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
-        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
-        const double area = dem__length(n);
-        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
-            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
-        }
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
-    }
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
-        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
-    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
-    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
-    if (reason) *reason = wrong;
-    return DEM_BAD_ARGUMENT;
-}
-
-/* --------------------------------------------------------------------------------- >>convex_distance */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
-   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
-   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
-   May be changed here alone: iterations and their order; a separation is never too large. */
-
-DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
-    return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
-}
-DEM_INLINE dem_vec dem__into_core(const dem__placed *p, dem_vec v) {
-    return dem_vec3(dem__dot(v, p->axis[0]), dem__dot(v, p->axis[1]), dem__dot(v, p->axis[2]));
-}
-DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int k) {
-    return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
-}
-
-/* Returns the corner of a core that is farthest along u, in the core's own frame. */
-DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
-    int best = 0;
-    double most = dem__dot(u, dem__point(s->corner[0]));
-    for (int k = 1; k < s->corners; k++) {
-        const double along = dem__dot(u, dem__point(s->corner[k]));
-        best = along > most ? k : best, most = along > most ? along : most;
-    }
-    return best;
-}
-
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
-typedef struct dem__simplex {
-    int n;
-    uint8_t a[4], b[4];
-    dem_vec at[4];
-    double part[4];
-} dem__simplex;
-
-DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
-    for (int k = 0; k < n; k++) { /* `kept` ascends */
-        s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
-        s->part[k] = part[k];
-    }
-    s->n = n;
-}
-
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
-static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
-    const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
-    const double along = -dem__dot(p, u), length = dem__dot(u, u);
-    const int both[2] = {i < j ? i : j, i < j ? j : i};
-    if (!(along > 0.0) || !(along < length)) {
-        const int one = along > 0.0 ? j : i;
-        const double whole = 1.0;
-        dem__keep_corners(s, 1, &one, &whole);
-        return s->at[0];
-    }
-    const double t = along / length, part[2] = {i < j ? 1.0 - t : t, i < j ? t : 1.0 - t};
-    dem__keep_corners(s, 2, both, part);
-    return dem__plus(p, t, u);
-}
-
-/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
-static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
-    const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
-    const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
-    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
-    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
-    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
-        const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
-        dem__simplex best = *s;
-        dem_vec least = a;
-        double shortest = HUGE_VAL;
-        for (int q = 0; q < 3; q++) {
-            dem__simplex side = *s;
-            const dem_vec v = dem__near_segment(&side, pair[q][0], pair[q][1]);
-            if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
-        }
-        *s = best;
-        return least;
-    }
-    const int kept[3] = {i, j, k};
-    const double part[3] = {va / all, vb / all, vc / all};
-    dem__keep_corners(s, 3, kept, part);
-    return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
-}
-
-/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
-static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
-    const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
-    dem__simplex best = *s;
-    dem_vec least = dem_vec3(0.0, 0.0, 0.0);
-    double shortest = HUGE_VAL;
-    for (int f = 0; f < 4; f++) {
-        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
-        const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
-        if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
-        dem__simplex side = *s;
-        const dem_vec v = dem__near_triangle(&side, face[f][0], face[f][1], face[f][2]);
-        if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
-    }
-    *s = best;
-    return least;
-}
-
-static inline dem_vec dem__near_simplex(dem__simplex *s) {
-    s->part[0] = 1.0;
-    if (s->n == 1) return s->at[0];
-    if (s->n == 2) return dem__near_segment(s, 0, 1);
-    return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
-}
-
-/* Distance of two cores. */
-typedef struct dem__gap_of_cores {
-    dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
-    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
-    int overlap, rounds; /* whether they overlap; number of iterations */
-} dem__gap_of_cores;
-
-DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
-                                 const dem__placed *pb, int j) {
-    const int k = s->n++;
-    s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
-    s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
-}
-
-/* Begins with the corners of the last test, or with those that face each other. */
-static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                      const dem__placed *pb, const dem__nearest_cache *cache) {
-    s->n = 0;
-    for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
-    if (s->n > 0) return;
-    const dem_vec d = dem__sub(pa->x, pb->x);
-    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
-}
-
-/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
-   theorem). */
-static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
-                                      dem__gap_of_cores *gap) {
-    const int axes = a->faces + b->faces + a->edges * b->edges;
-    gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
-    for (int m = 0; m < axes; m++) {
-        dem_vec n;
-        if (m < a->faces) n = dem__scale(-1.0, dem__from_core_frame(pa, dem__point(a->plane[m])));
-        else if (m < a->faces + b->faces) n = dem__from_core_frame(pb, dem__point(b->plane[m - a->faces]));
-        else {
-            const int e = (m - a->faces - b->faces) / b->edges, f = (m - a->faces - b->faces) % b->edges;
-            const dem_vec u = dem__sub(dem__corner_at(a, pa, a->edge[e][1]), dem__corner_at(a, pa, a->edge[e][0]));
-            const dem_vec v = dem__sub(dem__corner_at(b, pb, b->edge[f][1]), dem__corner_at(b, pb, b->edge[f][0]));
-            n = dem__cross(u, v);
-            const double size = dem__length(n);
-            if (!(size > 1e-6 * dem__length(u) * dem__length(v))) continue;
-            n = dem__scale((dem__dot(n, dem__sub(pa->x, pb->x)) < 0.0 ? -1.0 : 1.0) / size, n);
-        }
-        const dem_vec in_a = dem__scale(-1.0, dem__into_core(pa, n)), in_b = dem__into_core(pb, n);
-        const double low = dem__dot(n, pa->x) - dem__dot(in_a, dem__point(a->corner[dem__farthest(a, in_a)])),
-                     high = dem__dot(n, pb->x) + dem__dot(in_b, dem__point(b->corner[dem__farthest(b, in_b)]));
-        if (low - high > gap->separation) gap->separation = low - high, gap->normal = n;
-    }
-}
-
-/* Computes the points of the two cores that are nearest to each other, from a simplex. */
-static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                       const dem__placed *pb, dem__gap_of_cores *gap) {
-    gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < s->n; k++) {
-        gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
-        gap->at_b = dem__plus(gap->at_b, s->part[k], dem__corner_at(b, pb, s->b[k]));
-    }
-}
-
-/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
-   of this pair, read and written, or NULL. */
-static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
-                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
-    dem__simplex s;
-    const double tiny = 1e-12 * (a->reach + b->reach);
-    gap->separation = -HUGE_VAL, gap->overlap = 0;
-    dem__begin_simplex(&s, a, pa, b, pb, cache);
-    for (gap->rounds = 0; gap->rounds < 32; gap->rounds++) {
-        const dem_vec v = dem__near_simplex(&s);
-        const double distance = dem__length(v);
-        if (!(distance > tiny)) {
-            gap->overlap = 1;
-            break;
-        }
-        const dem_vec n = dem__scale(1.0 / distance, v);
-        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
-        const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
-        int known = s.n == 4;
-        if (along > gap->separation) gap->separation = along, gap->normal = n;
-        for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
-        if (known || along > enough || distance - along <= 1e-7 * distance) break;
-        dem__add_corners(&s, a, pa, i, b, pb, j);
-    }
-    if (cache) {
-        cache->n = (uint8_t)(s.n < 4 ? s.n : 0);
-        for (int k = 0; k < cache->n; k++) cache->a[k] = s.a[k], cache->b[k] = s.b[k];
-    }
-    if (gap->overlap) dem__least_overlap(a, pa, b, pb, gap);
-    else dem__nearest_points(&s, a, pa, b, pb, gap);
-}
-
-/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
-static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
-    const dem_vec u = dem__sub(to, from);
-    memset(s, 0, sizeof *s);
-    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
-    s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
-    s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
-    s->edge[0][1] = 1;
-}
-static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, dem_vec b, dem_vec c) {
-    const dem_vec u = dem__sub(b, a), v = dem__sub(c, a), n = dem__cross(u, v);
-    dem__segment_core(s, p, a, b, 0.0);
-    const double area = dem__length(n), along = dem__length(v);
-    s->corners = s->edges = 3, s->faces = 2, s->reach = s->reach > along ? s->reach : along;
-    s->corner[2][0] = v.x, s->corner[2][1] = v.y, s->corner[2][2] = v.z;
-    for (int k = 0; k < 3; k++) {
-        s->edge[k][0] = (uint8_t)k, s->edge[k][1] = (uint8_t)((k + 1) % 3), s->edge_face[k][1] = 1;
-        s->face_corner[k] = (uint8_t)k, s->face_corner[3 + k] = (uint8_t)(2 - k);
-        s->plane[0][k] = dem_axis(n, k) / area, s->plane[1][k] = -s->plane[0][k];
-    }
-    s->face_start[1] = 3, s->face_start[2] = 6;
-}
-/* Makes a core of a point: the centre of a sphere. */
-static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
-    dem__segment_core(s, p, x, x, radius);
-    s->corners = 1, s->edges = 0;
-}
-
-/* ----------------------------------------------------------------------------------- >>convex_points */
-/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
-   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
-   is the gradient of a potential (of a linear law), and continuous in the motion.
-   May be changed here alone: which features are tested; every point that touches is found. */
-
-enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
-
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
-DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
-    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
-    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
-    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
-    const double distance = dem__length(d);
-    if (distance > 0.0) {
-        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
-        return distance;
-    }
-    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
-    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
-    return dem_axis(out, k);
-}
-
-/* Returns whether the foot of a point p lies within face f. */
-DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
-    const dem_vec n = dem__point(s->plane[f]);
-    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
-        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
-                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
-        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
-    }
-    return 1;
-}
-
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
-    int top = -1;
-    double highest = -HUGE_VAL, least = HUGE_VAL;
-    for (int f = 0; f < s->faces; f++) {
-        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
-        if (height > highest) highest = height, top = f;
-    }
-    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
-    for (int f = 0; f < s->faces; f++) {
-        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
-        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
-        *n = dem__point(s->plane[f]);
-        return height;
-    }
-    const dem_vec outward = *n;
-    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
-        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
-        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
-        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
-    }
-    return least;
-}
-
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
-    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
-    dem_vec m;
-    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
-    *n = dem__from_core_frame(place, m);
-    return distance;
-}
-
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
-   normals. */
-typedef struct dem__placed_edge {
-    dem_vec from, along, in[2], outward;
-    double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number;
-} dem__placed_edge;
-
-/* Heights of corners along a direction, and which corners are near the other core. */
-typedef struct dem__side {
-    const dem_convex *shape;
-    const dem__placed *place;
-    double height[DEM_CORNERS_MAX];
-    uint32_t near;
-} dem__side;
-
-DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
-    const double centre = dem__dot(n, side->place->x);
-    const dem_vec in_body = dem__into_core(side->place, n);
-    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
-    for (int k = 0; k < side->shape->corners; k++) {
-        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
-        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
-    }
-}
-
-/* Chooses the corners whose height times sign is below `low`. */
-DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
-    side->near = 0;
-    for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
-}
-
-/* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
-   not needed. */
-static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
-    const dem_convex *s = side->shape;
-    const int from = s->edge[e][0], to = s->edge[e][1];
-    if (!((side->near >> from | side->near >> to) & 1)) return 0;
-    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e;
-    p->length = dem__length(u);
-    p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
-    const double a = side->height[from], b = side->height[to];
-    p->low = a < b ? a : b, p->high = a < b ? b : a;
-    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
-    if (apart) return 1;
-    for (int f = 0; f < 2 && s->faces > 0; f++) {
-        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
-        p->outward = dem__add(p->outward, n);
-        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
-    }
-    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
-    return 1;
-}
-
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
-DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
-    double lean = 0.0;
-    for (int f = 0; f < 2; f++) {
-        const double over = dem__dot(n, e->in[f]);
-        lean = over > lean ? over : lean;
-    }
-    return lean;
-}
-
-/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
-DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
-    const dem_vec d = dem__sub(x, e->from);
-    const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
-    const double distance = dem__length(off);
-    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
-    return distance;
-}
-
-/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
-   cores do not overlap, so that nearest points tell the direction. */
-static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
-                                     double *distance) {
-    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
-    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
-    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
-    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
-    *s = (c * on_q - on_p) / square;
-    if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
-    const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
-    const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
-    *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
-    *distance = dem__dot(*normal, from_q);
-    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
-}
-
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
-   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
-    double s, distance, rest[4], left = 1.0, share[4];
-    if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
-    const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
-    int n = 1;
-    out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
-    out->gap = -overlap;
-    out->at = dem__plus(p->from, s, p->along);
-    for (int k = 0; k < 4; k++) {
-        const dem__placed_edge *own = k < 2 ? p : q, *other = k < 2 ? q : p;
-        const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
-        dem__convex_point *end = &out[n];
-        dem_vec off;
-        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        share[k] = at_end > 0.0 ? at_end * at_end / (overlap * overlap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
-        end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
-        end->at = k < 2 ? x : dem__plus(x, -from, off);
-        n++;
-    }
-    if (!(left > 1e-10)) return 0;
-    out->weight = left;
-    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
-    return n;
-}
-
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
-   changed places. */
-static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius;
-    for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
-        if (!(a->near >> k & 1)) continue;
-        dem__convex_point *p = &out[n];
-        const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
-        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
-        p->gap = distance - radii;
-        if (key > 0) { /* a and b have changed places */
-            p->at = dem__plus(x, -distance, p->normal);
-            p->normal = dem__scale(-1.0, p->normal);
-        }
-        n += p->gap < 0.0;
-    }
-    return n;
-}
-
-/* Appends the points where edges cross to a list of n. Returns the new number. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
-    const double radii = a->shape->radius + b->shape->radius;
-    dem__placed_edge p, other[DEM_EDGES_MAX];
-    int others = 0;
-    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
-    for (int e = 0; e < a->shape->edges && others > 0; e++) {
-        if (!dem__place_edge(a, e, apart, &p)) continue;
-        for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
-            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
-        }
-    }
-    return n;
-}
-
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
-   core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
-                                   dem__convex_point *out) {
-    dem__side sa, sb;
-    const double radii = a->radius + b->radius;
-    double low_a, high_a, low_b, high_b;
-    int n = 0;
-    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
-    dem__find_heights(&sa, normal, &low_a, &high_a);
-    dem__find_heights(&sb, normal, &low_b, &high_b);
-    if (!(low_a - high_b < radii)) return 0;
-    dem__choose_corners(&sa, high_b + radii, 1.0);
-    dem__choose_corners(&sb, radii - low_a, -1.0);
-    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
-    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
-    return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
-}
 
 /* Reading STL files: facets from bytes, corners welded.
    Relies on the allocator alone.
@@ -6667,6 +5229,18 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron; its normal, and the way from the centre of i to the sphere that touches
+   for it. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    return dem_vec3(place[4][c], place[5][c], place[6][c]);
+}
+
 DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     dem__footing f;
@@ -6896,20 +5470,11 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 /* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
    May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
-   forces. */
-static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec m = r->moments;
-    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
-    dem_vec force, torque;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.stride * w->engine->run.dt *
-           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
-}
 /* Estimates the same for any particle. */
+/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return dem__body_link_drift(w, r, i);
+    if (r) return w->engine->bodies.room->link_drift(w, r, i);
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
@@ -6933,7 +5498,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? dem__swing(w, body, i) : 0.0;
+    const double swing = body ? bodies->room->swing(w, body, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
@@ -7110,6 +5675,16 @@ DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
         DEM__PREFETCH(&pairs->timers.due[pairs->adjacent[2 * k]]);
         DEM__PREFETCH(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]]);
     }
+}
+
+/* Returns the near pair of two particles, or -1. */
+static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
+    }
+    return -1;
 }
 
 /* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
@@ -7349,364 +5924,6 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     dem__cells(g, 0, at.x, 0.0, &cx), dem__cells(g, 1, at.y, 0.0, &cy), dem__cells(g, 2, at.z, 0.0, &cz);
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
-
-/* ----------------------------------------------------------------------------------- >>convex_pairs */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
-
-/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
-   direction of its normal in the wall's frame, in 54 parts. */
-static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
-    if (wall->kind != DEM_MESH) return corner;
-    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
-                         dem__dot(touch->normal, wall->axis[2])};
-    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
-    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
-    int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) {
-        const double over = n[(most + a) % 3] / fabs(n[most]);
-        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
-    }
-    return corner + DEM_CORNERS_MAX * place;
-}
-
-/* Places polyhedra first .. end-1 at a step. */
-static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const int64_t step = *(const int64_t *)context;
-    (void)part;
-    for (ptrdiff_t i = first; i < end; i++) {
-        if (!w->alive[i] || !dem__shape_of(w, i)) continue;
-        const dem__rigid *r = dem__rigid_of(w, i);
-        const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-        const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
-        dem__placed *place = &w->engine->convex.place[i];
-        place->x = dem__in_box(w, p.x);
-        for (int a = 0; a < 3; a++) place->axis[a] = dem__to_lab(turn, dem_vec3(a == 0, a == 1, a == 2));
-    }
-}
-
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
-   a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
-                                        dem__convex_point *out) {
-    dem_vec n;
-    const double distance = dem__from_core(s, place, x, &n);
-    out->gap = distance - radius - s->radius;
-    if (!(out->gap < 0.0)) return 0;
-    out->key = out->taken = 0, out->weight = 1.0;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
-    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
-    return 1;
-}
-
-/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
-    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
-    const dem__convex_state *convex = &w->engine->convex;
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
-    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
-    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
-    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
-    if (!(dem__dot(d, d) < reach * reach)) return 0;
-    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
-    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a) return dem__points_of_sphere(b, &pb, d, particle[p->i].radius, 1, out);
-    if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
-    dem__gap_of_cores gap;
-    pb.x = dem__scale(-1.0, d);
-    dem__find_gap(a, &pa, b, &pb, a->radius + b->radius, &p->cache, &gap);
-    *overlaps += gap.overlap;
-    return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
-}
-
-/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const dem_convex *s = dem__shape_of(w, p->i);
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    int n = 0;
-    if (!wall->enabled) return 0;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(place, dem__point(s->corner[k]));
-        const int found = dem__touch_wall(wall, dem__add(place->x, arm), s->radius, 0.0, touch, &least);
-        for (int q = 0; q < found && n < DEM__POINTS_MAX; q++) {
-            dem__convex_point *point = &out[n];
-            if (!(touch[q].gap < 0.0)) continue;
-            point->key = dem__wall_key(wall, &touch[q], k), point->taken = 0;
-            point->normal = touch[q].normal, point->at = arm, point->gap = touch[q].gap, point->weight = 1.0;
-            int is_new = 1;
-            for (int m = n - 1; m >= 0 && is_new && out[m].key % DEM_CORNERS_MAX == k; m--) is_new = out[m].key != point->key;
-            n += is_new;
-        }
-    }
-    return n;
-}
-
-/* A test of all pairs by several threads, each of which has a share of the points. */
-typedef struct dem__convex_look {
-    int64_t step, overlaps[DEM__PARTS_MAX];
-    ptrdiff_t share;
-    int full[DEM__PARTS_MAX];
-} dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
-static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__convex_look *look = (dem__convex_look *)context;
-    dem__convex_state *convex = &w->engine->convex;
-    ptrdiff_t at = look->share * part;
-    const ptrdiff_t limit = at + look->share;
-    look->overlaps[part] = look->full[part] = 0;
-    for (ptrdiff_t q = first; q < end; q++) {
-        dem__convex_pair *p = &convex->pair[q];
-        p->first = (int32_t)at, p->count = 0;
-        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
-        if (limit - at < DEM__POINTS_MAX) {
-            look->full[part] = 1;
-            return;
-        }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, convex->point + at);
-        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
-        at += p->count;
-    }
-}
-
-/* Makes room for so many points, whose contents are lost. Returns 0 when out of memory. */
-static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
-    dem__convex_state *convex = &w->engine->convex;
-    const dem_allocator *a = &w->def.allocator;
-    if (wanted <= convex->point_capacity) return 1;
-    if (wanted > INT32_MAX / 2) return 0;
-    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
-    if (!fresh) return 0;
-    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
-    convex->point = fresh, convex->point_capacity = wanted;
-    return 1;
-}
-
-/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
-static inline int dem__find_convex_points(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    const int parts = dem__parts(w, convex->pairs);
-    dem__convex_look look;
-    int full = 1;
-    look.step = step;
-    dem__in_parts(w, dem__parts(w, w->count), w->count, dem__place_polyhedra, &step);
-    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
-    while (full) {
-        full = 0;
-        look.share = convex->point_capacity / parts;
-        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
-        for (int q = 0; q < parts; q++) full |= look.full[q];
-        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
-    }
-    convex->overlaps = 0;
-    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
-    return 1;
-}
-
-DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
-    double *const *place = w->engine->contacts.touch;
-    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
-    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
-}
-
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
-   ends. */
-static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__contacts *contacts = &w->engine->contacts;
-    (void)part, (void)context;
-    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
-        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
-            if (contacts->near[c] > -2) continue;
-            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
-            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
-            while (point < stop && point->key != contacts->element[c]) point++;
-            if (point < stop) {
-                dem__set_place(w, c, point);
-                point->taken = 1;
-            } else contacts->touch[3][c] = w->particle[p->i].radius;
-        }
-    }
-}
-
-/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
-static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    dem__contacts *contacts = &w->engine->contacts;
-    if (!dem__find_convex_points(w, step)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return;
-    }
-    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
-    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
-        const dem__convex_pair *p = &convex->pair[q];
-        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
-            if (point->taken) continue;
-            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
-            const ptrdiff_t c = dem__next_slot(w) - 1;
-            dem__set_place(w, c, point);
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
-        }
-    }
-}
-
-/* Returns the near pair of two particles, or -1. */
-static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    if (w->engine->run.needs_lists) return -1;
-    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
-        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
-    }
-    return -1;
-}
-
-/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
-static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
-    const dem__convex_state *convex = &w->engine->convex;
-    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
-    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
-    if (j >= 0 && near_pair < 0) return -1;
-    while (low < high) {
-        const ptrdiff_t middle = (low + high) / 2;
-        const dem__convex_pair *p = &convex->pair[middle];
-        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
-        if (before) low = middle + 1;
-        else high = middle;
-    }
-    const dem__convex_pair *p = &convex->pair[low];
-    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
-}
-
-/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
-static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
-    ptrdiff_t n = 0;
-    dem__convex_pair p;
-    memset(&p, 0, sizeof p);
-    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
-        const dem__near *q = &w->engine->pairs.near[k];
-        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
-        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
-        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
-        n++;
-    }
-    *of_particles = n;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i); k++) {
-            if (w->wall[k].kind == DEM_EXIT) continue;
-            p.i = i, p.j = -1 - k, p.near = -1;
-            if (pair) pair[n] = p;
-            n++;
-        }
-    }
-    return n;
-}
-
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
-static inline int dem__list_convex_pairs(dem_world *w) {
-    dem__convex_state *convex = &w->engine->convex;
-    dem__contacts *contacts = &w->engine->contacts;
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
-    if (n > INT32_MAX / 2) return 0;
-    if (n > convex->pair_capacity) {
-        const ptrdiff_t larger = n + n / 4 + 64;
-        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
-        if (!fresh) return 0;
-        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
-        convex->pair = fresh, convex->pair_capacity = larger;
-    }
-    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t i = contacts->i[c], j = contacts->j[c];
-        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
-        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
-        contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
-    }
-    return 1;
-}
-
-/* ---- public ---- */
-
-DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || shape->corners < 4 || shape->corners > DEM_CORNERS_MAX || !dem__positive(shape->reach) ||
-        !dem__positive(shape->radius) || !dem__positive(shape->volume))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem__convex_state *convex = &w->engine->convex;
-    const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
-    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
-    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
-    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
-    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh;
-    convex->shape[convex->shapes++] = *shape;
-    if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
-    dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0;
-    return -(int)DEM_OUT_OF_MEMORY;
-}
-
-/* Returns whether n orientations are quaternions with a direction. */
-static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
-    dem_quaternion q;
-    for (ptrdiff_t k = 0; k < n && orientations; k++) {
-        const double *o = orientations + 4 * k;
-        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                                  int group) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
-        shape >= w->engine->convex.shapes)
-        return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
-    const dem_convex *s = &w->engine->convex.shape[shape];
-    const double density = w->def.material[material].density;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
-    }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
-    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
-    dem__body_def body;
-    memset(&body, 0, sizeof body);
-    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
-    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations + 4 * k;
-        body.x = dem__point(centres + 3 * k);
-        if (orientations) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
-        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
-    }
-    return DEM_OK;
-}
-
-DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
-    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
-    return world->engine->convex.shape_of[i] - 1;
-}
-DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
-    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
-}
-DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }
 
 /* ------------------------------------------------------------------------------------------- >>pairs */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
@@ -8140,7 +6357,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    dem__note_strides(w);
+    if (bodies->rigid) bodies->room->note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest, largest;
@@ -8166,7 +6383,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.shapes > 0 && !dem__list_convex_pairs(w)) {
+    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -8188,7 +6405,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
    next check. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__note_strides(w);
+    if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -8758,131 +6975,6 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     at.power[2][0] = m.start != 0.0 ? dem__dot(dem_vec3(was->out[0][0], was->out[1][0], was->out[2][0]), was->wall_speed) : 0.0;
 }
 
-/* ------------------------------------------------------------------------------------ >>convex_rows */
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
-   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
-   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
-
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-/* Returns the vector from the centre of i to that of the sphere that touches for it. */
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
-/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
-   mean. */
-DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? 1.0 / s->share : 1.0;
-}
-
-/* Returns the radius with which particle i touches: its own, or that of its rounding. */
-DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? s->radius : w->particle[i].radius;
-}
-
-/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
-static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
-    const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
-    const ptrdiff_t i = w->engine->contacts.i[c];
-    const int32_t place = w->engine->contacts.element[c] / DEM_CORNERS_MAX;
-    touch->curvature = 0.0;
-    if (wall->kind == DEM_MESH) return;
-    dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
-                       wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
-}
-
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
-DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
-    const dem_particle *p = &w->particle[i];
-    const dem_vec round = dem__cross(p->spin, arm);
-    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
-    *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
-}
-
-/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
-DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
-    const double reach = t->sum[k] + b->gap[k];
-    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
-}
-
-/* Fills row k of a polyhedron's contact with another body or a wall. */
-static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
-                                        dem__wall_row *at) {
-    double *const *place = w->engine->contacts.touch;
-    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c);
-    const dem_vec before = dem_vec3(place[9][c], place[10][c], place[11][c]);
-    dem_vec v, a, other_v, other_a, spin;
-    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = place[3][c];
-    b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
-    dem__point_motion(w, i, arm, half, &v, &a);
-    if (j >= 0) {
-        dem__point_motion(w, j, dem__other_arm(b, t, k, arm), half, &other_v, &other_a);
-        spin = w->particle[j].spin;
-    } else {
-        const dem_wall *wall = at->wall;
-        const dem_vec point = dem__add(w->particle[i].x, dem__plus(arm, -(t->sum[k] + b->gap[k]), n));
-        other_v = wall->slides ? dem__surface_velocity(wall, point, n) : wall->velocity;
-        other_a = wall->slides ? dem__surface_acceleration(wall, point) : wall->acceleration;
-        spin = dem__scale(wall->spin, wall->spin_axis);
-        at->velocity = other_v;
-        other_v = dem__plus(other_v, -half, other_a);
-    }
-    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a), turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
-    b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
-    b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
-    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
-    b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
-}
-static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                double half, dem__wall_row *wall) {
-    for (int k = 0, q = 0; k < n; k++) {
-        const int at_wall = w->engine->contacts.j[base + k] < 0;
-        if (dem__is_convex_contact(w, base + k)) dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
-        q += at_wall;
-    }
-}
-
-/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
-static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
-                                                  const dem__columns *at, double half, int features) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    double *const *out = at->out;
-    for (int k = 0; k < n; k++) {
-        const ptrdiff_t c = base + k;
-        if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[7][c];
-        const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
-        for (int a = 0; a < 9; a++) out[a][k] *= weight;
-        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
-        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
-        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
-        at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
-            at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
-            at->power[a][k] *= weight;
-        }
-    }
-}
-
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
-   not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    dem__contacts *contacts = &w->engine->contacts;
-    for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
-        const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
-    }
-}
-
 /* ------------------------------------------------------------------------------------------- >>kernel */
 /* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes contacts, the sums of
    bodies and the forces on walls. Promises: the same bits for any division among threads.
@@ -8999,6 +7091,18 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH(&sum[i]);
 }
 
+/* Ask the room of polyhedra about a block: functions of their own, as nothing in a kernel is called through a pointer. */
+static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
+    w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+}
+static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, const dem__columns *at,
+                                                 double half, int features) {
+    w->engine->convex.room->finish_rows(w, &x->rows, &x->types, base, n, at, half, features);
+}
+static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+    w->engine->convex.room->leave_edges(w, in, marked);
+}
+
 /* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n, const dem_law *law, double half,
                                   int has_friction) {
@@ -9023,7 +7127,7 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, x->wall, walls);
     if (has_friction) dem__find_turns(w, &x->rows, n, half, half, x->wall, walls);
-    if (w->engine->convex.shapes > 0) dem__fill_convex_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+    if (w->engine->convex.room) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the sizes only. Conditions
@@ -9129,9 +7233,9 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate, features);
-        if (w->engine->convex.shapes > 0) {
+        if (w->engine->convex.room) {
             const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
-            dem__finish_convex_rows(w, &x->rows, &x->types, base, n, &same, 0.5 * h, features);
+            dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
         if (only_ledger) {
@@ -9139,7 +7243,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.shapes > 0) dem__leave_convex_edges(w, in, marked);
+        if (w->engine->convex.room) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, chunk, base, n, at.out, has_friction);
@@ -9483,6 +7587,17 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
+/* Returns the curvature of a wall where a sphere touches it, in slot c: that of a cone as the contact began. */
+static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
+    const dem_particle *p = &w->particle[contacts->i[c]];
+    dem__touch touch;
+    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
+    return touch.curvature;
+}
+
 /* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
@@ -9497,26 +7612,20 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     b.def = &w->def;
     b.features = features;
     b.material_i = w->material[i];
-    b.radius_i = dem__touching_radius(w, i);
+    b.radius_i = w->particle[i].radius;
     if (j >= 0) {
         double other = dem__inertia(w, j);
         b.material_j = w->material[j];
-        b.radius_j = dem__touching_radius(w, j);
+        b.radius_j = w->particle[j].radius;
         b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
     } else {
-        dem__touch touch;
-        if (dem__is_convex_contact(w, c)) dem__touch_at_place(w, c, &touch);
-        else dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, contacts->element[c], &touch);
         b.material_j = w->wall[-1 - j].material;
-        b.curvature = w->wall[-1 - j].kind == DEM_CONE && !dem__is_convex_contact(w, c) ? contacts->touch[0][c] : touch.curvature;
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) {
-        const double per_i = dem__per_share(w, i) / w->particle[i].mass;
-        b.mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
-    }
+    if (dem__is_convex_contact(w, c)) w->engine->convex.room->prepare(w, c, &b);
+    else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
     b.damping_ratio = run->damping_ratio[b.material_i][b.material_j];
@@ -9931,14 +8040,10 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
 }
-static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    dem__advance_all(w, *(const double *)h, first, end, 1);
-    dem__advance_bodies_range(w, first, end, part, h);
-}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.room->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -10044,7 +8149,7 @@ static inline int dem__kick(dem_world *w, double h) {
     double all = 0.0;
     if (n == 0) return 1;
     kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.room->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -10063,64 +8168,10 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
-/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
-static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    dem__mark_to_check(w, i);
-    if (r) {
-        dem__push_body(w, r, i, impulse, turn, shift, n);
-        dem__place_pieces(w, r);
-        return;
-    }
-    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
-    p->x = dem__plus(p->x, shift / p->mass, n);
-    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
-    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
-}
-
 /* Returns whether a rigid body takes part in the contact in slot c. */
 DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
-}
-
-/* Applies the impulses of a correction where a rigid body takes part. */
-static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
-    dem__push_any(w, i, impulse, on_i, 0.0, n);
-    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
-}
-
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
-   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
-static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
-    if (j < 0) {
-        dem__push_any(w, i, none, none, h->shift, n);
-        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
-        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
-    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
-    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
-    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
-    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
 /* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
@@ -10129,7 +8180,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     if (dem__has_body(w, c)) {
-        dem__push_bodies(w, c, has_friction);
+        w->engine->bodies.room->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -10173,7 +8224,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) dem__shift_bodies(w, c);
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.room->shift(w, c);
         }
     }
 }
@@ -10303,16 +8354,13 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
 static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 0);
 }
-static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
-}
 
 /* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
     dem__work *work = w->engine->scratch.work;
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? dem__test_due_with_bodies : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.room->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)work[q].batch.looks;
@@ -10336,7 +8384,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) dem__follow_meshes(w, step);
-    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, step);
+    if (w->engine->convex.room) w->engine->convex.room->follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {
@@ -10876,7 +8924,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, w->step);
+    if (w->engine->convex.room) w->engine->convex.room->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -10995,29 +9043,8 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
-   where it was computed; a body that takes steps uses the present place for both. */
-static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
-    } else {
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (!dem__is_linked(w, i)) continue;
-            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
-            more = dem__plus(more, 1.0 / r->mass, change);
-            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                                 dem__cross(bodies->arm[i], change)));
-        }
-    }
-    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
-    dem__place_pieces(w, r);
-}
-
-/* Does the same for a particle. A body is kicked at its first linked particle. */
+/* Gives a particle half a kick by the change of its links' forces; the sums hold the old ones. A body is kicked when its first linked
+   particle is met. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -11028,7 +9055,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        dem__kick_linked_body(w, r, half);
+        w->engine->bodies.room->kick_links(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -11062,7 +9089,7 @@ static inline void dem__step_links(dem_world *w) {
         dem__rigid *r = dem__rigid_of(w, i);
         if (!dem__is_linked(w, i)) continue;
         dem__set_origin(w, i);
-        if (r) dem__wrap_body(w, r), dem__place_pieces(w, r);
+        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
         else dem__wrap(w, i);
         if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
@@ -11389,8 +9416,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__set_origin(w, i);
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
-    r->momentum = dem__momentum_of(r->turn, r->moments, spin);
-    dem__place_pieces(w, r);
+    w->engine->bodies.room->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -11536,6 +9562,2090 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
     }
     return count;
 }
+
+/* --------------------------------------------------------------------------------------------- >>rigid */
+/* Rigid bodies with an orientation: their rotation, what the engine asks of them (dem__body_room in engine.h), adding them. Reads the sums
+   of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
+   thread, so that bits do not depend on threads.
+   May be changed here alone: how a body is integrated.
+
+   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
+   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
+   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
+   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
+/* Returns the state of a rigid body at tau after its origin step [s]. */
+static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    if (tau == 0.0) p.turn = r->turn;
+    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
+    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+
+/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
+static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
+    dem__bodies *bodies = &w->engine->bodies;
+    r->strides = 0.0;
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__to_lab(r->turn, bodies->offset[i]), round = dem__cross(spin, arm);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->v = dem__add(r->v, round), p->spin = spin;
+        p->a = dem__add(r->a, dem__add(dem__cross(rate, arm), dem__cross(spin, round)));
+        w->spin_rate[i] = rate;
+    }
+}
+
+/* Makes the present step the origin of a body. */
+static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
+    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
+    dem__place_pieces(w, r);
+}
+
+/* Gives a body a velocity and a spin at its origin. */
+static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
+    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
+    dem__place_pieces(w, r);
+}
+
+/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
+static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
+    const dem_vec x = dem__in_box(w, r->x);
+    if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    r->x = x;
+}
+
+/* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle. Those of its
+   particles, which kernels read, are computed with the mean of the arms at both ends. */
+static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const double middle = tau - 0.5 * h;
+    const int steps = tau <= h; /* else its flight ends in this step */
+    const dem__posture end = dem__find_posture(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__find_posture(w, r, tau - h).turn;
+    const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
+    dem_vec spin = dem__spin_of(end.turn, r->moments, momentum);
+    if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
+    r->v = dem__plus(r->v, middle, r->a), r->x = end.x, r->momentum = momentum;
+    r->turn = dem__kept_unit(end.turn);
+    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = dem__to_lab(end.turn, bodies->offset[i]);
+        const dem_vec before = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
+        dem_particle *p = &w->particle[i];
+        bodies->arm[i] = arm;
+        p->x = dem__in_box(w, dem__add(r->x, arm)), p->spin = spin;
+        p->v = dem__add(r->v, dem__cross(spin, dem__scale(0.5, dem__add(before, arm))));
+    }
+}
+
+/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+static inline void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force, dem_vec *torque) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    *force = *torque = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        for (int k = 0; k < 2; k++) {
+            if (!(k ? loads : contacts)) continue;
+            const double *six = k ? bodies->load[i] : bodies->sum[i].load;
+            *force = dem__add(*force, dem__first(six));
+            *torque = dem__add(*torque, dem__add(dem__second(six), dem__cross(bodies->arm[i], dem__first(six))));
+        }
+    }
+}
+
+/* Computes the acceleration of a body, and moves its velocities from the middle of a step to its end. Prepares its particles for
+   dem__kick_all: sums that give them their accelerations as parts of the body, and velocities that it moves to those at the end. */
+static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int loads = bodies->loads_on || w->engine->links.on;
+    dem_vec force;
+    r->strides = 0.0;
+    dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    r->v = dem__flushed_vec(dem__plus(r->v, half, r->a));
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, r->torque));
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
+    for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+        const dem_vec arm = bodies->arm[i], round = dem__cross(spin, arm);
+        const dem_vec pull = dem__plus(dem__add(dem__cross(rate, arm), dem__cross(spin, round)), 1.0 / r->mass, force);
+        dem__sum *sum = &bodies->sum[i];
+        dem_particle *p = &w->particle[i];
+        p->v = dem__plus(dem__add(r->v, round), -half, dem__add(dem__free_fall(w), pull));
+        p->spin = dem__plus(spin, -half, rate);
+        for (int a = 0; a < 3; a++) {
+            sum->load[a] = dem_axis(pull, a) / sum->per_mass - (loads ? bodies->load[i][a] : 0.0);
+            sum->load[3 + a] = dem_axis(rate, a) / sum->per_inertia - (loads ? bodies->load[i][3 + a] : 0.0);
+        }
+    }
+}
+
+/* Computes the acceleration of a body that touches nothing. */
+static inline void dem__free_body(dem_world *w, dem__rigid *r) {
+    dem_vec force;
+    dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
+    r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    dem__place_pieces(w, r);
+}
+
+/* Applies an impulse [N s] and an angular impulse [N m s] at particle i of a body, and a shift [kg m] along n. */
+static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem_vec arm = bodies->arm[i], moved = dem__scale(shift, n);
+    r->v = dem__plus(r->v, 1.0 / r->mass, impulse);
+    r->momentum = dem__add(r->momentum, dem__add(turn, dem__cross(arm, impulse)));
+    if (shift == 0.0) return;
+    const dem_vec angle = dem__spin_of(r->turn, r->moments, dem__cross(arm, moved));
+    r->x = dem__plus(r->x, 1.0 / r->mass, moved);
+    r->turn = dem__kept_unit(dem__turns(dem__turn_by(dem__scale(0.5, angle)), r->turn));
+    for (ptrdiff_t k = r->first; k < r->first + r->pieces; k++)
+        bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
+}
+
+/* Returns the greatest speed of a particle relative to its body's centre, in flight [m/s]. */
+static inline double dem__swing(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
+    const double arm = dem__length(w->engine->bodies.offset[i]), i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
+                 least = i_min < r->moments.y ? i_min : r->moments.y;
+    if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the axis of least
+                                                                              inertia */
+}
+
+/* Moves the bodies whose first particles are among the active ones first .. end-1. */
+static inline void dem__advance_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const double h = *(const double *)context;
+    const int64_t step = w->step + (h > 0.0);
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__advance_body(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt, h);
+    }
+}
+/* Moves their velocities to the end of the step. */
+static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const double half = 0.5 * *(const double *)context;
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (r && r->first == i) dem__kick_body(w, r, half);
+    }
+}
+
+/* Moves active particles first .. end-1, then the bodies whose first particles are among them. */
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies_range(w, first, end, part, h);
+}
+
+/* Tests the pairs that are due, in pages first .. end-1. */
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
+}
+
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* Applies the impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
+   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
+    if (j < 0) {
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
+/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
+   where it was computed; a body that takes steps uses the present place for both. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                                 dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
+   forces. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.stride * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
+
+static const dem__body_room dem__rigid_bodies = {dem__find_posture,
+                                                 dem__set_body_origin,
+                                                 dem__set_body_motion,
+                                                 dem__wrap_body,
+                                                 dem__place_pieces,
+                                                 dem__free_body,
+                                                 dem__test_due_with_bodies,
+                                                 dem__advance_with_bodies,
+                                                 dem__kick_bodies_range,
+                                                 dem__push_bodies,
+                                                 dem__shift_bodies,
+                                                 dem__kick_linked_body,
+                                                 dem__swing,
+                                                 dem__body_link_drift,
+                                                 dem__note_strides};
+
+/* Definition of a rigid body: see rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
+   when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
+    if (wanted <= old) return dem__reserve_particles(w, pieces);
+    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->room = &dem__rigid_bodies;
+    if (old > 0) return dem__reserve_particles(w, pieces);
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+        return 1;
+    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
+    bodies->rigid = NULL, bodies->rigid_capacity = 0;
+    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
+    return 0;
+}
+
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
+   frame accordingly; order: the old axis of each new one. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
+}
+
+/* --------------------------------------------------------------------------------------- >>clump-shape */
+/* Mass properties of bodies made of spheres. Relies on vectors and quaternions only. Promises: what dem_make_clump says.
+   May be changed here alone: how volumes and moments are computed. */
+
+/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
+typedef struct dem__content {
+    double volume;
+    dem_vec first;
+    double second[6];
+} dem__content;
+
+static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
+    const double v = weight * volume;
+    c->volume += v;
+    c->first = dem__plus(c->first, v, at);
+    c->second[0] += v * (at.x * at.x + spread.x), c->second[1] += v * (at.y * at.y + spread.y),
+        c->second[2] += v * (at.z * at.z + spread.z);
+    c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
+}
+
+/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
+static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
+    const double spread = 0.2 * r * r;
+    dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
+}
+
+static inline void dem__sort_numbers(double *v, int n) {
+    for (int k = 1; k < n; k++) {
+        const double x = v[k];
+        int q = k;
+        for (; q > 0 && v[q - 1] > x; q--) v[q] = v[q - 1];
+        v[q] = x;
+    }
+}
+
+/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if there is none. */
+static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
+    double next = HUGE_VAL;
+    for (int i = 0; i < n; i++) {
+        const double begin = at[i] - radius[i], end = at[i] + radius[i];
+        next = begin > x && begin < next ? begin : next;
+        next = end > x && end < next ? end : next;
+        for (int j = 0; j < i; j++) {
+            const double meet = 0.5 * (at[i] + at[j] + (radius[j] * radius[j] - radius[i] * radius[i]) / (at[i] - at[j]));
+            if (at[i] != at[j] && meet > x && meet < next) next = meet;
+        }
+    }
+    return next;
+}
+
+/* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared radius is the greatest of
+   parabolas in x. Between the places where another one becomes the greatest, the integrands are polynomials, which Gauss's rule with five
+   points integrates exactly. */
+static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from, dem_vec u) {
+    static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
+    static const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
+                                     0.23692688505618909};
+    double begin = dem__next_end(n, at, radius, -HUGE_VAL);
+    for (double end; (end = dem__next_end(n, at, radius, begin)) < HUGE_VAL; begin = end) {
+        const double half = 0.5 * (end - begin), middle = 0.5 * (end + begin);
+        for (int g = 0; g < 5; g++) {
+            const double x = middle + half * node[g];
+            double square = 0.0;
+            for (int i = 0; i < n; i++) {
+                const double s = radius[i] * radius[i] - (x - at[i]) * (x - at[i]);
+                square = s > square ? s : square;
+            }
+            const double q = 0.25 * square; /* mean square of a disc along its diameter */
+            dem__add_content(c, half * weight[g], RIDDLE_PI * square, dem__plus(from, x, u),
+                             dem_vec3(q * (1.0 - u.x * u.x), q * (1.0 - u.y * u.y), q * (1.0 - u.z * u.z)));
+            c->second[3] -= half * weight[g] * RIDDLE_PI * square * q * u.x * u.y;
+            c->second[4] -= half * weight[g] * RIDDLE_PI * square * q * u.y * u.z;
+            c->second[5] -= half * weight[g] * RIDDLE_PI * square * q * u.z * u.x;
+        }
+    }
+}
+
+/* Subtracts the parts of a line along z through (x, y) that lie in more than one sphere, as often as they have been counted too much. */
+static inline void dem__take_surplus(dem__content *c, double area, int n, const dem_vec *centre, const double *radius, double x, double y) {
+    double low[DEM_CLUMP_MAX], high[DEM_CLUMP_MAX], bound[2 * DEM_CLUMP_MAX];
+    int m = 0;
+    for (int k = 0; k < n; k++) {
+        const double dx = x - centre[k].x, dy = y - centre[k].y, square = radius[k] * radius[k] - dx * dx - dy * dy;
+        if (!(square > 0.0)) continue;
+        const double half = sqrt(square);
+        low[m] = centre[k].z - half, high[m] = centre[k].z + half;
+        bound[2 * m] = low[m], bound[2 * m + 1] = high[m];
+        m++;
+    }
+    if (m < 2) return;
+    dem__sort_numbers(bound, 2 * m);
+    for (int b = 1; b < 2 * m; b++) {
+        const double length = bound[b] - bound[b - 1], z = 0.5 * (bound[b] + bound[b - 1]);
+        int times = -1;
+        for (int k = 0; k < m; k++) times += low[k] < z && z < high[k];
+        if (times > 0) dem__add_content(c, -times * area, length, dem_vec3(x, y, z), dem_vec3(0.0, 0.0, length * length / 12.0));
+    }
+}
+
+/* Adds spheres at any places: each exactly, less the overlaps, which are integrated over 400 x 400 lines, exactly along z. */
+enum { DEM__CLUMP_LINES = 400 };
+static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (int k = 0; k < n; k++) {
+        dem__add_ball(c, 1.0, centre[k], radius[k]);
+        for (int other = 0; other < n; other++) { /* bounding box of those that overlap others */
+            const double sum = radius[k] + radius[other];
+            const dem_vec d = dem__sub(centre[k], centre[other]);
+            if (other == k || !(dem__dot(d, d) < sum * sum)) continue;
+            for (int a = 0; a < 2; a++) {
+                const double at = dem_axis(centre[k], a);
+                low[a] = at - radius[k] < low[a] ? at - radius[k] : low[a], high[a] = at + radius[k] > high[a] ? at + radius[k] : high[a];
+            }
+        }
+    }
+    const double wx = (high[0] - low[0]) / (double)DEM__CLUMP_LINES, wy = (high[1] - low[1]) / (double)DEM__CLUMP_LINES;
+    for (int p = 0; p < DEM__CLUMP_LINES && wx > 0.0; p++) {
+        for (int q = 0; q < DEM__CLUMP_LINES; q++)
+            dem__take_surplus(c, wx * wy, n, centre, radius, low[0] + (p + 0.5) * wx, low[1] + (q + 0.5) * wy);
+    }
+}
+
+/* Returns the principal moments of a symmetric tensor t = xx, yy, zz, xy, yz, zx, by Jacobi's rotations; axes: the principal axes. A
+   diagonal tensor is left as it is. */
+static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
+    double a[3][3] = {{t[0], t[3], t[5]}, {t[3], t[1], t[4]}, {t[5], t[4], t[2]}};
+    dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    for (int sweep = 0; sweep < 60; sweep++) {
+        const int p = sweep % 3, r = (p + 1) % 3, o = (p + 2) % 3;
+        const double least = 1e-15 * (fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]));
+        if (!(fabs(a[p][r]) > least)) continue;
+        const double theta = 0.5 * (a[r][r] - a[p][p]) / a[p][r];
+        const double tangent = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+        const double c = 1.0 / sqrt(tangent * tangent + 1.0), s = tangent * c, app = a[p][p], arr = a[r][r], apo = a[p][o], aro = a[r][o];
+        a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
+        a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
+        q = dem__turns(q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
+    }
+    *axes = dem__kept_unit(q);
+    return dem_vec3(a[0][0], a[1][1], a[2][2]);
+}
+
+/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
+static inline void dem__merge_moments(dem_vec *moments, double known) {
+    double *m[3] = {&moments->x, &moments->y, &moments->z};
+    for (int k = 0; k < 3; k++) {
+        double *a = m[k], *b = m[(k + 1) % 3];
+        if (fabs(*a - *b) <= known * *a) *a = *b = 0.5 * (*a + *b);
+    }
+    if (fabs(moments->x - moments->y) <= known * moments->x && fabs(moments->y - moments->z) <= known * moments->x)
+        moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
+}
+
+/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
+static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
+    double most = 0.0;
+    *u = dem_vec3(1.0, 0.0, 0.0);
+    for (int k = 1; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        const double length = dem__length(d);
+        if (length > most) most = length, *u = dem__scale(1.0 / length, d);
+    }
+    for (int k = 0; k < n; k++) {
+        const dem_vec d = dem__sub(centre[k], centre[0]);
+        at[k] = dem__dot(d, *u);
+        if (!(dem__length(dem__plus(d, -at[k], *u)) <= 1e-12 * size)) return 0;
+    }
+    return 1;
+}
+
+/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
+static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
+    int kept = 0;
+    for (int k = 0; k < n; k++) {
+        int inner = 0;
+        for (int o = 0; o < n && !inner; o++) {
+            const int twin = radius[o] == radius[k] && o > k; /* of equal spheres the first stays */
+            inner = o != k && !twin && dem__length(dem__sub(centre[o], centre[k])) + radius[k] <= (1.0 + 1e-12) * radius[o];
+        }
+        if (!inner) centre[kept] = centre[k], radius[kept++] = radius[k];
+    }
+    return kept;
+}
+
+DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump) {
+    dem_clump c;
+    dem__content content;
+    double size = 0.0, at[DEM_CLUMP_MAX];
+    int order[3];
+    dem_vec u;
+    if (!centres || !diameters || !clump || n < 1) return DEM_BAD_ARGUMENT;
+    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
+    memset(&c, 0, sizeof c), memset(&content, 0, sizeof content);
+    for (int k = 0; k < n; k++) {
+        const dem_vec x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
+        if (!(diameters[k] >= 1e-30 && diameters[k] <= 1e30) || !(dem__length(x) <= 1e30)) return DEM_BAD_ARGUMENT;
+        c.radius[k] = 0.5 * diameters[k], c.centre[k] = x;
+        const double extent = dem__length(dem__sub(x, c.centre[0])) + c.radius[k];
+        size = extent > size ? extent : size;
+    }
+    const dem_vec from = c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+    for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
+    c.spheres = dem__drop_inner(n, c.centre, c.radius);
+    const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
+    if (c.spheres == 1) dem__add_ball(&content, 1.0, c.centre[0], c.radius[0]);
+    else if (line) dem__add_revolution(&content, c.spheres, at, c.radius, c.centre[0], u);
+    else dem__add_union(&content, c.spheres, c.centre, c.radius);
+    const double v = content.volume, *s = content.second;
+    const dem_vec m = dem__scale(1.0 / v, content.first);
+    const double xx = s[0] - v * m.x * m.x, yy = s[1] - v * m.y * m.y, zz = s[2] - v * m.z * m.z;
+    const double tensor[6] = {yy + zz, zz + xx, xx + yy, v * m.x * m.y - s[3], v * m.y * m.z - s[4], v * m.z * m.x - s[5]};
+    c.moments = dem__clump_axes(tensor, &c.axes);
+    dem__merge_moments(&c.moments, c.spheres == 1 || line ? 1e-12 : 1e-5);
+    dem__order_moments(&c.moments, &c.axes, order);
+    for (int k = 0; k < c.spheres; k++) c.centre[k] = dem__scale(size, dem__sub(c.centre[k], m)), c.radius[k] *= size;
+    c.origin = dem__plus(from, size, m);
+    c.volume = v * size * size * size;
+    c.moments = dem__scale(size * size * size * size * size, c.moments);
+    if (!dem__positive(c.volume) || !dem__positive(c.moments.x) || !dem__positive(c.moments.y) || !dem__positive(c.moments.z))
+        return DEM_BAD_ARGUMENT;
+    *clump = c;
+    return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------- >>clumps */
+/* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body.
+   May be changed here alone: what is refused and how bodies are made of shapes. */
+
+static inline int dem__is_clump(const dem_clump *c) {
+    dem_quaternion unit;
+    if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) || !dem__unit_turn(c->axes, &unit)) return 0;
+    const dem_vec m = c->moments;
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
+    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    for (int k = 0; k < c->spheres; k++) {
+        if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
+    }
+    return 1;
+}
+
+DEM_API double dem_clump_diameter(const dem_clump *clump) {
+    return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a clump [m]. */
+static inline double dem__clump_reach(const dem_clump *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->spheres; k++) {
+        const double r = dem__length(c->centre[k]) + c->radius[k];
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
+/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius: [spheres], filled
+   here. */
+static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material, dem_vec *offset,
+                                            double *radius) {
+    const double density = w->def.material[material].density, cube = scale * scale * scale;
+    dem__body_def def;
+    dem_quaternion axes = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &axes);
+    for (int k = 0; k < c->spheres; k++) offset[k] = dem__scale(scale, dem__to_body(axes, c->centre[k])), radius[k] = scale * c->radius[k];
+    def.mass = density * cube * c->volume;
+    def.moments = dem__scale(density * cube * scale * scale, c->moments);
+    def.frame = axes, def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    def.pieces = c->spheres, def.offset = offset, def.radius = radius, def.material = material;
+    return def;
+}
+
+/* Returns whether a body's mass and moments, and their inverses, are valid numbers. */
+static inline int dem__is_body_def(const dem__body_def *def) {
+    const dem_vec m = def->moments;
+    if (!dem__positive(def->mass) || !dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    if (!dem__positive(1.0 / m.x) || !dem__positive(1.0 / m.y) || !dem__positive(1.0 / m.z)) return 0;
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const double r = def->radius[k];
+        if (!dem__positive(def->mass * r * r) || !dem__positive(1.0 / (def->mass * r * r))) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres, const double *diameters,
+                                  const double *orientations, int material, int group) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    dem_vec offset[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || !dem__is_clump(clump))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
+    const double own = dem_clump_diameter(clump);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        const dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        if (!dem__is_body_def(&def) || !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return DEM_BAD_ARGUMENT;
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+    }
+    if (n == 0) return DEM_OK;
+    if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        dem__body_def def = dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
+        def.x = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]), def.group = group;
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__add_body(w, &def);
+    }
+    return DEM_OK;
+}
+
+/* ------------------------------------------------------------------------------------ >>convex_shape */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Relies on vectors only. Promises: what is accepted is closed and convex,
+   and its tables agree with each other.
+   May be changed here alone: how faces are found; tables stay closed and convex. */
+
+/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough. */
+#define DEM__FLAT 1e-6
+
+/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+typedef struct dem__hull {
+    int faces;
+    uint32_t holds[DEM_FACES_MAX];
+    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
+} dem__hull;
+
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
+
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
+static inline double dem__half_size(const double *x, int n) {
+    double size = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double low = x[a], high = x[a];
+        for (int k = 1; k < n; k++) low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
+    }
+    return size;
+}
+
+/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns 0 if there are too
+   many. */
+static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
+    int f = 0;
+    while (f < hull->faces && hull->holds[f] != holds) f++;
+    if (f < hull->faces && hull->area[f] >= area) return 1;
+    if (f == DEM_FACES_MAX) return 0;
+    if (f == hull->faces) hull->faces++;
+    hull->holds[f] = holds, hull->area[f] = area;
+    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
+    return 1;
+}
+
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
+static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p), v = dem__sub(dem__point(x + 3 * c), p),
+                  cross = dem__cross(u, v);
+    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
+    double lowest = 0.0, highest = 0.0;
+    uint32_t holds = 0;
+    if (!(area > 1e-5 * longest)) return 1;
+    const dem_vec normal = dem__scale(1.0 / area, cross);
+    for (int k = 0; k < n; k++) {
+        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
+        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
+        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
+    }
+    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat) return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    return 1;
+}
+
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
+static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
+    hull->faces = 0;
+    for (int a = 0; a < n; a++) {
+        for (int b = a + 1; b < n; b++) {
+            for (int c = b + 1; c < n; c++) {
+                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no polygon. */
+static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
+    const dem_vec normal = dem__point(hull->plane[f]);
+    const int begin = count;
+    int first = 0, at, total = 0;
+    while (!(hull->holds[f] >> first & 1)) first++;
+    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
+    at = first;
+    do {
+        int next = -1;
+        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
+        corner[count++] = (uint8_t)at;
+        for (int k = 0; k < n; k++) {
+            if (k == at || !(hull->holds[f] >> k & 1)) continue;
+            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
+            if (next < 0 || dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0) next = k;
+        }
+        at = next;
+    } while (at != first);
+    return count - begin == total && total > 2 ? count : 0;
+}
+
+/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is not that of a
+   ball. */
+static inline int dem__find_edges(dem_convex *s, double shortest) {
+    s->edges = 0;
+    for (int f = 0; f < s->faces; f++) {
+        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
+            int e = 0, backward = 0;
+            for (; e < s->edges; e++) {
+                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
+                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
+            }
+            backward = e < s->edges;
+            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
+            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
+            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
+            s->edge_face[e][backward] = (uint8_t)f;
+        }
+    }
+    int sides = 0;
+    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
+    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
+}
+
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
+static inline const char *dem__find_surface(dem_convex *s, double flat) {
+    dem__hull hull;
+    int count = 0, used[DEM_CORNERS_MAX] = {0};
+    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
+    if (hull.faces < 4) return "the corners lie in one plane";
+    s->faces = hull.faces;
+    for (int f = 0; f < hull.faces; f++) {
+        s->face_start[f] = (uint8_t)count;
+        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
+        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
+        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
+        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
+    }
+    s->face_start[hull.faces] = (uint8_t)count;
+    for (int k = 0; k < s->corners; k++) {
+        if (used[k] == 0) return "a point is no corner: it lies inside";
+        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
+    }
+    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
+}
+
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
+typedef struct dem__moments {
+    double volume;
+    dem_vec first;
+    double second[3][3];
+} dem__moments;
+static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int f = 0; f < s->faces; f++) {
+        const double *a = s->corner[s->face_corner[s->face_start[f]]];
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
+            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
+            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+            bulk->volume += six / 6.0;
+            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+            for (int p = 0; p < 3; p++) {
+                for (int q = 0; q < 3; q++) bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+            }
+        }
+    }
+}
+
+/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left as it is. */
+static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
+    const double size = m[0][0] + m[1][1] + m[2][2];
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
+    }
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (int p = 0; p < 2; p++) {
+            for (int q = p + 1; q < 3; q++) {
+                if (fabs(m[p][q]) <= 1e-13 * size) continue;
+                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int a = 0; a < 3; a++) {
+                    const double old = m[a][p];
+                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
+                }
+                for (int a = 0; a < 3; a++) {
+                    double old = m[p][a];
+                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
+                    old = axis[p][a];
+                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
+                }
+            }
+        }
+    }
+}
+
+/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is
+   wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    double second[3][3], axis[3][3];
+    dem__integrate(s, &bulk);
+    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+    }
+    dem__principal(second, axis);
+    s->volume = bulk.volume;
+    s->centroid = dem__add(middle, c);
+    for (int a = 0; a < 3; a++) {
+        s->axis[a] = dem__point(axis[a]);
+        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL)) return "it is too small or too large for its inertia to be a number";
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
+        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
+    }
+    return NULL;
+}
+
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
+    const double det = dem__dot(a, bc);
+    if (fabs(det) < 1e-6) return 0.0;
+    const dem_vec sum = dem__add(dem__scale(p[3] - inwards, bc),
+                                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    *at = dem__scale(1.0 / det, sum);
+    return fabs(det);
+}
+
+/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there are too many. */
+static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
+    int k = 0;
+    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
+    if (k == DEM_CORNERS_MAX) return 0;
+    if (k < core->corners && sure[k] >= det) return 1;
+    if (k == core->corners) core->corners++;
+    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
+    sure[k] = det;
+    return 1;
+}
+
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all others. Returns 0 if
+   there are too many. */
+static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
+    double sure[DEM_CORNERS_MAX];
+    core->corners = 0;
+    for (int a = 0; a < s->faces; a++) {
+        for (int b = a + 1; b < s->faces; b++) {
+            for (int c = b + 1; c < s->faces; c++) {
+                dem_vec x;
+                int f = 0;
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                if (det == 0.0) continue;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat) f++;
+                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns the smallest distance of a face from the corner opposite to it. */
+static inline double dem__least_width(const dem_convex *s) {
+    double least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        double deepest = 0.0;
+        for (int k = 0; k < s->corners; k++) {
+            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
+            deepest = depth > deepest ? depth : deepest;
+        }
+        least = deepest < least ? deepest : least;
+    }
+    return least;
+}
+
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths to the last bit,
+   because its distances are computed from these. */
+static inline void dem__find_box(dem_convex *s) {
+    const double *h = s->corner[0];
+    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
+    s->is_box = s->corners == 8 && s->faces == 6;
+    for (int k = 0; k < s->corners; k++) {
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-12 * s->reach;
+    }
+    for (int k = 0; k < s->corners && s->is_box; k++) {
+        for (int a = 0; a < 3; a++) s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+    }
+}
+
+/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as a mean over all
+   directions. Weight: the energy that this corner takes up in an impact, which is proportional to the share. Directions: the middles of 8 x
+   8 squares on each side of a cube. */
+static inline double dem__mean_share(const dem_convex *s) {
+    double sum = 0.0, weights = 0.0;
+    for (int k = 0; k < 6 * 64; k++) {
+        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875, c = k % 128 < 64 ? 1.0 : -1.0;
+        const int side = k / 128;
+        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
+        double farthest = -HUGE_VAL, turned = 0.0;
+        dem_vec n;
+        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length, *dem_axis_of(&n, (side + 2) % 3) = b / length;
+        for (int q = 0; q < s->corners; q++) {
+            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
+            if (dem__dot(r, n) <= farthest) continue;
+            farthest = dem__dot(r, n);
+            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
+        }
+        const double share = 1.0 / (1.0 + turned);
+        sum += weight * share * share, weights += weight * share;
+    }
+    return sum / weights;
+}
+
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
+    dem_convex core;
+    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
+    const char *reason;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
+    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
+    core = *s;
+    core.radius = rounding * dem__least_width(s);
+    if (!dem__erode(s, &core, core.radius, flat)) return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
+    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL) return "its core is no polyhedron: a smaller rounding leaves one";
+    core.reach = 0.0;
+    for (int k = 0; k < core.corners; k++) {
+        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
+        core.reach = far > core.reach ? far : core.reach;
+    }
+    dem__find_box(&core);
+    core.share = dem__mean_share(&core);
+    *s = core;
+    return NULL;
+}
+
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
+    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
+    for (int k = 0; k < 3 * n && !wrong; k++) {
+        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong) {
+        memset(shape, 0, sizeof *shape);
+        shape->corners = n;
+        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
+        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
+        wrong = dem__shape_from(shape, middle, rounding);
+    }
+    if (reason) *reason = wrong;
+    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+}
+
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
+    double corner[8][3];
+    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
+        if (reason) *reason = "a length is not a number above 0";
+        return DEM_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
+    return dem_make_convex(shape, 8, corner[0], rounding, reason);
+}
+
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+static inline int dem__is_closed(const dem_mesh *mesh) {
+    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
+        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
+        int same = 0, opposite = 0;
+        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
+            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
+            same += a == from && b == to;
+            opposite += a == to && b == from;
+        }
+        if (same != 1 || opposite != 1) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
+static inline int dem__is_convex(const dem_mesh *mesh) {
+    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
+    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
+        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
+                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
+                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
+        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+        const double area = dem__length(n);
+        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
+        }
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
+    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX) wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices) wrong = "a triangle has a corner that is not there";
+    }
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
+        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong && !dem__is_closed(mesh)) wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
+    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
+    if (reason) *reason = wrong;
+    return DEM_BAD_ARGUMENT;
+}
+
+/* --------------------------------------------------------------------------------- >>convex_distance */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Relies on shapes and vectors. Promises: a separation that is
+   returned is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a
+   triangle (3 corners, 3 edges, 2 faces) are cores like any other.
+   May be changed here alone: iterations and their order; a separation is never too large. */
+
+DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
+    return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__into_core(const dem__placed *p, dem_vec v) {
+    return dem_vec3(dem__dot(v, p->axis[0]), dem__dot(v, p->axis[1]), dem__dot(v, p->axis[2]));
+}
+DEM_INLINE dem_vec dem__corner_at(const dem_convex *s, const dem__placed *p, int k) {
+    return dem__add(p->x, dem__from_core_frame(p, dem__point(s->corner[k])));
+}
+
+/* Returns the corner of a core that is farthest along u, in the core's own frame. */
+DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
+    int best = 0;
+    double most = dem__dot(u, dem__point(s->corner[0]));
+    for (int k = 1; k < s->corners; k++) {
+        const double along = dem__dot(u, dem__point(s->corner[k]));
+        best = along > most ? k : best, most = along > most ? along : most;
+    }
+    return best;
+}
+
+/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the nearest point. */
+typedef struct dem__simplex {
+    int n;
+    uint8_t a[4], b[4];
+    dem_vec at[4];
+    double part[4];
+} dem__simplex;
+
+DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const double *part) {
+    for (int k = 0; k < n; k++) { /* `kept` ascends */
+        s->a[k] = s->a[kept[k]], s->b[k] = s->b[kept[k]], s->at[k] = s->at[kept[k]];
+        s->part[k] = part[k];
+    }
+    s->n = n;
+}
+
+/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it lies. */
+static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
+    const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
+    const double along = -dem__dot(p, u), length = dem__dot(u, u);
+    const int both[2] = {i < j ? i : j, i < j ? j : i};
+    if (!(along > 0.0) || !(along < length)) {
+        const int one = along > 0.0 ? j : i;
+        const double whole = 1.0;
+        dem__keep_corners(s, 1, &one, &whole);
+        return s->at[0];
+    }
+    const double t = along / length, part[2] = {i < j ? 1.0 - t : t, i < j ? t : 1.0 - t};
+    dem__keep_corners(s, 2, both, part);
+    return dem__plus(p, t, u);
+}
+
+/* Does the same for triangle i < j < k (Ericson 2005, section 5.1.5). */
+static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
+    const dem_vec a = s->at[i], ab = dem__sub(s->at[j], a), ac = dem__sub(s->at[k], a);
+    const double d1 = -dem__dot(ab, a), d2 = -dem__dot(ac, a);
+    const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]), d6 = -dem__dot(ac, s->at[k]);
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+        const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
+        dem__simplex best = *s;
+        dem_vec least = a;
+        double shortest = HUGE_VAL;
+        for (int q = 0; q < 3; q++) {
+            dem__simplex side = *s;
+            const dem_vec v = dem__near_segment(&side, pair[q][0], pair[q][1]);
+            if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+        }
+        *s = best;
+        return least;
+    }
+    const int kept[3] = {i, j, k};
+    const double part[3] = {va / all, vb / all, vc / all};
+    dem__keep_corners(s, 3, kept, part);
+    return dem__plus(dem__plus(a, part[1], ab), part[2], ac);
+}
+
+/* Does the same for a tetrahedron. Returns 0 where it contains the origin. */
+static inline dem_vec dem__near_tetrahedron(dem__simplex *s) {
+    const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+    dem__simplex best = *s;
+    dem_vec least = dem_vec3(0.0, 0.0, 0.0);
+    double shortest = HUGE_VAL;
+    for (int f = 0; f < 4; f++) {
+        const dem_vec p = s->at[face[f][0]], n = dem__cross(dem__sub(s->at[face[f][1]], p), dem__sub(s->at[face[f][2]], p));
+        const double inner = dem__dot(n, dem__sub(s->at[face[f][3]], p)), origin = -dem__dot(n, p);
+        if (inner * origin > 0.0) continue; /* on the side of the fourth corner */
+        dem__simplex side = *s;
+        const dem_vec v = dem__near_triangle(&side, face[f][0], face[f][1], face[f][2]);
+        if (dem__dot(v, v) < shortest) shortest = dem__dot(v, v), least = v, best = side;
+    }
+    *s = best;
+    return least;
+}
+
+static inline dem_vec dem__near_simplex(dem__simplex *s) {
+    s->part[0] = 1.0;
+    if (s->n == 1) return s->at[0];
+    if (s->n == 2) return dem__near_segment(s, 0, 1);
+    return s->n == 3 ? dem__near_triangle(s, 0, 1, 2) : dem__near_tetrahedron(s);
+}
+
+/* Distance of two cores. */
+typedef struct dem__gap_of_cores {
+    dem_vec normal;      /* from b to a, a unit vector */
+    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    int overlap, rounds; /* whether they overlap; number of iterations */
+} dem__gap_of_cores;
+
+DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem__placed *pa, int i, const dem_convex *b,
+                                 const dem__placed *pb, int j) {
+    const int k = s->n++;
+    s->a[k] = (uint8_t)i, s->b[k] = (uint8_t)j;
+    s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
+}
+
+/* Begins with the corners of the last test, or with those that face each other. */
+static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                      const dem__placed *pb, const dem__nearest_cache *cache) {
+    s->n = 0;
+    for (int k = 0; cache && k < cache->n; k++) dem__add_corners(s, a, pa, cache->a[k], b, pb, cache->b[k]);
+    if (s->n > 0) return;
+    const dem_vec d = dem__sub(pa->x, pb->x);
+    dem__add_corners(s, a, pa, dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, d))), b, pb, dem__farthest(b, dem__into_core(pb, d)));
+}
+
+/* Finds the direction of least overlap of two overlapping cores, among the normals of faces and the products of edges (separating axis
+   theorem). */
+static inline void dem__least_overlap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                                      dem__gap_of_cores *gap) {
+    const int axes = a->faces + b->faces + a->edges * b->edges;
+    gap->separation = -HUGE_VAL, gap->normal = dem_vec3(0.0, 0.0, 1.0);
+    for (int m = 0; m < axes; m++) {
+        dem_vec n;
+        if (m < a->faces) n = dem__scale(-1.0, dem__from_core_frame(pa, dem__point(a->plane[m])));
+        else if (m < a->faces + b->faces) n = dem__from_core_frame(pb, dem__point(b->plane[m - a->faces]));
+        else {
+            const int e = (m - a->faces - b->faces) / b->edges, f = (m - a->faces - b->faces) % b->edges;
+            const dem_vec u = dem__sub(dem__corner_at(a, pa, a->edge[e][1]), dem__corner_at(a, pa, a->edge[e][0]));
+            const dem_vec v = dem__sub(dem__corner_at(b, pb, b->edge[f][1]), dem__corner_at(b, pb, b->edge[f][0]));
+            n = dem__cross(u, v);
+            const double size = dem__length(n);
+            if (!(size > 1e-6 * dem__length(u) * dem__length(v))) continue;
+            n = dem__scale((dem__dot(n, dem__sub(pa->x, pb->x)) < 0.0 ? -1.0 : 1.0) / size, n);
+        }
+        const dem_vec in_a = dem__scale(-1.0, dem__into_core(pa, n)), in_b = dem__into_core(pb, n);
+        const double low = dem__dot(n, pa->x) - dem__dot(in_a, dem__point(a->corner[dem__farthest(a, in_a)])),
+                     high = dem__dot(n, pb->x) + dem__dot(in_b, dem__point(b->corner[dem__farthest(b, in_b)]));
+        if (low - high > gap->separation) gap->separation = low - high, gap->normal = n;
+    }
+}
+
+/* Computes the points of the two cores that are nearest to each other, from a simplex. */
+static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                       const dem__placed *pb, dem__gap_of_cores *gap) {
+    gap->at_a = gap->at_b = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < s->n; k++) {
+        gap->at_a = dem__plus(gap->at_a, s->part[k], dem__corner_at(a, pa, s->a[k]));
+        gap->at_b = dem__plus(gap->at_b, s->part[k], dem__corner_at(b, pb, s->b[k]));
+    }
+}
+
+/* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart than `enough`. cache:
+   of this pair, read and written, or NULL. */
+static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, double enough,
+                                 dem__nearest_cache *cache, dem__gap_of_cores *gap) {
+    dem__simplex s;
+    const double tiny = 1e-12 * (a->reach + b->reach);
+    gap->separation = -HUGE_VAL, gap->overlap = 0;
+    dem__begin_simplex(&s, a, pa, b, pb, cache);
+    for (gap->rounds = 0; gap->rounds < 32; gap->rounds++) {
+        const dem_vec v = dem__near_simplex(&s);
+        const double distance = dem__length(v);
+        if (!(distance > tiny)) {
+            gap->overlap = 1;
+            break;
+        }
+        const dem_vec n = dem__scale(1.0 / distance, v);
+        const int i = dem__farthest(a, dem__into_core(pa, dem__scale(-1.0, n))), j = dem__farthest(b, dem__into_core(pb, n));
+        const double along = dem__dot(n, dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j)));
+        int known = s.n == 4;
+        if (along > gap->separation) gap->separation = along, gap->normal = n;
+        for (int k = 0; k < s.n; k++) known |= s.a[k] == i && s.b[k] == j;
+        if (known || along > enough || distance - along <= 1e-7 * distance) break;
+        dem__add_corners(&s, a, pa, i, b, pb, j);
+    }
+    if (cache) {
+        cache->n = (uint8_t)(s.n < 4 ? s.n : 0);
+        for (int k = 0; k < cache->n; k++) cache->a[k] = s.a[k], cache->b[k] = s.b[k];
+    }
+    if (gap->overlap) dem__least_overlap(a, pa, b, pb, gap);
+    else dem__nearest_points(&s, a, pa, b, pb, gap);
+}
+
+/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
+static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
+    const dem_vec u = dem__sub(to, from);
+    memset(s, 0, sizeof *s);
+    p->x = from, p->axis[0] = dem_vec3(1.0, 0.0, 0.0), p->axis[1] = dem_vec3(0.0, 1.0, 0.0), p->axis[2] = dem_vec3(0.0, 0.0, 1.0);
+    s->corners = 2, s->edges = 1, s->radius = radius, s->reach = dem__length(u) + radius;
+    s->corner[1][0] = u.x, s->corner[1][1] = u.y, s->corner[1][2] = u.z;
+    s->edge[0][1] = 1;
+}
+static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, dem_vec b, dem_vec c) {
+    const dem_vec u = dem__sub(b, a), v = dem__sub(c, a), n = dem__cross(u, v);
+    dem__segment_core(s, p, a, b, 0.0);
+    const double area = dem__length(n), along = dem__length(v);
+    s->corners = s->edges = 3, s->faces = 2, s->reach = s->reach > along ? s->reach : along;
+    s->corner[2][0] = v.x, s->corner[2][1] = v.y, s->corner[2][2] = v.z;
+    for (int k = 0; k < 3; k++) {
+        s->edge[k][0] = (uint8_t)k, s->edge[k][1] = (uint8_t)((k + 1) % 3), s->edge_face[k][1] = 1;
+        s->face_corner[k] = (uint8_t)k, s->face_corner[3 + k] = (uint8_t)(2 - k);
+        s->plane[0][k] = dem_axis(n, k) / area, s->plane[1][k] = -s->plane[0][k];
+    }
+    s->face_start[1] = 3, s->face_start[2] = 6;
+}
+/* Makes a core of a point: the centre of a sphere. */
+static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
+    dem__segment_core(s, p, x, x, radius);
+    s->corners = 1, s->edges = 0;
+}
+
+/* ----------------------------------------------------------------------------------- >>convex_points */
+/* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Relies on distances of cores, which
+   only choose the features that are tested. Promises: a point depends on its own two features alone; weight times overlap along the normals
+   is the gradient of a potential (of a linear law), and continuous in the motion.
+   May be changed here alone: which features are tested; every point that touches is found. */
+
+enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
+
+/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
+DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
+    const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
+    const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
+    const dem_vec side = dem_vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
+    const double distance = dem__length(d);
+    if (distance > 0.0) {
+        *n = dem_vec3(side.x * d.x / distance, side.y * d.y / distance, side.z * d.z / distance);
+        return distance;
+    }
+    const int k = out.x > out.y ? (out.x > out.z ? 0 : 2) : out.y > out.z ? 1 : 2;
+    *n = dem_vec3(k == 0 ? side.x : 0.0, k == 1 ? side.y : 0.0, k == 2 ? side.z : 0.0);
+    return dem_axis(out, k);
+}
+
+/* Returns whether the foot of a point p lies within face f. */
+DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
+    const dem_vec n = dem__point(s->plane[f]);
+    for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+        const dem_vec from = dem__point(s->corner[s->face_corner[k]]),
+                      to = dem__point(s->corner[s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]]]);
+        if (dem__dot(dem__cross(n, dem__sub(to, from)), dem__sub(p, from)) < 0.0) return 0;
+    }
+    return 1;
+}
+
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    int top = -1;
+    double highest = -HUGE_VAL, least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if (height > highest) highest = height, top = f;
+    }
+    *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    for (int f = 0; f < s->faces; f++) {
+        const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
+        if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
+        *n = dem__point(s->plane[f]);
+        return height;
+    }
+    const dem_vec outward = *n;
+    for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
+        const dem_vec from = dem__point(s->corner[s->edge[e][0]]), u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
+        const double length = dem__dot(u, u), t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
+        const dem_vec d = dem__sub(p, dem__plus(from, t, u));
+        const double distance = dem__length(d);
+        if (!(distance < least)) continue;
+        least = distance;
+        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+    }
+    return least;
+}
+
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, dem_vec *n) {
+    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+    dem_vec m;
+    const double distance = s->is_box ? dem__from_box(s->half, x, &m) : dem__from_faces(s, x, &m);
+    *n = dem__from_core_frame(place, m);
+    return distance;
+}
+
+/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from it; the sum of their
+   normals. */
+typedef struct dem__placed_edge {
+    dem_vec from, along, in[2], outward;
+    double length, low, high; /* [m]; heights of its ends along the normal between the cores */
+    int number;
+} dem__placed_edge;
+
+/* Heights of corners along a direction, and which corners are near the other core. */
+typedef struct dem__side {
+    const dem_convex *shape;
+    const dem__placed *place;
+    double height[DEM_CORNERS_MAX];
+    uint32_t near;
+} dem__side;
+
+DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
+    const double centre = dem__dot(n, side->place->x);
+    const dem_vec in_body = dem__into_core(side->place, n);
+    *lowest = HUGE_VAL, *highest = -HUGE_VAL;
+    for (int k = 0; k < side->shape->corners; k++) {
+        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
+    }
+}
+
+/* Chooses the corners whose height times sign is below `low`. */
+DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
+    side->near = 0;
+    for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
+}
+
+/* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
+   not needed. */
+static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
+    const dem_convex *s = side->shape;
+    const int from = s->edge[e][0], to = s->edge[e][1];
+    if (!((side->near >> from | side->near >> to) & 1)) return 0;
+    const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
+    p->number = e;
+    p->length = dem__length(u);
+    p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
+    const double a = side->height[from], b = side->height[to];
+    p->low = a < b ? a : b, p->high = a < b ? b : a;
+    p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
+    if (apart) return 1;
+    for (int f = 0; f < 2 && s->faces > 0; f++) {
+        const dem_vec n = dem__from_core_frame(side->place, dem__point(s->plane[s->edge_face[e][f]]));
+        p->outward = dem__add(p->outward, n);
+        p->in[f] = dem__cross(n, f ? dem__scale(-1.0, p->along) : p->along);
+    }
+    if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
+    return 1;
+}
+
+/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
+DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
+    double lean = 0.0;
+    for (int f = 0; f < 2; f++) {
+        const double over = dem__dot(n, e->in[f]);
+        lean = over > lean ? over : lean;
+    }
+    return lean;
+}
+
+/* Returns the distance of a corner from an edge; n: the unit vector from the nearest point to it. */
+DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *n) {
+    const dem_vec d = dem__sub(x, e->from);
+    const dem_vec off = dem__plus(d, -dem__clamp(dem__dot(d, e->along), 0.0, e->length), e->along);
+    const double distance = dem__length(off);
+    *n = distance > 0.0 ? dem__scale(1.0 / distance, off) : dem_vec3(0.0, 0.0, 1.0);
+    return distance;
+}
+
+/* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do not cross. apart: the
+   cores do not overlap, so that nearest points tell the direction. */
+static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s, dem_vec *normal,
+                                     double *distance) {
+    const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
+    const double c = dem__dot(p->along, q->along), square = dem__dot(product, product);
+    if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
+    const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), t = (on_q - c * on_p) / square;
+    *s = (c * on_q - on_p) / square;
+    if (!(*s > 0.0 && *s < p->length && t > 0.0 && t < q->length)) return 0;
+    const dem_vec from_q = dem__sub(dem__plus(p->from, *s, p->along), dem__plus(q->from, t, q->along));
+    const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
+    *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
+    *distance = dem__dot(*normal, from_q);
+    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+}
+
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
+   beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
+   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
+   with weights. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
+    double s, distance, rest[4], left = 1.0, share[4];
+    if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
+    const double overlap = radii - distance;
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    int n = 1;
+    out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
+    out->gap = -overlap;
+    out->at = dem__plus(p->from, s, p->along);
+    for (int k = 0; k < 4; k++) {
+        const dem__placed_edge *own = k < 2 ? p : q, *other = k < 2 ? q : p;
+        const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
+        dem__convex_point *end = &out[n];
+        dem_vec off;
+        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
+        share[k] = at_end > 0.0 ? at_end * at_end / (overlap * overlap) : 0.0;
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
+        end->at = k < 2 ? x : dem__plus(x, -from, off);
+        n++;
+    }
+    if (!(left > 1e-10)) return 0;
+    out->weight = left;
+    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    return n;
+}
+
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0, a and b have
+   changed places. */
+static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    for (int k = 0; k < a->shape->corners && n < DEM__POINTS_MAX; k++) {
+        if (!(a->near >> k & 1)) continue;
+        dem__convex_point *p = &out[n];
+        const dem_vec x = dem__corner_at(a->shape, a->place, k);
+        const double distance = dem__from_core(b->shape, b->place, x, &p->normal);
+        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
+        p->gap = distance - radii;
+        if (key > 0) { /* a and b have changed places */
+            p->at = dem__plus(x, -distance, p->normal);
+            p->normal = dem__scale(-1.0, p->normal);
+        }
+        n += p->gap < 0.0;
+    }
+    return n;
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. */
+static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out, int n) {
+    const double radii = a->shape->radius + b->shape->radius;
+    dem__placed_edge p, other[DEM_EDGES_MAX];
+    int others = 0;
+    for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
+    for (int e = 0; e < a->shape->edges && others > 0; e++) {
+        if (!dem__place_edge(a, e, apart, &p)) continue;
+        for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
+        }
+    }
+    return n;
+}
+
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns their number. If a
+   core is a point, only its own corner counts; otherwise it would be counted twice. */
+static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
+                                   dem__convex_point *out) {
+    dem__side sa, sb;
+    const double radii = a->radius + b->radius;
+    double low_a, high_a, low_b, high_b;
+    int n = 0;
+    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    dem__find_heights(&sa, normal, &low_a, &high_a);
+    dem__find_heights(&sb, normal, &low_b, &high_b);
+    if (!(low_a - high_b < radii)) return 0;
+    dem__choose_corners(&sa, high_b + radii, 1.0);
+    dem__choose_corners(&sb, radii - low_a, -1.0);
+    if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
+    if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
+    return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
+}
+
+/* ----------------------------------------------------------------------------------- >>convex_pairs */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
+
+/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
+   direction of its normal in the wall's frame, in 54 parts. */
+static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
+    if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
+    if (wall->kind != DEM_MESH) return corner;
+    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
+                         dem__dot(touch->normal, wall->axis[2])};
+    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
+    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
+    int32_t place = 2 * most + (n[most] < 0.0);
+    for (int a = 1; a < 3; a++) {
+        const double over = n[(most + a) % 3] / fabs(n[most]);
+        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
+    }
+    return corner + DEM_CORNERS_MAX * place;
+}
+
+/* Places polyhedra first .. end-1 at a step. */
+static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int64_t step = *(const int64_t *)context;
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        if (!w->alive[i] || !dem__shape_of(w, i)) continue;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+        const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+        dem__placed *place = &w->engine->convex.place[i];
+        place->x = dem__in_box(w, p.x);
+        for (int a = 0; a < 3; a++) place->axis[a] = dem__to_lab(turn, dem_vec3(a == 0, a == 1, a == 2));
+    }
+}
+
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch. sphere_first: the sphere is
+   a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius, int sphere_first,
+                                        dem__convex_point *out) {
+    dem_vec n;
+    const double distance = dem__from_core(s, place, x, &n);
+    out->gap = distance - radius - s->radius;
+    if (!(out->gap < 0.0)) return 0;
+    out->key = out->taken = 0, out->weight = 1.0;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
+    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
+    return 1;
+}
+
+/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out, int64_t *overlaps) {
+    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_particle *particle = w->particle;
+    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
+    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
+    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
+    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
+    if (!(dem__dot(d, d) < reach * reach)) return 0;
+    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
+    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
+    if (!a) return dem__points_of_sphere(b, &pb, d, particle[p->i].radius, 1, out);
+    if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
+    dem__gap_of_cores gap;
+    pb.x = dem__scale(-1.0, d);
+    dem__find_gap(a, &pa, b, &pb, a->radius + b->radius, &p->cache, &gap);
+    *overlaps += gap.overlap;
+    return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
+}
+
+/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
+static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    int n = 0;
+    if (!wall->enabled) return 0;
+    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
+    if (!(least < 0.0)) return 0;
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec arm = dem__from_core_frame(place, dem__point(s->corner[k]));
+        const int found = dem__touch_wall(wall, dem__add(place->x, arm), s->radius, 0.0, touch, &least);
+        for (int q = 0; q < found && n < DEM__POINTS_MAX; q++) {
+            dem__convex_point *point = &out[n];
+            if (!(touch[q].gap < 0.0)) continue;
+            point->key = dem__wall_key(wall, &touch[q], k), point->taken = 0;
+            point->normal = touch[q].normal, point->at = arm, point->gap = touch[q].gap, point->weight = 1.0;
+            int is_new = 1;
+            for (int m = n - 1; m >= 0 && is_new && out[m].key % DEM_CORNERS_MAX == k; m--) is_new = out[m].key != point->key;
+            n += is_new;
+        }
+    }
+    return n;
+}
+
+/* A test of all pairs by several threads, each of which has a share of the points. */
+typedef struct dem__convex_look {
+    int64_t step, overlaps[DEM__PARTS_MAX];
+    ptrdiff_t share;
+    int full[DEM__PARTS_MAX];
+} dem__convex_look;
+/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__convex_look *look = (dem__convex_look *)context;
+    dem__convex_state *convex = &w->engine->convex;
+    ptrdiff_t at = look->share * part;
+    const ptrdiff_t limit = at + look->share;
+    look->overlaps[part] = look->full[part] = 0;
+    for (ptrdiff_t q = first; q < end; q++) {
+        dem__convex_pair *p = &convex->pair[q];
+        p->first = (int32_t)at, p->count = 0;
+        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
+        if (limit - at < DEM__POINTS_MAX) {
+            look->full[part] = 1;
+            return;
+        }
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, convex->point + at);
+        else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
+        at += p->count;
+    }
+}
+
+/* Makes room for so many points, whose contents are lost. Returns 0 when out of memory. */
+static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    if (wanted <= convex->point_capacity) return 1;
+    if (wanted > INT32_MAX / 2) return 0;
+    dem__convex_point *fresh = (dem__convex_point *)a->fn(a->user, NULL, 0, (size_t)wanted * sizeof *fresh);
+    if (!fresh) return 0;
+    dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *fresh);
+    convex->point = fresh, convex->point_capacity = wanted;
+    return 1;
+}
+
+/* Finds the points of all pairs at a step. Returns 0 when out of memory. */
+static inline int dem__find_convex_points(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, convex->pairs);
+    dem__convex_look look;
+    int full = 1;
+    look.step = step;
+    dem__in_parts(w, dem__parts(w, w->count), w->count, dem__place_polyhedra, &step);
+    if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
+    while (full) {
+        full = 0;
+        look.share = convex->point_capacity / parts;
+        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
+        for (int q = 0; q < parts; q++) full |= look.full[q];
+        if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
+    }
+    convex->overlaps = 0;
+    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    return 1;
+}
+
+DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    double *const *place = w->engine->contacts.touch;
+    place[0][c] = p->normal.x, place[1][c] = p->normal.y, place[2][c] = p->normal.z, place[3][c] = p->gap;
+    place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
+}
+
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
+   ends. */
+static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part, (void)context;
+    for (const dem__chunk *in = contacts->chunk + first; in < contacts->chunk + end; in++) {
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            if (contacts->near[c] > -2) continue;
+            const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
+            dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
+            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            while (point < stop && point->key != contacts->element[c]) point++;
+            if (point < stop) {
+                dem__set_place(w, c, point);
+                point->taken = 1;
+            } else contacts->touch[3][c] = w->particle[p->i].radius;
+        }
+    }
+}
+
+/* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
+static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    if (!dem__find_convex_points(w, step)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return;
+    }
+    dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count, dem__follow_points, NULL);
+    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
+        const dem__convex_pair *p = &convex->pair[q];
+        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
+            if (point->taken) continue;
+            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
+            const ptrdiff_t c = dem__next_slot(w) - 1;
+            dem__set_place(w, c, point);
+            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+        }
+    }
+}
+
+/* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
+static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const int32_t near_pair = j < 0 ? -1 : dem__near_pair(w, i, j);
+    ptrdiff_t low = j < 0 ? convex->of_particles : 0, high = j < 0 ? convex->pairs : convex->of_particles;
+    if (j >= 0 && near_pair < 0) return -1;
+    while (low < high) {
+        const ptrdiff_t middle = (low + high) / 2;
+        const dem__convex_pair *p = &convex->pair[middle];
+        const int before = j >= 0 ? p->near < near_pair : p->i != i ? p->i < i : -1 - p->j < -1 - j;
+        if (before) low = middle + 1;
+        else high = middle;
+    }
+    const dem__convex_pair *p = &convex->pair[low];
+    return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
+}
+
+/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
+    ptrdiff_t n = 0;
+    dem__convex_pair p;
+    memset(&p, 0, sizeof p);
+    for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
+        const dem__near *q = &w->engine->pairs.near[k];
+        if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
+        p.i = q->i, p.j = q->j, p.near = (int32_t)k;
+        if (pair) pair[n] = p, dem__stop_timer(&w->engine->pairs.timers, (int32_t)k);
+        n++;
+    }
+    *of_particles = n;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i); k++) {
+            if (w->wall[k].kind == DEM_EXIT) continue;
+            p.i = i, p.j = -1 - k, p.near = -1;
+            if (pair) pair[n] = p;
+            n++;
+        }
+    }
+    return n;
+}
+
+/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory. */
+static inline int dem__list_convex_pairs(dem_world *w) {
+    dem__convex_state *convex = &w->engine->convex;
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    if (n > INT32_MAX / 2) return 0;
+    if (n > convex->pair_capacity) {
+        const ptrdiff_t larger = n + n / 4 + 64;
+        dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
+        if (!fresh) return 0;
+        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
+        convex->pair = fresh, convex->pair_capacity = larger;
+    }
+    convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t i = contacts->i[c], j = contacts->j[c];
+        if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
+        const ptrdiff_t q = dem__convex_pair_of(w, i, j);
+        contacts->near[c] = (int32_t)(-2 - q);
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------ >>convex_rows */
+/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about the centres of the
+   bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
+   May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
+
+/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
+   mean. */
+DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? 1.0 / s->share : 1.0;
+}
+
+/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
+static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
+    const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
+    const ptrdiff_t i = w->engine->contacts.i[c];
+    const int32_t place = w->engine->contacts.element[c] / DEM_CORNERS_MAX;
+    touch->curvature = 0.0;
+    if (wall->kind == DEM_MESH) return;
+    dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
+                       wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
+}
+
+/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
+DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
+    const dem_particle *p = &w->particle[i];
+    const dem_vec round = dem__cross(p->spin, arm);
+    *v = dem__add(p->v, dem__cross(p->spin, dem__plus(arm, -half, round))); /* with the arm at that time */
+    *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
+}
+
+/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
+    const double reach = t->sum[k] + b->gap[k];
+    return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k], arm.z + b->dz[k] - reach * b->nz[k]);
+}
+
+/* Fills row k of a polyhedron's contact with another body or a wall. */
+static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const dem__type_rows *t, int k, ptrdiff_t c, double half,
+                                        dem__wall_row *at) {
+    double *const *place = w->engine->contacts.touch;
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const dem_vec n = dem__place_normal(w, c), arm = dem__place_arm(w, c);
+    const dem_vec before = dem_vec3(place[9][c], place[10][c], place[11][c]);
+    dem_vec v, a, other_v, other_a, spin;
+    b->nx[k] = n.x, b->ny[k] = n.y, b->nz[k] = n.z, b->gap[k] = place[3][c];
+    b->inverse[k] = 1.0 / (t->sum[k] + b->gap[k]);
+    dem__point_motion(w, i, arm, half, &v, &a);
+    if (j >= 0) {
+        dem__point_motion(w, j, dem__other_arm(b, t, k, arm), half, &other_v, &other_a);
+        spin = w->particle[j].spin;
+    } else {
+        const dem_wall *wall = at->wall;
+        const dem_vec point = dem__add(w->particle[i].x, dem__plus(arm, -(t->sum[k] + b->gap[k]), n));
+        other_v = wall->slides ? dem__surface_velocity(wall, point, n) : wall->velocity;
+        other_a = wall->slides ? dem__surface_acceleration(wall, point) : wall->acceleration;
+        spin = dem__scale(wall->spin, wall->spin_axis);
+        at->velocity = other_v;
+        other_v = dem__plus(other_v, -half, other_a);
+    }
+    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a), turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
+    b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
+    b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
+    b->wj[0][k] = spin.x, b->wj[1][k] = spin.y, b->wj[2][k] = spin.z;
+    b->tx[k] = turned.x, b->ty[k] = turned.y, b->tz[k] = turned.z;
+}
+static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
+                                                double half, dem__wall_row *wall) {
+    for (int k = 0, q = 0; k < n; k++) {
+        const int at_wall = w->engine->contacts.j[base + k] < 0;
+        if (dem__is_convex_contact(w, base + k)) dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        q += at_wall;
+    }
+}
+
+/* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
+static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem__rows *b, const dem__type_rows *t, ptrdiff_t base, int n,
+                                                  const dem__columns *at, double half, int features) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    double *const *out = at->out;
+    for (int k = 0; k < n; k++) {
+        const ptrdiff_t c = base + k;
+        if (!dem__is_convex_contact(w, c)) continue;
+        const double weight = contacts->touch[7][c];
+        const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
+        for (int a = 0; a < 9; a++) out[a][k] *= weight;
+        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f), on_j = dem__cross(other, f);
+        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
+        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        at->elastic[k] *= weight, at->loss[1][k] *= weight;
+        for (int a = 0; a < 2; a++) { /* losses by powers are means of the power before, which has its weight, and of the power now */
+            at->loss[2 * a][k] += (weight - 1.0) * half * at->power[a][k];
+            at->power[a][k] *= weight;
+        }
+    }
+}
+
+/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the mass at a corner is
+   not the pair's. */
+static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+    dem__contacts *contacts = &w->engine->contacts;
+    for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
+        const ptrdiff_t c = contacts->slots[in->first + m];
+        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+    }
+}
+
+/* Gives a contact of polyhedra its radii, those of the roundings, and the mass and curvature at its point. */
+static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const double per_i = dem__per_share(w, i) / w->particle[i].mass;
+    b->radius_i = dem__touching_radius(w, i);
+    b->mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    if (j >= 0) {
+        b->radius_j = dem__touching_radius(w, j);
+        return;
+    }
+    dem__touch touch;
+    dem__touch_at_place(w, c, &touch);
+    b->curvature = touch.curvature;
+}
+
+/* ------------------------------------------------------------------------------------- >>convex_add */
+/* Polyhedra come into a world: shapes, particles, and what the engine asks of them from then on (dem__convex_room). Reads shapes; writes
+   the world through dem__add_body.
+   May be changed here alone: what is refused. */
+
+static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
+                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem__leave_convex_edges};
+
+DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !shape || shape->corners < 4 || shape->corners > DEM_CORNERS_MAX || !dem__positive(shape->reach) ||
+        !dem__positive(shape->radius) || !dem__positive(shape->volume))
+        return -(int)DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return -(int)DEM_BUSY;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_allocator *a = &w->def.allocator;
+    dem__array list[DEM__ARRAYS_MAX];
+    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
+    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
+    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
+    convex->shape = fresh, convex->room = &dem__polyhedra;
+    convex->shape[convex->shapes++] = *shape;
+    if (convex->shapes > 1) return convex->shapes - 1;
+    dem__bodies *bodies = &w->engine->bodies;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
+    dem__release(a, convex->shape, size);
+    convex->shape = NULL, convex->shapes = 0, convex->room = NULL;
+    return -(int)DEM_OUT_OF_MEMORY;
+}
+
+/* Returns whether n orientations are quaternions with a direction. */
+static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
+    dem_quaternion q;
+    for (ptrdiff_t k = 0; k < n && orientations; k++) {
+        const double *o = orientations + 4 * k;
+        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
+                                  int group) {
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
+        shape >= w->engine->convex.shapes)
+        return DEM_BAD_ARGUMENT;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
+    const dem_convex *s = &w->engine->convex.shape[shape];
+    const double density = w->def.material[material].density;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = 0; k < 3 * n; k++) {
+        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+    }
+    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
+    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
+    dem__body_def body;
+    memset(&body, 0, sizeof body);
+    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
+    body.frame = body.turn = dem__quaternion(1.0, none);
+    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations + 4 * k;
+        body.x = dem__point(centres + 3 * k);
+        if (orientations) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
+        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
+    }
+    return DEM_OK;
+}
+
+DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
+    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
+    return world->engine->convex.shape_of[i] - 1;
+}
+DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
+    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
+}
+DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }
 
 /* --------------------------------------------------------------------------------------------------- >>gas */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures.
@@ -13691,7 +13801,7 @@ static inline dem_status dem__read_shapes(const dem__file *file, dem_world *w, d
     convex->shape = (dem_convex *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)n * sizeof *convex->shape);
     if (!convex->shape) return DEM_OUT_OF_MEMORY;
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
-    convex->shapes = (int)n;
+    convex->shapes = (int)n, convex->room = &dem__polyhedra;
     w->engine->walls.touch_keepers++;
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;

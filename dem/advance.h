@@ -29,14 +29,10 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
 }
-static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
-    dem__advance_all(w, *(const double *)h, first, end, 1);
-    dem__advance_bodies_range(w, first, end, part, h);
-}
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books = w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? dem__advance_with_bodies : dem__advance_range,
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n, w->engine->bodies.rigid ? w->engine->bodies.room->advance : dem__advance_range,
                   &h); /* n / 4: little work for each particle */
 }
 
@@ -142,7 +138,7 @@ static inline int dem__kick(dem_world *w, double h) {
     double all = 0.0;
     if (n == 0) return 1;
     kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, dem__kick_bodies_range, &h);
+    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.room->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
@@ -161,64 +157,10 @@ DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_v
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
-/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
-static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    dem__mark_to_check(w, i);
-    if (r) {
-        dem__push_body(w, r, i, impulse, turn, shift, n);
-        dem__place_pieces(w, r);
-        return;
-    }
-    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
-    p->x = dem__plus(p->x, shift / p->mass, n);
-    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
-    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
-}
-
 /* Returns whether a rigid body takes part in the contact in slot c. */
 DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
-}
-
-/* Applies the impulses of a correction where a rigid body takes part. */
-static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
-    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
-    dem__push_any(w, i, impulse, on_i, 0.0, n);
-    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
-}
-
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
-   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
-static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const dem__correction *h = &contacts->correction[c];
-    const int32_t i = contacts->i[c], j = contacts->j[c];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
-    if (j < 0) {
-        dem__push_any(w, i, none, none, h->shift, n);
-        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
-        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
-        return;
-    }
-    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
-    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
-    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
-    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
-    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
-    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
 /* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
@@ -227,7 +169,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
     if (dem__has_body(w, c)) {
-        dem__push_bodies(w, c, has_friction);
+        w->engine->bodies.room->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
@@ -271,7 +213,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) dem__shift_bodies(w, c);
+            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.room->shift(w, c);
         }
     }
 }

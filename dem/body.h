@@ -1,13 +1,13 @@
 /* ------------------------------------------------------------------------------------------------- >>scene */
 /* Particles between steps: adding them, their energy, loads and motion, and what acts on all of them.
-   Relies on flight.h, rigid.h and the ledger.
+   Relies on flight.h and the ledger.
    May be changed here alone: what a function that changes a particle refuses. */
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        dem__set_body_origin(w, r);
+        w->engine->bodies.room->set_origin(w, r);
         return;
     }
     const double tau = dem__now(w, i);
@@ -107,7 +107,7 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        dem__free_body(w, r);
+        bodies->room->fall(w, r);
         return;
     }
     const dem__sum *sum = &bodies->sum[i];
@@ -179,81 +179,6 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
     }
     if (n > 0) w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
     return DEM_OK;
-}
-
-/* Definition of a rigid body: see rigid.h. */
-typedef struct dem__body_def {
-    dem_vec x;             /* centre of mass [m] */
-    double mass;           /* [kg] */
-    dem_vec moments;       /* about the principal axes [kg m2] */
-    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
-    dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
-    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
-    const double *radius;  /* [m] */
-    int material, group;
-} dem__body_def;
-
-/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
-   when out of memory. */
-static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__array list[DEM__ARRAYS_MAX];
-    const dem_allocator *a = &w->def.allocator;
-    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
-    if (wanted <= old) return dem__reserve_particles(w, pieces);
-    const ptrdiff_t larger = wanted + wanted / 2 + 16;
-    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
-    if (!fresh) return 0;
-    bodies->rigid = fresh, bodies->rigid_capacity = larger;
-    if (old > 0) return dem__reserve_particles(w, pieces);
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
-        return 1;
-    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
-    bodies->rigid = NULL, bodies->rigid_capacity = 0;
-    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
-    return 0;
-}
-
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
-   frame accordingly; order: the old axis of each new one. */
-static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
-    const double m[3] = {moments->x, moments->y, moments->z};
-    int third = 2;
-    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
-        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
-    }
-    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
-    const double turns = (double)((third + 1) % 3);
-    if (turns > 0.0) {
-        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
-        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
-    }
-    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
-    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
-    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
-}
-
-/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
-static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
-    int order[3];
-    memset(r, 0, sizeof *r);
-    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
-    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
-    dem__order_moments(&r->moments, &r->frame, order);
-    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
-    for (ptrdiff_t k = 0; k < def->pieces; k++) {
-        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
-        const dem_vec from = def->offset[k];
-        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
-        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
-    }
-    dem__free_body(w, r);
-    dem__book_added(w, dem__potential(w, r->first));
-    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
-    return r->first;
 }
 
 static inline void dem__set_stride(dem_world *w) {
@@ -351,10 +276,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
-    if (r) {
-        r->v = dem__flushed_vec(velocity), r->momentum = dem__momentum_of(r->turn, r->moments, dem__flushed_vec(spin));
-        dem__place_pieces(w, r);
-    }
+    if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
     dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -382,7 +304,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
-    if (r) dem__place_pieces(w, r);
+    if (r) w->engine->bodies.room->place(w, r);
     if (!w->touching[i]) dem__free_acceleration(w, i);
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;

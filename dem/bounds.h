@@ -1,20 +1,11 @@
 /* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
    May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
-   forces. */
-static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
-    const dem_vec m = r->moments;
-    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
-    dem_vec force, torque;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    return (double)w->engine->links.stride * w->engine->run.dt *
-           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
-}
 /* Estimates the same for any particle. */
+/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) return dem__body_link_drift(w, r, i);
+    if (r) return w->engine->bodies.room->link_drift(w, r, i);
     return (double)w->engine->links.stride * w->engine->run.dt / w->particle[i].mass * dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
@@ -38,7 +29,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body = w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? dem__swing(w, body, i) : 0.0;
+    const double swing = body ? bodies->room->swing(w, body, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a) : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
                  held = 16.0 * w->engine->run.dt * dem__length(dem__sub(w->particle[i].a, g));
@@ -215,6 +206,16 @@ DEM_INLINE void dem__prefetch_neighbours(const dem_world *w, ptrdiff_t i) {
         DEM__PREFETCH(&pairs->timers.due[pairs->adjacent[2 * k]]);
         DEM__PREFETCH(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]]);
     }
+}
+
+/* Returns the near pair of two particles, or -1. */
+static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
+    const dem__pairs *pairs = &w->engine->pairs;
+    if (w->engine->run.needs_lists) return -1;
+    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
+        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
+    }
+    return -1;
 }
 
 /* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */

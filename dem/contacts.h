@@ -115,6 +115,17 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
+/* Returns the curvature of a wall where a sphere touches it, in slot c: that of a cone as the contact began. */
+static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
+    const dem_particle *p = &w->particle[contacts->i[c]];
+    dem__touch touch;
+    if (wall->kind == DEM_CONE) return contacts->touch[0][c];
+    dem__touch_element(wall, p->x, p->radius, contacts->element[c], &touch);
+    return touch.curvature;
+}
+
 /* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
@@ -129,26 +140,20 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     b.def = &w->def;
     b.features = features;
     b.material_i = w->material[i];
-    b.radius_i = dem__touching_radius(w, i);
+    b.radius_i = w->particle[i].radius;
     if (j >= 0) {
         double other = dem__inertia(w, j);
         b.material_j = w->material[j];
-        b.radius_j = dem__touching_radius(w, j);
+        b.radius_j = w->particle[j].radius;
         b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
     } else {
-        dem__touch touch;
-        if (dem__is_convex_contact(w, c)) dem__touch_at_place(w, c, &touch);
-        else dem__touch_element(&w->wall[-1 - j], w->particle[i].x, w->particle[i].radius, contacts->element[c], &touch);
         b.material_j = w->wall[-1 - j].material;
-        b.curvature = w->wall[-1 - j].kind == DEM_CONE && !dem__is_convex_contact(w, c) ? contacts->touch[0][c] : touch.curvature;
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) {
-        const double per_i = dem__per_share(w, i) / w->particle[i].mass;
-        b.mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
-    }
+    if (dem__is_convex_contact(w, c)) w->engine->convex.room->prepare(w, c, &b);
+    else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j] : &w->def.pair[b.material_j][b.material_i];
     b.user = w->user;
     b.damping_ratio = run->damping_ratio[b.material_i][b.material_j];

@@ -206,16 +206,6 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
     }
 }
 
-/* Returns the near pair of two particles, or -1. */
-static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    if (w->engine->run.needs_lists) return -1;
-    for (int32_t a = pairs->adjacent_start[i]; a < pairs->adjacent_start[i + 1]; a++) {
-        if (pairs->adjacent[2 * a + 1] == j) return pairs->adjacent[2 * a];
-    }
-    return -1;
-}
-
 /* Returns the pair of particle i with j, or with wall -1 - j; -1 if it is not listed. */
 static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32_t j) {
     const dem__convex_state *convex = &w->engine->convex;
@@ -281,77 +271,3 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     }
     return 1;
 }
-
-/* ---- public ---- */
-
-DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || shape->corners < 4 || shape->corners > DEM_CORNERS_MAX || !dem__positive(shape->reach) ||
-        !dem__positive(shape->radius) || !dem__positive(shape->volume))
-        return -(int)DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return -(int)DEM_BUSY;
-    dem__convex_state *convex = &w->engine->convex;
-    const dem_allocator *a = &w->def.allocator;
-    dem__array list[DEM__ARRAYS_MAX];
-    const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
-    if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
-    dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
-    if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
-    convex->shape = fresh;
-    convex->shape[convex->shapes++] = *shape;
-    if (convex->shapes > 1) return convex->shapes - 1;
-    dem__bodies *bodies = &w->engine->bodies;
-    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 0;
-    dem__release(a, convex->shape, size);
-    convex->shape = NULL, convex->shapes = 0;
-    return -(int)DEM_OUT_OF_MEMORY;
-}
-
-/* Returns whether n orientations are quaternions with a direction. */
-static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
-    dem_quaternion q;
-    for (ptrdiff_t k = 0; k < n && orientations; k++) {
-        const double *o = orientations + 4 * k;
-        if (!dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return 0;
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
-                                  int group) {
-    dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
-        shape >= w->engine->convex.shapes)
-        return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
-    const dem_convex *s = &w->engine->convex.shape[shape];
-    const double density = w->def.material[material].density;
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
-    }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1])) return DEM_BAD_ARGUMENT;
-    if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
-    dem__body_def body;
-    memset(&body, 0, sizeof body);
-    body.mass = density * s->volume, body.moments = dem__scale(density, dem__point(s->moment));
-    body.frame = body.turn = dem__quaternion(1.0, none);
-    body.pieces = 1, body.offset = &none, body.radius = &s->reach, body.material = material, body.group = group;
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const double *o = orientations + 4 * k;
-        body.x = dem__point(centres + 3 * k);
-        if (orientations) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &body.turn);
-        w->engine->convex.shape_of[dem__add_body(w, &body)] = shape + 1;
-    }
-    return DEM_OK;
-}
-
-DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i) {
-    if (!world || !world->engine || i < 0 || i >= world->count || world->engine->convex.shapes == 0) return -1;
-    return world->engine->convex.shape_of[i] - 1;
-}
-DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
-    return world && world->engine && shape >= 0 && shape < world->engine->convex.shapes ? &world->engine->convex.shape[shape] : NULL;
-}
-DEM_API int64_t dem_core_overlaps(const dem_world *world) { return world && world->engine ? world->engine->convex.overlaps : 0; }

@@ -3,29 +3,11 @@
    bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are left as they are.
    May be changed here alone: how masses and weights enter; forces on both bodies are opposite. */
 
-DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
-
-DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[0][c], place[1][c], place[2][c]);
-}
-/* Returns the vector from the centre of i to that of the sphere that touches for it. */
-DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
-    double *const *place = w->engine->contacts.touch;
-    return dem_vec3(place[4][c], place[5][c], place[6][c]);
-}
-
 /* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which turns aside, the
    mean. */
 DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? 1.0 / s->share : 1.0;
-}
-
-/* Returns the radius with which particle i touches: its own, or that of its rounding. */
-DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? s->radius : w->particle[i].radius;
 }
 
 /* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
@@ -121,4 +103,19 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
         const ptrdiff_t c = contacts->slots[in->first + m];
         if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
     }
+}
+
+/* Gives a contact of polyhedra its radii, those of the roundings, and the mass and curvature at its point. */
+static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
+    const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
+    const double per_i = dem__per_share(w, i) / w->particle[i].mass;
+    b->radius_i = dem__touching_radius(w, i);
+    b->mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    if (j >= 0) {
+        b->radius_j = dem__touching_radius(w, j);
+        return;
+    }
+    dem__touch touch;
+    dem__touch_at_place(w, c, &touch);
+    b->curvature = touch.curvature;
 }

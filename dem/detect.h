@@ -126,6 +126,18 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     return 1;
 }
 
+/* Returns whether the contact in slot c is one of a polyhedron; its normal, and the way from the centre of i to the sphere that touches
+   for it. */
+DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
+DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    return dem_vec3(place[0][c], place[1][c], place[2][c]);
+}
+DEM_INLINE dem_vec dem__place_arm(const dem_world *w, ptrdiff_t c) {
+    double *const *place = w->engine->contacts.touch;
+    return dem_vec3(place[4][c], place[5][c], place[6][c]);
+}
+
 DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
     dem__footing f;

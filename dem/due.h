@@ -40,16 +40,13 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
 static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 0);
 }
-static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
-    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
-}
 
 /* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
     dem__work *work = w->engine->scratch.work;
-    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? dem__test_due_with_bodies : dem__test_due_range, &step);
+    dem__in_parts(w, parts, pairs->timers.pages, w->engine->bodies.rigid ? w->engine->bodies.room->test_due : dem__test_due_range, &step);
     pairs->due_count = 0;
     for (int q = 0; q < parts; q++) {
         pairs->due_count += (ptrdiff_t)work[q].batch.looks;
@@ -73,7 +70,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     if (walls->meshes) dem__follow_meshes(w, step);
-    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, step);
+    if (w->engine->convex.room) w->engine->convex.room->follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {
         for (int32_t e = 0; e < (int32_t)(w->count * w->walls); e++) {

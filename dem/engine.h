@@ -76,6 +76,32 @@ typedef struct dem__rigid {
     dem_quaternion ahead;     /* and the orientation there; neither is saved */
 } dem__rigid;
 
+/* Where a rigid body is at a time: its centre of mass, its orientation, and how they change. */
+typedef struct dem__posture {
+    dem_vec x, v, spin, momentum;
+    dem_quaternion turn;
+} dem__posture;
+
+/* What the engine asks of rigid bodies, in the order of a step. rigid.h answers: its functions come into the world with the first body
+   (dem__reserve_bodies), so that a program which adds none, and loads no world, compiles none of them. Without bodies nothing is asked. */
+typedef struct dem__body_room {
+    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* at tau [s] after its origin step */
+    void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
+    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* at the origin */
+    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts it into the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r);                                           /* its particles where it is */
+    void (*fall)(dem_world *w, dem__rigid *r);                                            /* accelerations without contacts */
+    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* pairs in pages of timers */
+    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* active particles to the end of a step */
+    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* bodies of active particles, by forces */
+    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                                               /* then its shift */
+    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* by the change of links' forces */
+    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* of i in flight, about the centre [m/s] */
+    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* change of i's velocity by links [m/s] */
+    void (*note_strides)(dem_world *w);                                                   /* how far flights have come */
+} dem__body_room;
+
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* step from which `due` counts */
@@ -130,7 +156,8 @@ typedef struct dem__bodies {
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid; /* bodies with an orientation; NULL without any */
+    dem__rigid *rigid;          /* bodies with an orientation; NULL without any */
+    const dem__body_room *room; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */

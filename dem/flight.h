@@ -31,51 +31,11 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* State of a rigid body at tau after its origin step. */
-typedef struct dem__posture {
-    dem_vec x, v, spin, momentum;
-    dem_quaternion turn;
-} dem__posture;
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
-    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.room->posture(w, r, tau);
 }
 
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
-static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
-    dem_quaternion q = r->turn;
-    double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
-}
-
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
-static inline void dem__note_strides(dem_world *w) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
-        dem__rigid *r = &bodies->rigid[k];
-        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
-    }
-}
-
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
-    p.momentum = dem__plus(r->momentum, tau, r->torque);
-    if (tau == 0.0) p.turn = r->turn;
-    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
-    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
-    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
-    return p;
-}
+/* Position and velocity of a particle of a rigid body at tau after its origin step. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__posture p = dem__posture_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));

@@ -430,7 +430,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__pairs *pairs = &w->engine->pairs;
     const int keeps = !run->needs_lists;
-    dem__note_strides(w);
+    if (bodies->rigid) bodies->room->note_strides(w);
     if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
     dem__list_active(w);
     double smallest, largest;
@@ -456,7 +456,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.shapes > 0 && !dem__list_convex_pairs(w)) {
+    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -478,7 +478,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
    next check. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__note_strides(w);
+    if (w->engine->bodies.rigid) w->engine->bodies.room->note_strides(w);
     int64_t due = w->engine->pairs.listed_step + DEM__STEPS_MAX;
     if (w->step >= due) return dem__rebuild(w);
     for (ptrdiff_t i = 0; i < w->count; i++) {

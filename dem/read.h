@@ -66,8 +66,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     dem__set_origin(w, i);
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     r->turn = dem__turns(q, r->frame);
-    r->momentum = dem__momentum_of(r->turn, r->moments, spin);
-    dem__place_pieces(w, r);
+    w->engine->bodies.room->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;

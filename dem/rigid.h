@@ -1,13 +1,54 @@
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Motion of rigid bodies: kick of momentum and angular momentum, free drift, kick. Reads the sums of forces on their particles; writes
-   bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one thread, so that bits do not depend on
-   threads.
+/* Rigid bodies with an orientation: their rotation, what the engine asks of them (dem__body_room in engine.h), adding them. Reads the sums
+   of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
+   thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
-   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
-   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
-   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
+   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
+   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
+   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
+DEM_INLINE int dem__strides(const dem__rigid *r) {
+    return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
+}
+
+/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides that are known. */
+static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
+    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    dem_quaternion q = r->turn;
+    double n = 0.0;
+    if (!(stride < HUGE_VAL)) return q;
+    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+}
+
+/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins. */
+static inline void dem__note_strides(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
+        dem__rigid *r = &bodies->rigid[k];
+        if (!w->alive[r->first] || !dem__strides(r) || bodies->activity[r->first]) continue;
+        const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(dem__now(w, r->first) / stride);
+        if (!(whole > r->strides)) continue;
+        if (r->strides == 0.0) r->ahead = r->turn;
+        for (; r->strides < whole; r->strides += 1.0) r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+    }
+}
+
+/* Returns the state of a rigid body at tau after its origin step [s]. */
+static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__posture p;
+    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.momentum = dem__plus(r->momentum, tau, r->torque);
+    if (tau == 0.0) p.turn = r->turn;
+    else if (tau > 1.5 * w->engine->run.dt && dem__strides(r)) p.turn = dem__turn_of_flight(r, tau);
+    else p.turn = dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, tau <= 1.5 * w->engine->run.dt);
+    p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
+    return p;
+}
+
 /* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -26,9 +67,15 @@ static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
 
 /* Makes the present step the origin of a body. */
 static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__posture_at(w, r, dem__now(w, r->first));
+    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
     r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
+    dem__place_pieces(w, r);
+}
+
+/* Gives a body a velocity and a spin at its origin. */
+static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
+    r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
     dem__place_pieces(w, r);
 }
 
@@ -45,8 +92,8 @@ static inline void dem__advance_body(dem_world *w, dem__rigid *r, double tau, do
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
     const int steps = tau <= h; /* else its flight ends in this step */
-    const dem__posture end = dem__posture_at(w, r, tau);
-    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__posture_at(w, r, tau - h).turn;
+    const dem__posture end = dem__find_posture(w, r, tau);
+    const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__find_posture(w, r, tau - h).turn;
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
     dem_vec spin = dem__spin_of(end.turn, r->moments, momentum);
     if (h > 0.0) spin = dem__scale(0.5, dem__add(spin, dem__spin_of(from, r->moments, momentum)));
@@ -156,4 +203,193 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
         dem__rigid *r = dem__rigid_of(w, i);
         if (r && r->first == i) dem__kick_body(w, r, half);
     }
+}
+
+/* Moves active particles first .. end-1, then the bodies whose first particles are among them. */
+static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_bodies_range(w, first, end, part, h);
+}
+
+/* Tests the pairs that are due, in pages first .. end-1. */
+static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
+    dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
+}
+
+/* Applies an impulse, an angular impulse and a shift along n to particle i or to its rigid body. */
+static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    dem__mark_to_check(w, i);
+    if (r) {
+        dem__push_body(w, r, i, impulse, turn, shift, n);
+        dem__place_pieces(w, r);
+        return;
+    }
+    p->v = dem__plus(p->v, 1.0 / p->mass, impulse);
+    p->x = dem__plus(p->x, shift / p->mass, n);
+    w->engine->bodies.shifted[i] += fabs(shift / p->mass);
+    p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
+}
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
+
+/* Applies the impulses of a correction where a rigid body takes part. */
+static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
+    const dem_vec on_i = has_friction ? dem__second(h->impulse) : none, on_j = has_friction ? dem__first(h->impulse + 6) : none;
+    dem__push_any(w, i, impulse, on_i, 0.0, n);
+    if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+}
+
+/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the angular momentum about
+   the common centre, which comes from the velocities of the centres of mass; two opposite impulses at the particles restore it. */
+static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem__correction *h = &contacts->correction[c];
+    const int32_t i = contacts->i[c], j = contacts->j[c];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), n = dem_vec3(h->n[0], h->n[1], h->n[2]);
+    if (j < 0) {
+        dem__push_any(w, i, none, none, h->shift, n);
+        const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], w->particle[i].x, n));
+        dem__expect_impact(w, i, j, n, -dem__dot(v, n));
+        return;
+    }
+    const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
+    const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
+    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
+    dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
+    dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
+    dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
+}
+
+/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
+   where it was computed; a body that takes steps uses the present place for both. */
+static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    if (w->touching[r->first] == 0) {
+        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
+    } else {
+        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (!dem__is_linked(w, i)) continue;
+            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
+            more = dem__plus(more, 1.0 / r->mass, change);
+            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
+                                                 dem__cross(bodies->arm[i], change)));
+        }
+    }
+    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
+    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
+    dem__place_pieces(w, r);
+}
+
+/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from their present
+   forces. */
+static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
+    const dem_vec m = r->moments;
+    const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
+    dem_vec force, torque;
+    dem__sum_on_body(w, r, 0, 1, &force, &torque);
+    return (double)w->engine->links.stride * w->engine->run.dt *
+           (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
+}
+
+static const dem__body_room dem__rigid_bodies = {dem__find_posture,
+                                                 dem__set_body_origin,
+                                                 dem__set_body_motion,
+                                                 dem__wrap_body,
+                                                 dem__place_pieces,
+                                                 dem__free_body,
+                                                 dem__test_due_with_bodies,
+                                                 dem__advance_with_bodies,
+                                                 dem__kick_bodies_range,
+                                                 dem__push_bodies,
+                                                 dem__shift_bodies,
+                                                 dem__kick_linked_body,
+                                                 dem__swing,
+                                                 dem__body_link_drift,
+                                                 dem__note_strides};
+
+/* Definition of a rigid body: see rigid.h. */
+typedef struct dem__body_def {
+    dem_vec x;             /* centre of mass [m] */
+    double mass;           /* [kg] */
+    dem_vec moments;       /* about the principal axes [kg m2] */
+    dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
+    dem_quaternion turn;   /* from that frame to the lab's axes */
+    ptrdiff_t pieces;      /* number of its particles */
+    const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
+    const double *radius;  /* [m] */
+    int material, group;
+} dem__body_def;
+
+/* Makes room for n more bodies with `pieces` particles in all; for the first body, also the arrays that particles of bodies need. Returns 0
+   when out of memory. */
+static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = bodies->rigid_capacity, wanted = bodies->rigid_count + n;
+    if (wanted <= old) return dem__reserve_particles(w, pieces);
+    const ptrdiff_t larger = wanted + wanted / 2 + 16;
+    dem__rigid *fresh = (dem__rigid *)a->fn(a->user, bodies->rigid, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+    if (!fresh) return 0;
+    bodies->rigid = fresh, bodies->rigid_capacity = larger, bodies->room = &dem__rigid_bodies;
+    if (old > 0) return dem__reserve_particles(w, pieces);
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + pieces + 1))
+        return 1;
+    a->fn(a->user, fresh, (size_t)larger * sizeof *fresh, 0);
+    bodies->rigid = NULL, bodies->rigid_capacity = 0;
+    bodies->rigid_of = NULL, bodies->offset = bodies->arm = NULL;
+    return 0;
+}
+
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by rounding. Turns the
+   frame accordingly; order: the old axis of each new one. */
+static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
+    const double m[3] = {moments->x, moments->y, moments->z};
+    int third = 2;
+    for (int k = 0; k < 2; k++) { /* the axis whose two others differ least */
+        if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
+    }
+    for (int k = 0; k < 3; k++) order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+    const double turns = (double)((third + 1) % 3);
+    if (turns > 0.0) {
+        const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
+        *frame = dem__turns(*frame, dem__quaternion(c, dem_vec3(s, s, s)));
+    }
+    moments->x = m[order[0]], moments->y = m[order[1]], moments->z = m[order[2]];
+    if (fabs(moments->x - moments->y) <= 1e-12 * moments->x) moments->y = moments->x;
+    if (fabs(moments->x - moments->z) <= 1e-12 * moments->x && moments->x == moments->y) moments->z = moments->x;
+}
+
+/* Adds a body at rest, for which dem__reserve_bodies has made room. Returns the number of its first particle. */
+static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+    int order[3];
+    memset(r, 0, sizeof *r);
+    r->first = (int32_t)w->count, r->pieces = (int32_t)def->pieces;
+    r->x = dem__in_box(w, def->x), r->mass = def->mass, r->moments = def->moments, r->frame = def->frame;
+    dem__order_moments(&r->moments, &r->frame, order);
+    r->turn = dem__kept_unit(dem__turns(def->turn, r->frame));
+    for (ptrdiff_t k = 0; k < def->pieces; k++) {
+        const ptrdiff_t i = dem__put_particle(w, r->x, def->radius[k], def->mass, def->material, def->group);
+        const dem_vec from = def->offset[k];
+        bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
+        bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
+    }
+    dem__free_body(w, r);
+    dem__book_added(w, dem__potential(w, r->first));
+    w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
+    return r->first;
 }

@@ -7,7 +7,7 @@ static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
     dem__test_all_pairs(w, w->step);
-    if (w->engine->convex.shapes > 0) dem__follow_polyhedra(w, w->step);
+    if (w->engine->convex.room) w->engine->convex.room->follow(w, w->step);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls; k++) {
             if (w->wall[k].kind != DEM_EXIT && dem__needs_test(w, i, k)) dem__test_wall(w, (int32_t)i * w->walls + k, w->step);
@@ -126,29 +126,8 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
-   where it was computed; a body that takes steps uses the present place for both. */
-static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
-    dem__sum_on_body(w, r, 0, 1, &force, &torque);
-    if (w->touching[r->first] == 0) {
-        more = dem__sub(dem__plus(dem__free_fall(w), 1.0 / r->mass, force), r->a), turning = dem__sub(torque, r->torque);
-    } else {
-        for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
-            if (!dem__is_linked(w, i)) continue;
-            const dem_vec change = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->sum[i].load));
-            more = dem__plus(more, 1.0 / r->mass, change);
-            turning = dem__add(turning, dem__add(dem__sub(dem__second(bodies->load[i]), dem__second(bodies->sum[i].load)),
-                                                 dem__cross(bodies->arm[i], change)));
-        }
-    }
-    r->v = dem__flushed_vec(dem__plus(r->v, half, more)), r->a = dem__add(r->a, more);
-    r->momentum = dem__flushed_vec(dem__plus(r->momentum, half, turning)), r->torque = dem__add(r->torque, turning);
-    dem__place_pieces(w, r);
-}
-
-/* Does the same for a particle. A body is kicked at its first linked particle. */
+/* Gives a particle half a kick by the change of its links' forces; the sums hold the old ones. A body is kicked when its first linked
+   particle is met. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -159,7 +138,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
             if (dem__is_linked(w, k)) return;
         }
         dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        dem__kick_linked_body(w, r, half);
+        w->engine->bodies.room->kick_links(w, r, half);
         dem__book_link_work(w, dem__motion_energy(w, r->first));
         return;
     }
@@ -193,7 +172,7 @@ static inline void dem__step_links(dem_world *w) {
         dem__rigid *r = dem__rigid_of(w, i);
         if (!dem__is_linked(w, i)) continue;
         dem__set_origin(w, i);
-        if (r) dem__wrap_body(w, r), dem__place_pieces(w, r);
+        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
         else dem__wrap(w, i);
         if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
         for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];

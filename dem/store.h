@@ -37,6 +37,12 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
 }
 
+/* Returns the radius with which particle i touches: its own, or that of its rounding. */
+DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : w->particle[i].radius;
+}
+
 /* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
