@@ -172,8 +172,8 @@ extern "C" {
 #define DEM_STATE_MAX 16                  /* doubles that a law may keep for each contact */
 #define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: enough for a few sizes and materials */
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last and a test can be put off: rounding errors grow with them */
-#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls no test is put off for longer */
+#define DEM__STEPS_MAX (1 << 20)          /* longest life of a list, and longest delay of a test, in steps: rounding errors grow with it */
+#define DEM__RETEST_STEPS 1024            /* longest delay of a test at turning walls, in steps: beyond it another test costs little */
 #define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: with more of them neighbours are tested sooner */
 #define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
 #define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
@@ -618,8 +618,8 @@ typedef struct dem_world {
     void *user;        /* yours: passed to the law's hooks; not saved */
     int64_t step;      /* steps done */
     double time;       /* [s] */
-    double owed;       /* time asked for and not yet run, at most half a step [s]; the next run makes up for it. A run that fails owes
-                        nothing: ask for the rest again */
+    double owed;       /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a failed run:
+                          request the rest again */
     ptrdiff_t count;   /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps are closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
@@ -756,7 +756,7 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
 /* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the saved world, a restart
-   goes on with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
+   continues with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
 typedef struct dem_feed {
     dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
     dem_sizes sizes;
@@ -1047,7 +1047,7 @@ DEM_API uint64_t dem_hash(const dem_world *world);
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
    is enough (call it with NULL, 0 first). */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs go on with the same bits. allocator may be NULL. */
+/* Makes a world from saved bytes; its runs continue with the same bits. allocator may be NULL. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */
@@ -1503,7 +1503,7 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     return s;
 }
 
-/* Returns the position that a pose gives a wall; axis: its axes. */
+/* Returns the position of a wall in a pose; axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -1516,7 +1516,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Puts a prescribed wall where it is at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -1550,7 +1550,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Puts a controlled wall where it is at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -1561,7 +1561,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Puts a kinematic wall where it is t after its motion began. */
+/* Moves a kinematic wall to its place t after its motion began [s]. */
 static inline void dem__kinematic_wall(dem_wall *w, double t) {
     const dem__sway sway = dem__sway_at(w, t);
     const dem_vec shift = dem__add(sway.shift, dem__scale(t, w->asked.drift));
@@ -1581,7 +1581,7 @@ static inline void dem__kinematic_wall(dem_wall *w, double t) {
     w->position = dem__add(origin, shift);
 }
 
-/* Puts a wall where it is at a time. */
+/* Moves a wall to its place at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
@@ -1706,7 +1706,7 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All faces of a plane give the same. */
+/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
     *distance = fabs(up);
@@ -1956,7 +1956,7 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh may be touched in so many places */
+    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
     touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
     dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
     *out = touch[0];
@@ -4313,7 +4313,7 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
     return kept;
 }
 
-/* Returns whether the three corners have been seen before, in any order. */
+/* Returns whether a triangle with the same three corners, in any order, came before. */
 static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
@@ -4488,7 +4488,7 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, whatever their indices; triangles
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
    without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
    DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {
@@ -4573,7 +4573,7 @@ static inline double dem__mesh_volume(const dem_mesh *m) {
     return fabs(sum);
 }
 
-/* The motion of walls as it was asked for, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
+/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
 /* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */
@@ -5265,8 +5265,8 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each goes on at the deepest place whose normal
-   is near its own, or ends. bear: contacts begin at the places that are left. Returns whether places are left. */
+/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each continues at the deepest place whose normal
+   is near its own, or ends. bear: whether contacts begin at the remaining places. Returns whether places are left. */
 static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
@@ -5394,7 +5394,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
     return least;
 }
 
-/* Returns how far x is from a face of the periodic box behind which the wall does not go on [m]: walls are not repeated. */
+/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -6990,7 +6990,7 @@ struct dem__work {
     dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Makes the working memory of so many threads. Returns 0 when out of memory. */
+/* Allocates the working memory of `threads` threads. Returns 0 when out of memory. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
@@ -8438,7 +8438,7 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 /* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads bodies, the law; writes
    bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at its origin and the same
    whatever is skipped.
-   May be changed here alone: how long a flight is, within the accuracy asked for. */
+   May be changed here alone: how long a flight is, within the requested accuracy. */
 
 /* Tasks of the kernel of a field. All that a field needs goes through it, so that a program without one compiles none of it. */
 enum {
@@ -9221,8 +9221,8 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. Those of a law that keeps as many states go on; a history that is zero can be
-   dropped, or begin. */
+/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a history that is
+   zero can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;
@@ -11084,7 +11084,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
+   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
    with weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
@@ -11298,7 +11298,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Makes room for so many points, whose contents are lost. Returns 0 when out of memory. */
+/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;

@@ -618,7 +618,7 @@ FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); 
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
 
-/* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run goes on with the same bits. */
+/* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run continues with the same bits. */
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
@@ -913,7 +913,7 @@ static inline double filtration_kozeny_carman(double porosity, double d, double 
     return constant * ratio * ratio / (porosity * porosity * porosity);
 }
 
-/* With y^2 the porosity: s y^3 + y^2 = 1, s = d sqrt(r_K / constant). Solved by Newton's method from the right of the root of a convex
+/* Returns the porosity y^2, where s y^3 + y^2 = 1 and s = d sqrt(r_K / constant); by Newton's method from the right of the root of a convex
    function. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant) {
     if (!(specific > 0.0 && d > 0.0 && constant > 0.0)) return (double)NAN;
@@ -4009,7 +4009,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
 
 /* ==== >>permeability ==== */
 
-/* Steps between two looks: what momentum needs to spread over a sixteenth of the shortest side, at least 20. */
+/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at least 20. */
 static inline int64_t filtration__interval(const filtration_fluid *fluid) {
     double n = fluid->def.nodes[0];
     for (int a = 1; a < 3; a++)

@@ -107,7 +107,7 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
 /* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the saved world, a restart
-   goes on with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
+   continues with the same spheres. (It is no part of the world, because a world may have any number of sources, and most have none.) */
 typedef struct dem_feed {
     dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
     dem_sizes sizes;
@@ -398,7 +398,7 @@ DEM_API uint64_t dem_hash(const dem_world *world);
 /* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes; writes only if capacity
    is enough (call it with NULL, 0 first). */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs go on with the same bits. allocator may be NULL. */
+/* Makes a world from saved bytes; its runs continue with the same bits. allocator may be NULL. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* ---- pure laws, NaN outside their domain ---- */

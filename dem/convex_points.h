@@ -161,7 +161,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
-   where the crossing reaches an end, and that corner's own point goes on. Forces are its gradient: D at the crossing and D_i at the ends,
+   where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
    with weights. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];

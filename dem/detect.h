@@ -162,8 +162,8 @@ DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t 
     return n;
 }
 
-/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each goes on at the deepest place whose normal
-   is near its own, or ends. bear: contacts begin at the places that are left. Returns whether places are left. */
+/* Moves the contacts of particle i with mesh k to a step to which the wall has been moved. Each continues at the deepest place whose normal
+   is near its own, or ends. bear: whether contacts begin at the remaining places. Returns whether places are left. */
 static inline int dem__follow_mesh(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step, int bear) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[k];
@@ -291,7 +291,7 @@ static inline double dem__time_to_wall(const dem_world *w, ptrdiff_t i, const de
     return least;
 }
 
-/* Returns how far x is from a face of the periodic box behind which the wall does not go on [m]: walls are not repeated. */
+/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {

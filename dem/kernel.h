@@ -13,7 +13,7 @@ struct dem__work {
     dem__timer_batch batch; /* for tests of pairs */
 };
 
-/* Makes the working memory of so many threads. Returns 0 when out of memory. */
+/* Allocates the working memory of `threads` threads. Returns 0 when out of memory. */
 static inline int dem__make_work(dem_world *w, int threads) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;

@@ -15,7 +15,7 @@ typedef struct dem__tree {
 } dem__tree;
 enum { DEM__LEAF = 4 };
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All faces of a plane give the same. */
+/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
     *distance = fabs(up);

@@ -1,4 +1,4 @@
-/* The motion of walls as it was asked for, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
+/* Motion of walls that the caller prescribes, and walls driven by forces. Relies on shapes.h, which places a wall at a time.
    May be changed here alone: what is refused; how a driven wall is integrated. */
 
 /* Begins a new kinematic motion where the wall is. Returns NULL if there is no such wall. */

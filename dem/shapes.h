@@ -49,7 +49,7 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
     return s;
 }
 
-/* Returns the position that a pose gives a wall; axis: its axes. */
+/* Returns the position of a wall in a pose; axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -62,7 +62,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Puts a prescribed wall where it is at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -96,7 +96,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
     w->acceleration = dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Puts a controlled wall where it is at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -107,7 +107,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Puts a kinematic wall where it is t after its motion began. */
+/* Moves a kinematic wall to its place t after its motion began [s]. */
 static inline void dem__kinematic_wall(dem_wall *w, double t) {
     const dem__sway sway = dem__sway_at(w, t);
     const dem_vec shift = dem__add(sway.shift, dem__scale(t, w->asked.drift));
@@ -127,7 +127,7 @@ static inline void dem__kinematic_wall(dem_wall *w, double t) {
     w->position = dem__add(origin, shift);
 }
 
-/* Puts a wall where it is at a time. */
+/* Moves a wall to its place at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);

@@ -54,7 +54,7 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, whatever their indices; triangles
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different indices; triangles
    without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that is there twice, DEM_TOO_MANY or
    DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex, const int32_t *corner) {

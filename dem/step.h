@@ -304,8 +304,8 @@ static inline int dem__has_void_history(const dem_kernel *kernel, int features) 
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. Those of a law that keeps as many states go on; a history that is zero can be
-   dropped, or begin. */
+/* Returns whether a law can take over the contacts present. They continue under a law with the same number of states; a history that is
+   zero can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0 || kernel->law->states == contacts->states) return 1;

@@ -120,7 +120,7 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
     return kept;
 }
 
-/* Returns whether the three corners have been seen before, in any order. */
+/* Returns whether a triangle with the same three corners, in any order, came before. */
 static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);

@@ -9,8 +9,8 @@
 #define DEM_STATE_MAX 16                  /* doubles that a law may keep for each contact */
 #define DEM__TYPES_MAX 32                 /* sets of constants that contacts share: enough for a few sizes and materials */
 #define DEM__BLOCK 64                     /* contacts evaluated together: 30 arrays of a block fit the first-level cache */
-#define DEM__STEPS_MAX (1 << 20)          /* steps that a list can last and a test can be put off: rounding errors grow with them */
-#define DEM__RETEST_STEPS 1024            /* steps after which another test costs little: at turning walls no test is put off for longer */
+#define DEM__STEPS_MAX (1 << 20)          /* longest life of a list, and longest delay of a test, in steps: rounding errors grow with it */
+#define DEM__RETEST_STEPS 1024            /* longest delay of a test at turning walls, in steps: beyond it another test costs little */
 #define DEM__FLIGHTS 8.0                  /* flights in a field that a bound should last: with more of them neighbours are tested sooner */
 #define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
 #define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
@@ -455,8 +455,8 @@ typedef struct dem_world {
     void *user;        /* yours: passed to the law's hooks; not saved */
     int64_t step;      /* steps done */
     double time;       /* [s] */
-    double owed;       /* time asked for and not yet run, at most half a step [s]; the next run makes up for it. A run that fails owes
-                        nothing: ask for the rest again */
+    double owed;       /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a failed run:
+                          request the rest again */
     ptrdiff_t count;   /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps are closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;

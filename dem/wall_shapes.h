@@ -72,7 +72,7 @@ static inline void dem__touch_element(const dem_wall *w, dem_vec centre, double 
             out->normal = dem__from_bar(w, family, out->normal);
         return;
     }
-    dem__touch touch[DEM__TOUCHES]; /* a mesh may be touched in so many places */
+    dem__touch touch[DEM__TOUCHES]; /* a mesh can be touched in several places */
     touch[0].gap = HUGE_VAL, touch[0].normal = w->axis[2];
     dem__touch_wall(w, centre, radius, HUGE_VAL, touch, &least);
     *out = touch[0];

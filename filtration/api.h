@@ -164,7 +164,7 @@ FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid); 
 FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, double force[3]); /* on def.solid in the last step [N] */
 FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);                  /* [m/s] */
 
-/* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run goes on with the same bits. */
+/* ---- saving: the caller's functions write and read bytes and return 0 to refuse. A loaded run continues with the same bits. */
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);

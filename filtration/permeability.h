@@ -4,7 +4,7 @@
 
 /* ==== >>permeability ==== */
 
-/* Steps between two looks: what momentum needs to spread over a sixteenth of the shortest side, at least 20. */
+/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at least 20. */
 static inline int64_t filtration__interval(const filtration_fluid *fluid) {
     double n = fluid->def.nodes[0];
     for (int a = 1; a < 3; a++)
