@@ -2187,22 +2187,22 @@ typedef struct dem__convex_pair {
     dem__nearest_cache cache;
 } dem__convex_pair;
 
-/* What the engine asks of polyhedra, in the order of a step. convex_add.h answers: its functions come into the world with the first shape,
-   so that a program which adds none, and loads no world, compiles none of them. Without shapes nothing is asked. */
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in convex_add.h. The first shape of a world sets the
+   table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_room {
-    int (*list_pairs)(dem_world *w);            /* of a list of near pairs made anew; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step); /* finds the points of contact at a step; contacts follow them and begin */
-    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sizes and mass of the contact in slot c */
+    int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
+    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
-                      struct dem__wall_row *wall); /* of a block, for the law */
+                      struct dem__wall_row *wall); /* fills rows of a block before the law */
     void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
                         const struct dem__columns *at, double half, int features);    /* forces and torques after the law */
-    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* which edge steps are not corrected */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_room;
 
 /* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */
@@ -2297,30 +2297,35 @@ typedef struct dem__rigid {
     dem_quaternion ahead;     /* and the orientation there; neither is saved */
 } dem__rigid;
 
-/* Where a rigid body is at a time: its centre of mass, its orientation, and how they change. */
+/* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
 typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
 
-/* What the engine asks of rigid bodies, in the order of a step. rigid.h answers: its functions come into the world with the first body
-   (dem__reserve_bodies), so that a program which adds none, and loads no world, compiles none of them. Without bodies nothing is asked. */
+/* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
+   table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
 typedef struct dem__body_room {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* at tau [s] after its origin step */
+    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
+                                                                                             step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
-    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts it into the periodic box */
-    void (*place)(dem_world *w, dem__rigid *r);                                           /* its particles where it is */
-    void (*fall)(dem_world *w, dem__rigid *r);                                            /* accelerations without contacts */
-    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* pairs in pages of timers */
-    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* active particles to the end of a step */
-    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* bodies of active particles, by forces */
-    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                                               /* then its shift */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* by the change of links' forces */
-    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* of i in flight, about the centre [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* change of i's velocity by links [m/s] */
-    void (*note_strides)(dem_world *w);                                                   /* how far flights have come */
+    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* sets velocity and spin at the origin */
+    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts the body back into the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r);                                           /* places its particles by its state */
+    void (*fall)(dem_world *w, dem__rigid *r);                                            /* computes accelerations without contacts */
+    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* tests due pairs, in pages of timers */
+    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* moves active particles and bodies to the end of
+                                                                                             a step */
+    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* moves velocities of active bodies to the end of
+                                                                                             a step */
+    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                                               /* applies its shift, after all impulses */
+    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* applies the change of the links' forces */
+    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* greatest speed of i in flight, about the centre
+                                                                                             [m/s] */
+    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
+                                                                                             [m/s] */
+    void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
 } dem__body_room;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
@@ -3188,7 +3193,7 @@ DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r,
     return w->engine->bodies.room->posture(w, r, tau);
 }
 
-/* Position and velocity of a particle of a rigid body at tau after its origin step. */
+/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__posture p = dem__posture_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
@@ -5229,8 +5234,8 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron; its normal, and the way from the centre of i to the sphere that touches
-   for it. */
+/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of i
+   to that of the sphere that touches for it. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
@@ -5470,8 +5475,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 /* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
    May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* Estimates the same for any particle. */
-/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return w->engine->bodies.room->link_drift(w, r, i);
@@ -7091,7 +7095,7 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH(&sum[i]);
 }
 
-/* Ask the room of polyhedra about a block: functions of their own, as nothing in a kernel is called through a pointer. */
+/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
@@ -9043,8 +9047,8 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Gives a particle half a kick by the change of its links' forces; the sums hold the old ones. A body is kicked when its first linked
-   particle is met. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
+   particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -9564,15 +9568,15 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Rigid bodies with an orientation: their rotation, what the engine asks of them (dem__body_room in engine.h), adding them. Reads the sums
-   of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_room in engine.h). Reads the
+   sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
 
-   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
-   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
-   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
-   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
+   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
+   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
+   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 /* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
@@ -9638,7 +9642,7 @@ static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* Gives a body a velocity and a spin at its origin. */
+/* Sets the velocity and the spin of a body at its origin. */
 static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
     r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
     dem__place_pieces(w, r);
@@ -9770,13 +9774,13 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Moves active particles first .. end-1, then the bodies whose first particles are among them. */
+/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     dem__advance_all(w, *(const double *)h, first, end, 1);
     dem__advance_bodies_range(w, first, end, part, h);
 }
 
-/* Tests the pairs that are due, in pages first .. end-1. */
+/* Tests the due pairs in pages first .. end-1. */
 static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
@@ -9835,8 +9839,8 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
-   where it was computed; a body that takes steps uses the present place for both. */
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque is that of the place
+   where it was computed; for a body that takes steps, both are taken at the present place. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -11552,7 +11556,7 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
     }
 }
 
-/* Gives a contact of polyhedra its radii, those of the roundings, and the mass and curvature at its point. */
+/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const double per_i = dem__per_share(w, i) / w->particle[i].mass;
@@ -11568,8 +11572,8 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_add */
-/* Polyhedra come into a world: shapes, particles, and what the engine asks of them from then on (dem__convex_room). Reads shapes; writes
-   the world through dem__add_body.
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_room). Reads shapes;
+   writes the world through dem__add_body.
    May be changed here alone: what is refused. */
 
 static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,

@@ -1,8 +1,7 @@
 /* Bounds on particles' motion, and the timers that depend on them. Relies on detect.h and timers.h.
    May be changed here alone: tolerances; a particle never leaves its bound unnoticed. */
 
-/* Estimates the same for any particle. */
-/* How far links change the velocity of particle i until they are evaluated again, at most [m/s]. */
+/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present forces. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return w->engine->bodies.room->link_drift(w, r, i);

@@ -1,6 +1,6 @@
 /* ------------------------------------------------------------------------------------- >>convex_add */
-/* Polyhedra come into a world: shapes, particles, and what the engine asks of them from then on (dem__convex_room). Reads shapes; writes
-   the world through dem__add_body.
+/* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them (dem__convex_room). Reads shapes;
+   writes the world through dem__add_body.
    May be changed here alone: what is refused. */
 
 static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,

@@ -105,7 +105,7 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
     }
 }
 
-/* Gives a contact of polyhedra its radii, those of the roundings, and the mass and curvature at its point. */
+/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const double per_i = dem__per_share(w, i) / w->particle[i].mass;

@@ -27,22 +27,22 @@ typedef struct dem__convex_pair {
     dem__nearest_cache cache;
 } dem__convex_pair;
 
-/* What the engine asks of polyhedra, in the order of a step. convex_add.h answers: its functions come into the world with the first shape,
-   so that a program which adds none, and loads no world, compiles none of them. Without shapes nothing is asked. */
+/* The functions that the engine calls for polyhedra, in the order of a step; they are in convex_add.h. The first shape of a world sets the
+   table, so that a program that adds no shape and loads no world compiles none of them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
 struct dem__columns;
 struct dem__chunk;
 typedef struct dem__convex_room {
-    int (*list_pairs)(dem_world *w);            /* of a list of near pairs made anew; 0: out of memory */
-    void (*follow)(dem_world *w, int64_t step); /* finds the points of contact at a step; contacts follow them and begin */
-    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sizes and mass of the contact in slot c */
+    int (*list_pairs)(dem_world *w);                                /* lists pairs for a new list of near pairs; 0: out of memory */
+    void (*follow)(dem_world *w, int64_t step);                     /* finds points of contact at a step; moves and begins contacts */
+    void (*prepare)(const dem_world *w, ptrdiff_t c, dem_birth *b); /* sets sizes and mass of the contact in slot c */
     void (*fill_rows)(const dem_world *w, struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n, double half,
-                      struct dem__wall_row *wall); /* of a block, for the law */
+                      struct dem__wall_row *wall); /* fills rows of a block before the law */
     void (*finish_rows)(const dem_world *w, const struct dem__rows *b, const struct dem__type_rows *t, ptrdiff_t base, int n,
                         const struct dem__columns *at, double half, int features);    /* forces and torques after the law */
-    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* which edge steps are not corrected */
+    void (*leave_edges)(dem_world *w, const struct dem__chunk *in, ptrdiff_t marked); /* excludes polyhedra from edge steps */
 } dem__convex_room;
 
 /* Polyhedra. Written by convex_pairs.h and load.h. Without any all of it is zero. */

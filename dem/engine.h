@@ -76,30 +76,35 @@ typedef struct dem__rigid {
     dem_quaternion ahead;     /* and the orientation there; neither is saved */
 } dem__rigid;
 
-/* Where a rigid body is at a time: its centre of mass, its orientation, and how they change. */
+/* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
 typedef struct dem__posture {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__posture;
 
-/* What the engine asks of rigid bodies, in the order of a step. rigid.h answers: its functions come into the world with the first body
-   (dem__reserve_bodies), so that a program which adds none, and loads no world, compiles none of them. Without bodies nothing is asked. */
+/* The functions that the engine calls for rigid bodies, in the order of a step; they are in rigid.h. The first body of a world sets the
+   table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles none of them. */
 typedef struct dem__body_room {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* at tau [s] after its origin step */
+    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau);         /* returns the state at tau [s] after the origin
+                                                                                             step */
     void (*set_origin)(dem_world *w, dem__rigid *r);                                      /* makes the present step the origin */
-    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts it into the periodic box */
-    void (*place)(dem_world *w, dem__rigid *r);                                           /* its particles where it is */
-    void (*fall)(dem_world *w, dem__rigid *r);                                            /* accelerations without contacts */
-    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* pairs in pages of timers */
-    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* active particles to the end of a step */
-    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* bodies of active particles, by forces */
-    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* impulses of the edge step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                                               /* then its shift */
-    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* by the change of links' forces */
-    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* of i in flight, about the centre [m/s] */
-    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* change of i's velocity by links [m/s] */
-    void (*note_strides)(dem_world *w);                                                   /* how far flights have come */
+    void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin);      /* sets velocity and spin at the origin */
+    void (*wrap)(dem_world *w, dem__rigid *r);                                            /* puts the body back into the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r);                                           /* places its particles by its state */
+    void (*fall)(dem_world *w, dem__rigid *r);                                            /* computes accelerations without contacts */
+    void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step); /* tests due pairs, in pages of timers */
+    void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);     /* moves active particles and bodies to the end of
+                                                                                             a step */
+    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h);        /* moves velocities of active bodies to the end of
+                                                                                             a step */
+    void (*push)(dem_world *w, int32_t c, int has_friction);                              /* applies impulses of the edge step in slot c */
+    void (*shift)(dem_world *w, int32_t c);                                               /* applies its shift, after all impulses */
+    void (*kick_links)(dem_world *w, dem__rigid *r, double half);                         /* applies the change of the links' forces */
+    double (*swing)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);                /* greatest speed of i in flight, about the centre
+                                                                                             [m/s] */
+    double (*link_drift)(const dem_world *w, const dem__rigid *r, ptrdiff_t i);           /* estimated change of i's velocity by links
+                                                                                             [m/s] */
+    void (*note_strides)(dem_world *w);                                                   /* stores how far flights are integrated */
 } dem__body_room;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */

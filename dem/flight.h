@@ -35,7 +35,7 @@ DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r,
     return w->engine->bodies.room->posture(w, r, tau);
 }
 
-/* Position and velocity of a particle of a rigid body at tau after its origin step. */
+/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__posture p = dem__posture_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));

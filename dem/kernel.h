@@ -114,7 +114,7 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH(&sum[i]);
 }
 
-/* Ask the room of polyhedra about a block: functions of their own, as nothing in a kernel is called through a pointer. */
+/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would slow the kernel. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.room->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }

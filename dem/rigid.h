@@ -1,13 +1,13 @@
 /* --------------------------------------------------------------------------------------------- >>rigid */
-/* Rigid bodies with an orientation: their rotation, what the engine asks of them (dem__body_room in engine.h), adding them. Reads the sums
-   of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
+/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_room in engine.h). Reads the
+   sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is untouched; each body is moved by one
    thread, so that bits do not depend on threads.
    May be changed here alone: how a body is integrated.
 
-   For others who add bodies (a clump, a polyhedron): fill a dem__body_def and call dem__add_body. A body with one particle has it at its
-   centre of mass; its radius is that of the sphere that the search for contacts sees. Forces on the body are those added to the sums of its
-   particles, bodies.sum[i].load: force and torque about the particle's centre. dem__rigid_of(w, i) finds the body of particle i. Its
-   orientation at the end of the step that is being computed stands in `turn`, in the search for contacts in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle of a body that has
+   one lies at its centre of mass; its radius is that of the sphere that the search for contacts uses. The forces on a body are those added
+   to the sums of its particles, bodies.sum[i].load: force, and torque about the particle's centre. dem__rigid_of(w, i) returns the body of
+   particle i. Its orientation at the end of the present step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
 /* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter radian at most. */
 DEM_INLINE int dem__strides(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
@@ -73,7 +73,7 @@ static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
     dem__place_pieces(w, r);
 }
 
-/* Gives a body a velocity and a spin at its origin. */
+/* Sets the velocity and the spin of a body at its origin. */
 static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec velocity, dem_vec spin) {
     r->v = velocity, r->momentum = dem__momentum_of(r->turn, r->moments, spin);
     dem__place_pieces(w, r);
@@ -205,13 +205,13 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Moves active particles first .. end-1, then the bodies whose first particles are among them. */
+/* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     dem__advance_all(w, *(const double *)h, first, end, 1);
     dem__advance_bodies_range(w, first, end, part, h);
 }
 
-/* Tests the pairs that are due, in pages first .. end-1. */
+/* Tests the due pairs in pages first .. end-1. */
 static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__test_due_part(w, &w->engine->scratch.work[part].batch, first, end, *(const int64_t *)step, 1);
 }
@@ -270,8 +270,8 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
-/* Kicks a body by half of the change of its links' forces; the old ones are in the sums. In flight, the old torque is that of the place
-   where it was computed; a body that takes steps uses the present place for both. */
+/* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque is that of the place
+   where it was computed; for a body that takes steps, both are taken at the present place. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;

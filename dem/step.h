@@ -126,8 +126,8 @@ DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
-/* Gives a particle half a kick by the change of its links' forces; the sums hold the old ones. A body is kicked when its first linked
-   particle is met. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
+   particle. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
