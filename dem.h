@@ -1112,8 +1112,8 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many springs
    as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise
    DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
-   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow. Contacts of a polyhedron's edges
-   with wires, rims and convex edges of a wall are not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   too, but their normals may jump. Walls of every kind are touched by corners, edges and faces. Links of
+   polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
@@ -1697,8 +1697,17 @@ typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
 } dem__node;
+/* Edges and corners that stand out: number 3 k + c is the edge of triangle k from its corner c on, and that corner. What triangles share is
+   kept by one of them. */
+typedef struct dem__mesh_edges {
+    size_t bytes;
+    dem_vec *outward; /* of an edge: against both of its faces; 0 of a rim */
+    dem_vec *tip;     /* of a corner: against all of its edges; 0 where a rim ends */
+    uint8_t *kind;    /* DEM__EDGE, .. */
+} dem__mesh_edges;
 typedef struct dem__tree {
     size_t bytes;
+    dem__mesh_edges *edges; /* which stand out; NULL until there are polyhedra */
     int32_t vertices, triangles, nodes;
     dem_vec *vertex, *normal;
     int32_t *corner; /* [triangles][3] */
@@ -2953,7 +2962,9 @@ DEM_API void dem_free(dem_world *world) {
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
     for (int k = 0; k < world->walls; k++) {
-        if (world->wall[k].tree) dem__release(&a, world->wall[k].tree, world->wall[k].tree->bytes);
+        dem__tree *tree = world->wall[k].tree;
+        if (tree && tree->edges) dem__release(&a, tree->edges, tree->edges->bytes);
+        if (tree) dem__release(&a, tree, tree->bytes);
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
     dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
@@ -10931,7 +10942,7 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
    is the gradient of a potential (of a linear law), and continuous in the motion.
    May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
+enum { DEM__POINTS_MAX = 256 }; /* points of a pair: a plate on 60 wires has not more; further ones are left out */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -11000,7 +11011,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number;
+    int number, ends;         /* ends: bits of those that are corners, which have points of their own */
+    int sided;                /* of a wall's: is it touched from the side of `outward` only? */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -11034,7 +11046,7 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     const int from = s->edge[e][0], to = s->edge[e][1];
     if (!((side->near >> from | side->near >> to) & 1)) return 0;
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e;
+    p->number = e, p->ends = 3, p->sided = 0;
     p->length = dem__length(u);
     p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     const double a = side->height[from], b = side->height[to];
@@ -11083,20 +11095,25 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
     *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
     *distance = dem__dot(*normal, from_q);
+    if (q->sided) {
+        if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
+        return dem__dot(*normal, p->outward) < 0.0;
+    }
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
    where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
+   with weights. The crossing has the key, its ends the next four. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
+                                   dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
     if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
-    out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
+    out->key = key, out->taken = 0;
     out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
     for (int k = 0; k < 4; k++) {
@@ -11105,7 +11122,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         dem__convex_point *end = &out[n];
         dem_vec off;
         const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        share[k] = at_end > 0.0 ? at_end * at_end / (overlap * overlap) : 0.0;
+        share[k] = at_end > 0.0 && own->ends >> k % 2 & 1 ? at_end * at_end / (overlap * overlap) : 0.0;
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
@@ -11150,7 +11167,8 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, apart, &p)) continue;
         for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
-            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
         }
     }
     return n;
@@ -11175,16 +11193,164 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
-/* ----------------------------------------------------------------------------------- >>convex_pairs */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
-   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
-   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
+/* ------------------------------------------------------------------------------------- >>convex_mesh */
+/* The edges and corners of a mesh that stand out: those that edges and faces of polyhedra can touch.
+   Relies on mesh.h for the tree and the sort. Made once for each mesh, in a world with polyhedra.
+   May be changed here alone: what counts as flat. */
 
-/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
-   direction of its normal in the wall's frame, in 54 parts. */
+#define DEM__FLAT_EDGE 1e-3 /* sine of the angle between two triangles below which there is no edge, or between two edges no corner */
+
+/* kind: of edge `at`, and of the corner that it begins at. */
+enum {
+    DEM__EDGE = 1,     /* an edge that stands out on one side, or a rim */
+    DEM__RIM = 2,      /* of one triangle, or of more than two: touched from all around */
+    DEM__CORNER = 4,   /* the corner is one, and kept here */
+    DEM__FROM_END = 8, /* the edge begins at a corner, */
+    DEM__TO_END = 16   /* ends at one */
+};
+
+/* Of each vertex the first one at the same place. */
+static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
+    for (int32_t v = 0; v < t->vertices; v++) {
+        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* -0 is 0 */
+        uint64_t hash = 0, bits;
+        for (int a = 0; a < 3; a++) {
+            memcpy(&bits, &x[a], sizeof bits);
+            hash = (hash ^ bits ^ bits >> 29) * 0x9e3779b97f4a7c15u;
+        }
+        items[v].key = hash, items[v].index = v;
+    }
+    dem__sort_keyed(items, items + t->vertices, t->vertices);
+    for (int32_t k = 0; k < t->vertices; k++) {
+        const dem_vec p = t->vertex[items[k].index];
+        same[items[k].index] = items[k].index;
+        for (int32_t q = k - 1; q >= 0 && items[q].key == items[k].key; q--) {
+            const dem_vec other = t->vertex[items[q].index];
+            if (p.x == other.x && p.y == other.y && p.z == other.z) same[items[k].index] = same[items[q].index];
+        }
+    }
+}
+
+/* The ends of edge `at`, that is at % 3 of triangle at / 3, and the direction in its triangle away from it. */
+DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
+    *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
+}
+DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
+    int32_t from, to;
+    dem__ends_of(t, at, &from, &to);
+    const dem_vec along = dem__sub(t->vertex[to], t->vertex[from]);
+    return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
+}
+
+/* Which edges stand out. */
+static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+    const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
+    for (int32_t at = 0; at < (int32_t)n; at++) {
+        int32_t from, to;
+        dem__ends_of(t, at, &from, &to);
+        const int32_t p = same[from], q = same[to];
+        items[at].key = (uint64_t)(uint32_t)(p < q ? p : q) << 32 | (uint32_t)(p < q ? q : p), items[at].index = at;
+    }
+    dem__sort_keyed(items, items + n, n);
+    for (ptrdiff_t k = 0, next; k < n; k = next) {
+        const int32_t at = items[k].index;
+        for (next = k + 1; next < n && items[next].key == items[k].key;) next++;
+        edges->kind[at] = next - k == 2 ? 0 : DEM__EDGE | DEM__RIM;
+        if (next - k != 2) continue;
+        const dem_vec in = dem__into_face(t, at), other = dem__into_face(t, items[k + 1].index), out = dem__add(in, other);
+        if (!(fabs(dem__dot(t->normal[at / 3], other)) > DEM__FLAT_EDGE)) continue;
+        edges->kind[at] = DEM__EDGE;
+        edges->outward[at] = dem__scale(-1.0, out);
+    }
+}
+
+/* Which of their ends are corners: those where more meet than two in one line. */
+static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
+    ptrdiff_t n = 0;
+    for (int32_t at = 0; at < 3 * t->triangles; at++) {
+        int32_t end[2];
+        if (!edges->kind[at]) continue;
+        dem__ends_of(t, at, &end[0], &end[1]);
+        for (int k = 0; k < 2; k++) items[n].key = (uint64_t)(uint32_t)same[end[k]], items[n++].index = 2 * at + k;
+    }
+    dem__sort_keyed(items, items + n, n);
+    for (ptrdiff_t k = 0, next; k < n; k = next) {
+        dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+        int rims = 0;
+        for (next = k; next < n && items[next].key == items[k].key; next++) {
+            const int32_t at = items[next].index / 2;
+            int32_t end[2];
+            dem__ends_of(t, at, &end[0], &end[1]);
+            const int here = items[next].index % 2;
+            const dem_vec u = dem__sub(t->vertex[end[1 - here]], t->vertex[end[here]]);
+            sum = dem__plus(sum, -1.0 / dem__length(u), u);
+            rims |= edges->kind[at] & DEM__RIM;
+        }
+        if (next - k == 2 && !(dem__length(sum) > DEM__FLAT_EDGE)) continue;
+        for (ptrdiff_t q = k; q < next; q++) edges->kind[items[q].index / 2] |= items[q].index % 2 ? DEM__TO_END : DEM__FROM_END;
+        const int32_t at = items[k].index / 2, keeper = items[k].index % 2 == 0 ? at : at % 3 < 2 ? at + 1 : at - 2;
+        edges->kind[keeper] |= DEM__CORNER;
+        edges->tip[keeper] = rims ? dem_vec3(0.0, 0.0, 0.0) : sum;
+    }
+}
+
+/* Makes them for a mesh that has none. Returns 0 when out of memory. */
+static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
+    const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
+    const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;
+    const size_t scratch = 2 * most * sizeof(dem__keyed) + v * sizeof(int32_t);
+    if (t->edges) return 1;
+    dem__mesh_edges *edges = (dem__mesh_edges *)a->fn(a->user, NULL, 0, bytes);
+    dem__keyed *items = edges ? (dem__keyed *)a->fn(a->user, NULL, 0, scratch) : NULL;
+    if (!items) {
+        if (edges) a->fn(a->user, edges, bytes, 0);
+        return 0;
+    }
+    memset(edges, 0, bytes);
+    edges->bytes = bytes;
+    edges->outward = (dem_vec *)(void *)(edges + 1), edges->tip = edges->outward + n;
+    edges->kind = (uint8_t *)(void *)(edges->tip + n);
+    int32_t *same = (int32_t *)(void *)(items + 2 * most);
+    dem__weld_places(t, same, items);
+    dem__find_mesh_edges(t, edges, same, items);
+    dem__find_mesh_corners(t, edges, same, items);
+    a->fn(a->user, items, scratch, 0);
+    t->edges = edges;
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------ >>convex_walls */
+/* Where a polyhedron touches a wall: its corners, as spheres; its edges, as capsules; the wall's own corners within its faces. Reads a
+   wall, a shape and its place. Promises: what a point is depends on these alone; forces are the gradient of a potential, as between
+   polyhedra.
+   May be changed here alone: which features are looked at; every point that touches is found. */
+
+/* A polyhedron at a wall: its edges, seen from its centre; the points found so far. */
+typedef struct dem__at_wall {
+    const dem_wall *wall;
+    const dem_convex *shape;
+    dem_vec centre;   /* of the polyhedron */
+    dem__placed core; /* with x = 0 */
+    dem__placed_edge edge[DEM_EDGES_MAX];
+    int edges; /* in the table; 0 until they are asked for */
+    int n;
+    dem__convex_point *out;
+} dem__at_wall;
+
+/* Keys of points. Below 32: a corner at a wall of one place. From there on edges, five each. Of a screen each bar has as many: */
+enum {
+    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
+    DEM__BARS_FROM = 1 << 18,               /* added to a bar's number, which may be less than 0 */
+    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
+    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh, and of a corner */
+    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
+    DEM__RING_POINTS = 16, /* of a cone's rim, where faces touch it */
+    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
+};
+
+/* A corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
+    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
     if (wall->kind != DEM_MESH) return corner;
     const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
                          dem__dot(touch->normal, wall->axis[2])};
@@ -11197,6 +11363,266 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     }
     return corner + DEM_CORNERS_MAX * place;
 }
+
+/* The element of a wall that a key names. */
+DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
+    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
+}
+
+static inline void dem__list_edges(dem__at_wall *q) {
+    dem__side side;
+    if (q->edges > 0) return;
+    memset(&side, 0, sizeof side);
+    side.shape = q->shape, side.place = &q->core, side.near = 0xffffffffu;
+    for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
+}
+
+/* An edge of a wall, from `from` to `to` as the polyhedron's centre sees them. Can it touch? */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
+    const dem_vec u = dem__sub(to, from);
+    dem_vec n;
+    memset(e, 0, sizeof *e);
+    e->length = dem__length(u);
+    if (!(e->length > 0.0)) return 0;
+    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
+    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
+}
+
+/* The points of all edges at one of a wall, of a radius; of normals against `side` none, if sign is not 0. */
+static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
+        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
+        if (n == 0) continue;
+        const double up = dem__dot(q->out[q->n].normal, side);
+        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
+    }
+}
+
+/* A corner of a wall, a sphere of a radius at x, at the polyhedron's core. tip: the side that it is touched from; 0: all. */
+static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    dem_vec n;
+    if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
+    const double distance = dem__from_core(q->shape, &q->core, x, &n);
+    point->gap = distance - radius - q->shape->radius;
+    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
+    point->key = key, point->taken = 0, point->weight = 1.0;
+    point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
+    q->n++;
+}
+
+/* Corners of the polyhedron, as spheres. */
+static inline void dem__touch_with_corners(dem__at_wall *q) {
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    for (int k = 0; k < q->shape->corners; k++) {
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
+        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
+            dem__convex_point *point = &q->out[q->n];
+            int is_new = touch[m].gap < 0.0;
+            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
+            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
+            for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
+            q->n += is_new;
+        }
+    }
+}
+
+/* Edges at a bar. Half round, it is a capsule where it is touched from above, and two sharp edges from below. */
+static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__placed_edge e;
+    dem_vec from, end[2];
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return; /* there is no such bar */
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0)), d);
+    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
+    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
+    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
+            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
+    }
+}
+static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(q->centre, w->position);
+    const double pitch = w->aperture + w->wire, reach = q->shape->reach + 0.5 * w->wire;
+    for (int family = 0; family < 2; family++) {
+        const double across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+        const double low = dem__clamp(across - reach, -half, half), high = dem__clamp(across + reach, -half, half);
+        const double last = floor(high / pitch + 0.5);
+        for (double index = floor(low / pitch + 0.5); index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
+            dem__touch_bar_with_edges(q, family, index, d);
+    }
+}
+
+/* Edges of the polyhedron across a cylinder, from outside. Its own have no ends. */
+static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    const double far_off = 4.0 * (q->shape->reach + w->radius);
+    dem__placed_edge e;
+    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
+        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
+}
+
+/* The key of an edge of a mesh. Beyond 790 000 triangles keys come again, but not near each other: triangles lie in the order of the tree. */
+DEM_INLINE int32_t dem__mesh_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
+}
+
+/* Edges and corners of a mesh that stand out, in the triangles near a polyhedron. */
+static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const dem__tree *t = w->tree;
+    dem__placed_edge e;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        const int32_t key = dem__mesh_key(at);
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
+        if (!(kind & DEM__EDGE)) continue;
+        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
+        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
+    }
+}
+static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
+    const dem__tree *t = q->wall->tree;
+    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
+    if (!t->edges) return;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, q->shape->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
+    }
+}
+
+/* The touch of the sphere about the point at t of an edge with a cone. */
+DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
+    dem__touch touch;
+    double least;
+    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
+    touch.normal = q->wall->axis[2];
+    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
+    return touch;
+}
+
+/* Where it is nearest, between a place where it comes nearer and one where it leaves. */
+static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
+    for (int k = 0; k < 50; k++) {
+        const double middle = 0.5 * (low + high);
+        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
+        else low = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* Where an edge touches a cone, within it: steps along it, each as long as there is surely nothing, or short. How many? */
+static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
+    const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
+    dem__touch was = dem__touch_cone_along(q, e, 0.0);
+    int n = 0;
+    for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
+        const double ahead = was.gap <= 0.0    ? step
+                             : was.gap > least ? was.gap
+                                               : least,
+                     next = t + ahead < e->length ? t + ahead : e->length;
+        const dem__touch here = dem__touch_cone_along(q, e, next);
+        if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
+            at[n++] = dem__nearest_between(q, e, t, next);
+        t = next, was = here;
+    }
+    return n;
+}
+
+/* The point of an edge at t with a cone, and what its ends take back: as where edges cross. */
+static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    double share[2], rest[2], left = 1.0;
+    int n = 1;
+    const dem__touch here = dem__touch_cone_along(q, e, t);
+    if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    for (int k = 0; k < 2; k++) {
+        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
+        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        n++;
+    }
+    if (!(left > 1e-10)) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
+    q->n += n;
+}
+
+/* Edges at a cone and its rims, and faces at the rims: by points of these. */
+static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
+    double at[DEM__CROSSINGS_MAX];
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges; k++) {
+        const int n = dem__nearest_along(q, &q->edge[k], at);
+        for (int m = 0; m < n; m++)
+            dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
+    }
+    for (int ring = 0; ring < 2; ring++) {
+        const double radius = ring ? w->high_radius : w->radius;
+        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
+        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
+        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
+            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI * k / DEM__RING_POINTS);
+            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
+        }
+    }
+}
+
+/* The points of a polyhedron at a wall, which is where it will be. How many? */
+static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
+    dem__touch touch[DEM__TOUCHES];
+    dem__at_wall q;
+    double least;
+    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
+    if (!(least < 0.0)) return 0;
+    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    if (wall->kind == DEM_SPHERE && !wall->inside) {
+        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+        return q.n;
+    }
+    dem__touch_with_corners(&q);
+    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
+    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
+    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
+    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
+    return q.n;
+}
+
+/* ----------------------------------------------------------------------------------- >>convex_pairs */
+/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin and end. Reads bodies,
+   walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact depends on its own pair and step alone,
+   never on earlier tests or on threads. A contact of pair q has near = -2 - q.
+   May be changed here alone: which pairs are tested, and when; every point that touches is found. */
 
 /* Places polyhedra first .. end-1 at a step. */
 static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -11248,31 +11674,10 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
 }
 
-/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const dem_convex *s = dem__shape_of(w, p->i);
     const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    int n = 0;
-    if (!wall->enabled) return 0;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(place, dem__point(s->corner[k]));
-        const int found = dem__touch_wall(wall, dem__add(place->x, arm), s->radius, 0.0, touch, &least);
-        for (int q = 0; q < found && n < DEM__POINTS_MAX; q++) {
-            dem__convex_point *point = &out[n];
-            if (!(touch[q].gap < 0.0)) continue;
-            point->key = dem__wall_key(wall, &touch[q], k), point->taken = 0;
-            point->normal = touch[q].normal, point->at = arm, point->gap = touch[q].gap, point->weight = 1.0;
-            int is_new = 1;
-            for (int m = n - 1; m >= 0 && is_new && out[m].key % DEM_CORNERS_MAX == k; m--) is_new = out[m].key != point->key;
-            n += is_new;
-        }
-    }
-    return n;
+    return wall->enabled ? dem__touch_with_polyhedron(wall, dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out) : 0;
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -11430,6 +11835,9 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+    }
     if (n > INT32_MAX / 2) return 0;
     if (n > convex->pair_capacity) {
         const ptrdiff_t larger = n + n / 4 + 64;
@@ -11465,11 +11873,10 @@ DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
 static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
     const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
     const ptrdiff_t i = w->engine->contacts.i[c];
-    const int32_t place = w->engine->contacts.element[c] / DEM_CORNERS_MAX;
     touch->curvature = 0.0;
     if (wall->kind == DEM_MESH) return;
     dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
-                       wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
+                       dem__element_of_key(wall, w->engine->contacts.element[c]), touch);
 }
 
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */

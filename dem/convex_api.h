@@ -49,8 +49,8 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many springs
    as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise
    DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
-   too, but their normals may jump. Walls are touched by corners: right where a wall is flat or hollow. Contacts of a polyhedron's edges
-   with wires, rims and convex edges of a wall are not computed. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   too, but their normals may jump. Walls of every kind are touched by corners, edges and faces. Links of
+   polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */

@@ -4,23 +4,6 @@
    never on earlier tests or on threads. A contact of pair q has near = -2 - q.
    May be changed here alone: which pairs are tested, and when; every point that touches is found. */
 
-/* Returns the key of a corner at an element of a wall, corner + 32 * place: a bar of a screen by its number, a place of a mesh by the
-   direction of its normal in the wall's frame, in 54 parts. */
-static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
-    if (wall->kind == DEM_SCREEN) return corner + DEM_CORNERS_MAX * (touch->element + (1 << 21));
-    if (wall->kind != DEM_MESH) return corner;
-    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
-                         dem__dot(touch->normal, wall->axis[2])};
-    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
-    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
-    int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) {
-        const double over = n[(most + a) % 3] / fabs(n[most]);
-        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
-    }
-    return corner + DEM_CORNERS_MAX * place;
-}
-
 /* Places polyhedra first .. end-1 at a step. */
 static inline void dem__place_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
@@ -71,31 +54,10 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return gap.separation < a->radius + b->radius ? dem__find_points(a, &pa, b, &pb, gap.normal, out) : 0;
 }
 
-/* Finds the points of a particle's corners at a wall, both at the end of the step. Returns their number. */
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const dem_convex *s = dem__shape_of(w, p->i);
     const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    dem__touch touch[DEM__TOUCHES];
-    double least;
-    int n = 0;
-    if (!wall->enabled) return 0;
-    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
-    if (!(least < 0.0)) return 0;
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(place, dem__point(s->corner[k]));
-        const int found = dem__touch_wall(wall, dem__add(place->x, arm), s->radius, 0.0, touch, &least);
-        for (int q = 0; q < found && n < DEM__POINTS_MAX; q++) {
-            dem__convex_point *point = &out[n];
-            if (!(touch[q].gap < 0.0)) continue;
-            point->key = dem__wall_key(wall, &touch[q], k), point->taken = 0;
-            point->normal = touch[q].normal, point->at = arm, point->gap = touch[q].gap, point->weight = 1.0;
-            int is_new = 1;
-            for (int m = n - 1; m >= 0 && is_new && out[m].key % DEM_CORNERS_MAX == k; m--) is_new = out[m].key != point->key;
-            n += is_new;
-        }
-    }
-    return n;
+    return wall->enabled ? dem__touch_with_polyhedron(wall, dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out) : 0;
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -253,6 +215,9 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t n = dem__put_convex_pairs(w, NULL, &convex->of_particles);
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].kind == DEM_MESH && !dem__make_mesh_edges(a, w->wall[k].tree)) return 0;
+    }
     if (n > INT32_MAX / 2) return 0;
     if (n > convex->pair_capacity) {
         const ptrdiff_t larger = n + n / 4 + 64;

@@ -4,7 +4,7 @@
    is the gradient of a potential (of a linear law), and continuous in the motion.
    May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 64 }; /* points of a pair: faces of many corners that lie on each other have not more; further ones are left out */
+enum { DEM__POINTS_MAX = 256 }; /* points of a pair: a plate on 60 wires has not more; further ones are left out */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -73,7 +73,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number;
+    int number, ends;         /* ends: bits of those that are corners, which have points of their own */
+    int sided;                /* of a wall's: is it touched from the side of `outward` only? */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -107,7 +108,7 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     const int from = s->edge[e][0], to = s->edge[e][1];
     if (!((side->near >> from | side->near >> to) & 1)) return 0;
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e;
+    p->number = e, p->ends = 3, p->sided = 0;
     p->length = dem__length(u);
     p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     const double a = side->height[from], b = side->height[to];
@@ -156,20 +157,25 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     const dem_vec guide = apart ? from_q : dem__sub(q->outward, p->outward);
     *normal = dem__scale((dem__dot(product, guide) < 0.0 ? -1.0 : 1.0) / sqrt(square), product);
     *distance = dem__dot(*normal, from_q);
+    if (q->sided) {
+        if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
+        return dem__dot(*normal, p->outward) < 0.0;
+    }
     return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
    where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. */
-static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, dem__convex_point *out) {
+   with weights. The crossing has the key, its ends the next four. */
+static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
+                                   dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
     if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
-    out->key = 2 * DEM_CORNERS_MAX + 5 * (p->number * DEM_EDGES_MAX + q->number), out->taken = 0;
+    out->key = key, out->taken = 0;
     out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
     for (int k = 0; k < 4; k++) {
@@ -178,7 +184,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         dem__convex_point *end = &out[n];
         dem_vec off;
         const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        share[k] = at_end > 0.0 ? at_end * at_end / (overlap * overlap) : 0.0;
+        share[k] = at_end > 0.0 && own->ends >> k % 2 & 1 ? at_end * at_end / (overlap * overlap) : 0.0;
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
@@ -223,7 +229,8 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, apart, &p)) continue;
         for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
-            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, &out[n]);
+            const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
+            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
         }
     }
     return n;

@@ -14,11 +14,10 @@ DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
 static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
     const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
     const ptrdiff_t i = w->engine->contacts.i[c];
-    const int32_t place = w->engine->contacts.element[c] / DEM_CORNERS_MAX;
     touch->curvature = 0.0;
     if (wall->kind == DEM_MESH) return;
     dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
-                       wall->kind == DEM_SCREEN ? place - (1 << 21) : 0, touch);
+                       dem__element_of_key(wall, w->engine->contacts.element[c]), touch);
 }
 
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */

@@ -205,7 +205,9 @@ DEM_API void dem_free(dem_world *world) {
     dem__release(&a, e->pairs.cells, (size_t)e->pairs.cells_capacity * sizeof(int32_t));
     dem__release(&a, world->passed, (size_t)e->bodies.passed_capacity * sizeof *world->passed);
     for (int k = 0; k < world->walls; k++) {
-        if (world->wall[k].tree) dem__release(&a, world->wall[k].tree, world->wall[k].tree->bytes);
+        dem__tree *tree = world->wall[k].tree;
+        if (tree && tree->edges) dem__release(&a, tree->edges, tree->edges->bytes);
+        if (tree) dem__release(&a, tree, tree->bytes);
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
     dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);

@@ -102,6 +102,8 @@
 #include "convex_shape.h"
 #include "convex_distance.h"
 #include "convex_points.h"
+#include "convex_mesh.h"
+#include "convex_walls.h"
 #include "convex_pairs.h"
 #include "convex_rows.h"
 #include "convex_add.h"

@@ -1,0 +1,298 @@
+/* ------------------------------------------------------------------------------------ >>convex_walls */
+/* Where a polyhedron touches a wall: its corners, as spheres; its edges, as capsules; the wall's own corners within its faces. Reads a
+   wall, a shape and its place. Promises: what a point is depends on these alone; forces are the gradient of a potential, as between
+   polyhedra.
+   May be changed here alone: which features are looked at; every point that touches is found. */
+
+/* A polyhedron at a wall: its edges, seen from its centre; the points found so far. */
+typedef struct dem__at_wall {
+    const dem_wall *wall;
+    const dem_convex *shape;
+    dem_vec centre;   /* of the polyhedron */
+    dem__placed core; /* with x = 0 */
+    dem__placed_edge edge[DEM_EDGES_MAX];
+    int edges; /* in the table; 0 until they are asked for */
+    int n;
+    dem__convex_point *out;
+} dem__at_wall;
+
+/* Keys of points. Below 32: a corner at a wall of one place. From there on edges, five each. Of a screen each bar has as many: */
+enum {
+    DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
+    DEM__BARS_FROM = 1 << 18,               /* added to a bar's number, which may be less than 0 */
+    DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
+    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh, and of a corner */
+    DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
+    DEM__RING_POINTS = 16, /* of a cone's rim, where faces touch it */
+    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
+};
+
+/* A corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in the wall's frame. */
+static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
+    if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
+    if (wall->kind != DEM_MESH) return corner;
+    const double n[3] = {dem__dot(touch->normal, wall->axis[0]), dem__dot(touch->normal, wall->axis[1]),
+                         dem__dot(touch->normal, wall->axis[2])};
+    int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
+    most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
+    int32_t place = 2 * most + (n[most] < 0.0);
+    for (int a = 1; a < 3; a++) {
+        const double over = n[(most + a) % 3] / fabs(n[most]);
+        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
+    }
+    return corner + DEM_CORNERS_MAX * place;
+}
+
+/* The element of a wall that a key names. */
+DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
+    return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
+}
+
+static inline void dem__list_edges(dem__at_wall *q) {
+    dem__side side;
+    if (q->edges > 0) return;
+    memset(&side, 0, sizeof side);
+    side.shape = q->shape, side.place = &q->core, side.near = 0xffffffffu;
+    for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
+}
+
+/* An edge of a wall, from `from` to `to` as the polyhedron's centre sees them. Can it touch? */
+DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
+    const dem_vec u = dem__sub(to, from);
+    dem_vec n;
+    memset(e, 0, sizeof *e);
+    e->length = dem__length(u);
+    if (!(e->length > 0.0)) return 0;
+    e->from = from, e->along = dem__scale(1.0 / e->length, u), e->ends = ends;
+    return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
+}
+
+/* The points of all edges at one of a wall, of a radius; of normals against `side` none, if sign is not 0. */
+static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
+        const int n = dem__cross_edges(&q->edge[k], e, q->shape->radius + radius, !e->sided, key + 5 * q->edge[k].number, q->out + q->n);
+        if (n == 0) continue;
+        const double up = dem__dot(q->out[q->n].normal, side);
+        if (sign == 0.0 || (sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
+    }
+}
+
+/* A corner of a wall, a sphere of a radius at x, at the polyhedron's core. tip: the side that it is touched from; 0: all. */
+static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    dem_vec n;
+    if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
+    const double distance = dem__from_core(q->shape, &q->core, x, &n);
+    point->gap = distance - radius - q->shape->radius;
+    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
+    point->key = key, point->taken = 0, point->weight = 1.0;
+    point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
+    q->n++;
+}
+
+/* Corners of the polyhedron, as spheres. */
+static inline void dem__touch_with_corners(dem__at_wall *q) {
+    dem__touch touch[DEM__TOUCHES];
+    double least;
+    for (int k = 0; k < q->shape->corners; k++) {
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
+        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
+            dem__convex_point *point = &q->out[q->n];
+            int is_new = touch[m].gap < 0.0;
+            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
+            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
+            for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
+            q->n += is_new;
+        }
+    }
+}
+
+/* Edges at a bar. Half round, it is a capsule where it is touched from above, and two sharp edges from below. */
+static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
+    const int32_t key = DEM__BAR_KEYS * (2 * (int32_t)index + family + DEM__BARS_FROM) + DEM_CORNERS_MAX;
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    dem__placed_edge e;
+    dem_vec from, end[2];
+    if (dem__reach_bar(w, family, index, 0.0, bar, 0.0, &from) < 0.0) return; /* there is no such bar */
+    const double reach = w->circular ? sqrt((w->half_x - bar) * (w->half_x + bar)) : length;
+    for (int k = 0; k < 2; k++) end[k] = dem__sub(dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0)), d);
+    for (int k = 0; k < 2; k++) dem__touch_wall_corner(q, end[k], half, none, key + k);
+    if (!dem__set_wall_edge(q, end[0], end[1], half, 3, &e)) return;
+    dem__cross_wall_edge(q, &e, half, key + 2, w->axis[2], w->profile == DEM_ROUND ? 0.0 : 1.0);
+    for (int side = -1; side < 2 && w->profile != DEM_ROUND; side += 2) {
+        const dem_vec off = dem__scale(side * half, w->axis[1 - family]);
+        if (dem__set_wall_edge(q, dem__add(end[0], off), dem__add(end[1], off), 0.0, 0, &e))
+            dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
+    }
+}
+static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(q->centre, w->position);
+    const double pitch = w->aperture + w->wire, reach = q->shape->reach + 0.5 * w->wire;
+    for (int family = 0; family < 2; family++) {
+        const double across = dem__dot(d, w->axis[1 - family]), half = family ? w->half_x : w->half_y;
+        const double low = dem__clamp(across - reach, -half, half), high = dem__clamp(across + reach, -half, half);
+        const double last = floor(high / pitch + 0.5);
+        for (double index = floor(low / pitch + 0.5); index <= last && q->n < DEM__POINTS_MAX; index += 1.0)
+            dem__touch_bar_with_edges(q, family, index, d);
+    }
+}
+
+/* Edges of the polyhedron across a cylinder, from outside. Its own have no ends. */
+static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
+    const double far_off = 4.0 * (q->shape->reach + w->radius);
+    dem__placed_edge e;
+    if (dem__set_wall_edge(q, dem__plus(foot, -far_off, w->axis[2]), dem__plus(foot, far_off, w->axis[2]), w->radius, 0, &e))
+        dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
+}
+
+/* The key of an edge of a mesh. Beyond 790 000 triangles keys come again, but not near each other: triangles lie in the order of the tree. */
+DEM_INLINE int32_t dem__mesh_key(int32_t at) {
+    return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
+}
+
+/* Edges and corners of a mesh that stand out, in the triangles near a polyhedron. */
+static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
+    const dem_wall *w = q->wall;
+    const dem__tree *t = w->tree;
+    dem__placed_edge e;
+    for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
+        const int kind = t->edges->kind[at];
+        const int32_t key = dem__mesh_key(at);
+        if (!(kind & (DEM__EDGE | DEM__CORNER))) continue;
+        const dem_vec from = dem__sub(dem__from_frame(w, t->vertex[t->corner[at]]), d);
+        if (kind & DEM__CORNER) dem__touch_wall_corner(q, from, 0.0, dem__from_frame(w, t->edges->tip[at]), key);
+        if (!(kind & DEM__EDGE)) continue;
+        const dem_vec to = dem__sub(dem__from_frame(w, t->vertex[t->corner[at % 3 < 2 ? at + 1 : at - 2]]), d);
+        const int ends = (kind & DEM__FROM_END ? 1 : 0) | (kind & DEM__TO_END ? 2 : 0);
+        if (!dem__set_wall_edge(q, from, to, 0.0, ends, &e)) continue;
+        e.sided = !(kind & DEM__RIM), e.outward = dem__from_frame(w, t->edges->outward[at]);
+        dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
+    }
+}
+static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
+    const dem__tree *t = q->wall->tree;
+    const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
+    if (!t->edges) return;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, q->shape->reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__touch_triangle_with_edges(q, k, d);
+    }
+}
+
+/* The touch of the sphere about the point at t of an edge with a cone. */
+DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
+    dem__touch touch;
+    double least;
+    const dem_vec d = dem__sub(dem__add(q->centre, dem__plus(e->from, t, e->along)), q->wall->position);
+    touch.normal = q->wall->axis[2];
+    dem__touch_cone(q->wall, d, dem__dot(d, q->wall->axis[2]), q->shape->radius, HUGE_VAL, &touch, &least);
+    return touch;
+}
+
+/* Where it is nearest, between a place where it comes nearer and one where it leaves. */
+static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
+    for (int k = 0; k < 50; k++) {
+        const double middle = 0.5 * (low + high);
+        if (dem__dot(dem__touch_cone_along(q, e, middle).normal, e->along) > 0.0) high = middle;
+        else low = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* Where an edge touches a cone, within it: steps along it, each as long as there is surely nothing, or short. How many? */
+static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
+    const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
+    dem__touch was = dem__touch_cone_along(q, e, 0.0);
+    int n = 0;
+    for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
+        const double ahead = was.gap <= 0.0    ? step
+                             : was.gap > least ? was.gap
+                                               : least,
+                     next = t + ahead < e->length ? t + ahead : e->length;
+        const dem__touch here = dem__touch_cone_along(q, e, next);
+        if (was.gap < least && dem__dot(was.normal, e->along) < 0.0 && dem__dot(here.normal, e->along) > 0.0)
+            at[n++] = dem__nearest_between(q, e, t, next);
+        t = next, was = here;
+    }
+    return n;
+}
+
+/* The point of an edge at t with a cone, and what its ends take back: as where edges cross. */
+static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
+    dem__convex_point *point = &q->out[q->n];
+    double share[2], rest[2], left = 1.0;
+    int n = 1;
+    const dem__touch here = dem__touch_cone_along(q, e, t);
+    if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    for (int k = 0; k < 2; k++) {
+        const dem__touch end = dem__touch_cone_along(q, e, k ? e->length : 0.0);
+        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
+        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
+        left *= rest[k];
+        if (share[k] == 0.0) continue;
+        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        n++;
+    }
+    if (!(left > 1e-10)) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
+    q->n += n;
+}
+
+/* Edges at a cone and its rims, and faces at the rims: by points of these. */
+static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
+    const dem_wall *w = q->wall;
+    const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
+    double at[DEM__CROSSINGS_MAX];
+    dem__list_edges(q);
+    for (int k = 0; k < q->edges; k++) {
+        const int n = dem__nearest_along(q, &q->edge[k], at);
+        for (int m = 0; m < n; m++)
+            dem__weigh_along(q, &q->edge[k], at[m], DEM_CORNERS_MAX + 3 * (DEM__CROSSINGS_MAX * q->edge[k].number + m));
+    }
+    for (int ring = 0; ring < 2; ring++) {
+        const double radius = ring ? w->high_radius : w->radius;
+        const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
+        if (!(dem__length(middle) < radius + q->shape->reach)) continue;
+        for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
+            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI * k / DEM__RING_POINTS);
+            dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
+        }
+    }
+}
+
+/* The points of a polyhedron at a wall, which is where it will be. How many? */
+static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
+    dem__touch touch[DEM__TOUCHES];
+    dem__at_wall q;
+    double least;
+    dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
+    if (!(least < 0.0)) return 0;
+    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    if (wall->kind == DEM_SPHERE && !wall->inside) {
+        dem__touch_wall_corner(&q, dem__sub(wall->position, place->x), wall->radius, dem_vec3(0.0, 0.0, 0.0), 0);
+        return q.n;
+    }
+    dem__touch_with_corners(&q);
+    if (wall->kind == DEM_CYLINDER && !wall->inside) dem__touch_cylinder_with_edges(&q);
+    if (wall->kind == DEM_SCREEN) dem__touch_screen_with_edges(&q);
+    if (wall->kind == DEM_MESH) dem__touch_mesh_with_edges(&q);
+    if (wall->kind == DEM_CONE) dem__touch_cone_with_edges(&q);
+    return q.n;
+}
