@@ -11348,7 +11348,8 @@ enum {
     DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
 };
 
-/* A corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in the wall's frame. */
+/* A corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in the wall's
+   frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
     if (wall->kind != DEM_MESH) return corner;
@@ -11473,7 +11474,8 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* The key of an edge of a mesh. Beyond 790 000 triangles keys come again, but not near each other: triangles lie in the order of the tree. */
+/* The key of an edge of a mesh. Beyond 790 000 triangles keys come again, but not near each other: triangles lie in the order of the
+   tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
@@ -11591,7 +11593,7 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
         const dem_vec middle = dem__plus(dem__sub(w->position, q->centre), ring ? w->length : 0.0, w->axis[2]);
         if (!(dem__length(middle) < radius + q->shape->reach)) continue;
         for (int k = 0; k < (radius > 0.0 ? DEM__RING_POINTS : 1); k++) {
-            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI * k / DEM__RING_POINTS);
+            const dem_vec out = dem__rotated(w->axis[0], w->axis[2], 2.0 * RIDDLE_PI / (double)DEM__RING_POINTS * (double)k);
             dem__touch_wall_corner(q, dem__plus(middle, radius, out), 0.0, dem_vec3(0.0, 0.0, 0.0), rings + DEM__RING_POINTS * ring + k);
         }
     }
