@@ -14,7 +14,7 @@ enum {
     DEM__TO_END = 16   /* ends at one */
 };
 
-/* Of each vertex the first one at the same place. */
+/* Finds of each vertex the first one at the same place. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
         const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* -0 is 0 */
@@ -36,10 +36,11 @@ static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keye
     }
 }
 
-/* The ends of edge `at`, that is at % 3 of triangle at / 3, and the direction in its triangle away from it. */
+/* Finds the ends of edge `at`, which is number at % 3 of triangle at / 3. */
 DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
     *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
 }
+/* Returns the direction in its triangle away from it. */
 DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     int32_t from, to;
     dem__ends_of(t, at, &from, &to);
@@ -47,7 +48,7 @@ DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
 }
 
-/* Which edges stand out. */
+/* Finds the edges that stand out. */
 static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
     for (int32_t at = 0; at < (int32_t)n; at++) {
@@ -69,7 +70,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Which of their ends are corners: those where more meet than two in one line. */
+/* Finds which of their ends are corners: those where more meet than two in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     ptrdiff_t n = 0;
     for (int32_t at = 0; at < 3 * t->triangles; at++) {
@@ -99,7 +100,7 @@ static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *e
     }
 }
 
-/* Makes them for a mesh that has none. Returns 0 when out of memory. */
+/* Makes the table for a mesh that has none. Returns 0 when out of memory. */
 static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
     const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
     const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;

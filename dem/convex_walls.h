@@ -1,10 +1,10 @@
 /* ------------------------------------------------------------------------------------ >>convex_walls */
-/* Where a polyhedron touches a wall: its corners, as spheres; its edges, as capsules; the wall's own corners within its faces. Reads a
+/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
    wall, a shape and its place. Promises: what a point is depends on these alone; forces are the gradient of a potential, as between
    polyhedra.
-   May be changed here alone: which features are looked at; every point that touches is found. */
+   May be changed here alone: which features are tested; every point that touches is found. */
 
-/* A polyhedron at a wall: its edges, seen from its centre; the points found so far. */
+/* A polyhedron at a wall, seen from its centre, and the points found so far. */
 typedef struct dem__at_wall {
     const dem_wall *wall;
     const dem_convex *shape;
@@ -16,7 +16,7 @@ typedef struct dem__at_wall {
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Keys of points. Below 32: a corner at a wall of one place. From there on edges, five each. Of a screen each bar has as many: */
+/* Keys of points: below 32 corners, from there on edges, five keys each; of a screen again for each bar. */
 enum {
     DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
     DEM__BARS_FROM = 1 << 18,               /* added to a bar's number, which may be less than 0 */
@@ -27,8 +27,8 @@ enum {
     DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
 };
 
-/* A corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in the wall's
-   frame. */
+/* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
+   the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (wall->kind == DEM_SCREEN) return corner + DEM__BAR_KEYS * (touch->element + DEM__BARS_FROM);
     if (wall->kind != DEM_MESH) return corner;
@@ -44,11 +44,12 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     return corner + DEM_CORNERS_MAX * place;
 }
 
-/* The element of a wall that a key names. */
+/* Returns the element of a wall that a key names. */
 DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
 }
 
+/* Lists the polyhedron's edges, once. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -57,7 +58,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
 }
 
-/* An edge of a wall, from `from` to `to` as the polyhedron's centre sees them. Can it touch? */
+/* Sets an edge of a wall, from `from` to `to`, both from the polyhedron's centre. Returns 0 if it is too far away to touch. */
 DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
     const dem_vec u = dem__sub(to, from);
     dem_vec n;
@@ -68,7 +69,7 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
     return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
 }
 
-/* The points of all edges at one of a wall, of a radius; of normals against `side` none, if sign is not 0. */
+/* Adds the points of all edges at an edge of a wall, of a radius. With sign 1 or -1 only those whose normals are on that side. */
 static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
@@ -79,7 +80,8 @@ static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge 
     }
 }
 
-/* A corner of a wall, a sphere of a radius at x, at the polyhedron's core. tip: the side that it is touched from; 0: all. */
+/* Adds the point of a wall's corner, a sphere of a radius at x, at the polyhedron's core. tip: its outward direction; 0: touched from all
+   sides. */
 static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
@@ -92,7 +94,7 @@ static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double rad
     q->n++;
 }
 
-/* Corners of the polyhedron, as spheres. */
+/* Adds the points of the polyhedron's corners, as spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -110,7 +112,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
-/* Edges at a bar. Half round, it is a capsule where it is touched from above, and two sharp edges from below. */
+/* Adds the points of edges at a bar. A half-round one is a capsule where it is touched from above, and two sharp edges from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
@@ -130,6 +132,7 @@ static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double
             dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
     }
 }
+/* Adds those of all bars near the polyhedron. */
 static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(q->centre, w->position);
@@ -143,7 +146,7 @@ static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     }
 }
 
-/* Edges of the polyhedron across a cylinder, from outside. Its own have no ends. */
+/* Adds the points of edges across a cylinder, from outside. Its axis has no ends. */
 static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -153,13 +156,13 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* The key of an edge of a mesh. Beyond 790 000 triangles keys come again, but not near each other: triangles lie in the order of the
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but far from each other: triangles lie in the order of the
    tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
 
-/* Edges and corners of a mesh that stand out, in the triangles near a polyhedron. */
+/* Adds the points at the edges and corners of a triangle that stand out. */
 static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
     const dem_wall *w = q->wall;
     const dem__tree *t = w->tree;
@@ -178,6 +181,7 @@ static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, de
         dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
     }
 }
+/* Adds those of the triangles near the polyhedron. */
 static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     const dem__tree *t = q->wall->tree;
     const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
@@ -193,7 +197,7 @@ static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     }
 }
 
-/* The touch of the sphere about the point at t of an edge with a cone. */
+/* Returns the touch with a cone of the sphere about the point at t of an edge. */
 DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch;
     double least;
@@ -203,7 +207,7 @@ DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__pl
     return touch;
 }
 
-/* Where it is nearest, between a place where it comes nearer and one where it leaves. */
+/* Returns where an edge is nearest, between a place where it approaches the cone and one where it leaves. */
 static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
     for (int k = 0; k < 50; k++) {
         const double middle = 0.5 * (low + high);
@@ -213,7 +217,8 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
     return 0.5 * (low + high);
 }
 
-/* Where an edge touches a cone, within it: steps along it, each as long as there is surely nothing, or short. How many? */
+/* Finds where an edge touches a cone between its ends, by steps along it: long where there is surely no contact, else short. Returns how
+   many places there are. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_cone_along(q, e, 0.0);
@@ -231,7 +236,7 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* The point of an edge at t with a cone, and what its ends take back: as where edges cross. */
+/* Adds the point of an edge at t with a cone, and those of its ends with their weights, as where edges cross. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;
@@ -256,7 +261,7 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
     q->n += n;
 }
 
-/* Edges at a cone and its rims, and faces at the rims: by points of these. */
+/* Adds the points of edges at a cone and its rims, and of faces at points of the rims. */
 static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const int32_t rings = DEM_CORNERS_MAX + 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX;
@@ -278,7 +283,7 @@ static inline void dem__touch_cone_with_edges(dem__at_wall *q) {
     }
 }
 
-/* The points of a polyhedron at a wall, which is where it will be. How many? */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place, dem__convex_point *out) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
