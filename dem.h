@@ -556,7 +556,7 @@ typedef struct dem_gas {
 typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work;                /* done on the particles by moving walls and loads */
+    double wall_work, external_work;                /* done on the particles by moving walls; by loads, and by moving fixed particles */
     double field_work;                              /* done on the particles by a force field */
     double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
     double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
@@ -633,9 +633,11 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable for the smallest, stiffest pair present, computed when a run begins
-                               after a change; 0 before. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ,
-                               whose contacts stiffen in an impact, from the time of Rayleigh waves alone */
+    double step_ratio;      /* time step over the largest that is stable. Computed when a run begins after a change, for the smallest,
+                               stiffest pair present (of a part of a body: with its least effective mass); raised by contacts that begin
+                               later if their law's prepare function returns a stiffness; 0 before. Above 1 contacts create energy.
+                               dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from the time of
+                               Rayleigh waves alone. Links are not looked at: their interval is yours */
 
     dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
@@ -705,6 +707,15 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 /* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed. DEM_BAD_ARGUMENT also for
    accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
+/* Fixes particle i, with it the body that it is a part of (1), or sets it free (0). A fixed one stops at once; from then on it stands still,
+   or moves as dem_set_motion says (bodies: without spin), whatever touches it. For others it is an obstacle of its shape, with contacts as
+   heavy as theirs. Gravity, loads, walls, exits and other fixed ones have no effect on it. The ledger counts no energy of it, and its work on
+   others as external_work. */
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
+/* What contacts and links do to a fixed particle, or to the whole fixed body that it is a part of: force [N], and torque about the centre
+   [N m], at the end of the last step; time integral of the force since it was fixed [N s]. DEM_BAD_ARGUMENT, and NaN, for others. */
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse);
 /* Removes particle i, and the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
@@ -2366,16 +2377,24 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
+    double stiffest;     /* k dt^2/m_eff of the contacts that a law has been prepared for, greatest */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
+/* Of a fixed particle: what contacts and links did to it in the last step, and the time integral of the force since it was fixed. */
+typedef struct dem__fixed {
+    dem__wrench load;
+    dem_vec impulse; /* [N s] */
+    int64_t on;      /* 0: not fixed */
+} dem__fixed;
+
 /* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on;
+    int loads_on, has_fixed; /* has_fixed: a particle was fixed at some time; then loads_on, too */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -2395,6 +2414,7 @@ typedef struct dem__bodies {
     const dem__body_room *room; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
+    dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 
@@ -2565,6 +2585,9 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) { return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0; }
+
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
@@ -2612,6 +2635,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
         list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
     }
+    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
     if (w->engine->convex.shapes > 0) {
         list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
         list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);
@@ -3015,13 +3039,22 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
+/* Returns whether the caller has taken the contact of i and j away: by the wall, or by fixing particles. */
+static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
+    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+}
+
+/* Books work that moving fixed particles do on others [J]. */
+DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
+
 /* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
    because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     dem_energy_ledger *sums = &w->engine->ledger.sums;
     if (!w->engine->ledger.counts) return;
-    if (w->alive[i] <= 0 || (j >= 0 ? w->alive[j] <= 0 : !dem__is_at_wall(w, i, -1 - j))) sums->removed += w->engine->contacts.elastic[c];
+    if (w->alive[i] <= 0 || (j >= 0 && w->alive[j] <= 0) || dem__is_taken_away(w, i, j)) sums->removed += w->engine->contacts.elastic[c];
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
@@ -3039,6 +3072,17 @@ static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
+/* Books the work that the fixed particle i has done in a step by its motion, by the trapezoidal rule. */
+static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a], turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+}
+
 /* Books what contacts dissipated in a step, and the work of walls and loads. */
 static inline void dem__book_losses(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -3052,6 +3096,10 @@ static inline void dem__book_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
         const ptrdiff_t i = bodies->active[k];
+        if (dem__is_fixed(w, i)) {
+            dem__book_fixed(w, i);
+            continue;
+        }
         l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
         l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
     }
@@ -3200,6 +3248,9 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
+/* Returns the acceleration of particle i, or of its rigid body, over the force on it [1/kg]. */
+DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
+
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
     return w->engine->bodies.room->posture(w, r, tau);
 }
@@ -3280,7 +3331,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, i)) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -3289,9 +3340,10 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
-   count it once. */
+   count it once. A fixed particle, like a wall, has none. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const dem_vec u = dem__plus(r->v, dem__now(w, i), r->a);
         return r->first == i ? 0.5 * r->mass * dem__dot(u, u) : 0.0;
@@ -3301,6 +3353,7 @@ DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
@@ -3310,6 +3363,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const double tau = dem__now(w, i);
         const dem_vec x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
@@ -3339,7 +3393,7 @@ DEM_INLINE int dem__link_stride(const dem_world *w) {
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
-    if (!links->is_loaded[i]) return 0.0;
+    if (!links->is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
     const double tau = dem__now(w, i), turned = 0.5 * w->engine->run.dt * (double)((w->step - 1) % dem__link_stride(w) + 1);
     const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
     const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
@@ -3350,8 +3404,13 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
 /* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
-    sum->per_mass = 1.0 / w->particle[i].mass;
+    sum->per_mass = dem__per_mass(w, i);
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
+}
+
+/* Sets the part of its mass that a particle has in one of its contacts. */
+DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
+    w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
 /* Sets the acceleration of particle i without contacts. */
@@ -3360,6 +3419,10 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
         bodies->room->fall(w, r);
+        return;
+    }
+    if (dem__is_fixed(w, i)) {
+        w->particle[i].a = w->spin_rate[i] = dem_vec3(0.0, 0.0, 0.0);
         return;
     }
     const dem__sum *sum = &bodies->sum[i];
@@ -3396,6 +3459,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
     p->radius = radius;
     p->mass = mass;
+    if (bodies->has_fixed) memset(&bodies->fixed[i], 0, sizeof *bodies->fixed);
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
@@ -3456,7 +3520,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         dem__rigid *r = dem__rigid_of(w, i);
         dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
@@ -3466,7 +3530,8 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem__rigid *r = dem__rigid_of(w, i);
             const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised = w->alive[i] && (!r || r->first == i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
+            const double raised =
+                w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
             w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
         }
     }
@@ -3494,10 +3559,11 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Returns whether particle i, or any particle of its rigid body, has a load. */
+/* Has it, or with a rigid body any of its particles, a load, or is it fixed? */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
+    if (dem__is_fixed(w, i)) return 1; /* flies on no parabola of gravity's */
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
     return loaded;
 }
@@ -3524,6 +3590,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
+    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
@@ -3545,14 +3612,15 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
+    if (r && !dem__is_fixed(w, i)) {
         const dem_vec more = dem__sub(force, dem__first(external));
         r->a = dem__plus(r->a, 1.0 / r->mass, more);
         r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
     }
+    const int fixed = dem__is_fixed(w, i);
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
-        *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
+        if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }
@@ -3561,6 +3629,83 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem__wake(w, i); /* a loaded particle is not in free flight */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = 1;
     return DEM_OK;
+}
+
+/* -------------------------------------------------------------------------------------------- >>fixed */
+/* Fixed particles: obstacles that stand still or move as their caller says, whatever touches them, and the force on them.
+   Relies on body.h: dem__is_fixed() is asked wherever forces become motion.
+   May be changed here alone: what is noted of the force on a fixed particle. */
+
+/* Makes room for the state of fixed particles. Returns 0 when out of memory; nothing has changed then. */
+static inline int dem__reserve_fixed(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__array list[DEM__ARRAYS_MAX];
+    if (bodies->has_fixed) return 1;
+    bodies->has_fixed = 1;
+    if (dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes, &bodies->capacity, w->count + 1)) return 1;
+    bodies->has_fixed = 0, bodies->fixed = NULL;
+    return 0;
+}
+
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
+    if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
+    dem__restart(w, first);
+    dem__book_removed(w, dem__kinetic(w, first) + dem__rotational(w, first) + dem__potential(w, first), dem__potential(w, first));
+    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = first; k < end; k++) {
+        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
+        w->engine->bodies.fixed[k].on = fixed;
+        dem__set_inverse_mass(w, k);
+        dem__set_mass_share(w, k);
+        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
+    }
+    dem__free_acceleration(w, first);
+    dem__book_added(w, dem__potential(w, first));
+    dem__book_motion(w, dem__kinetic(w, first) + dem__rotational(w, first));
+    dem__wake(w, first); /* it takes steps, as a loaded one does */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) { return dem__is_present(world, i) && dem__is_fixed(world, i); }
+
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse) {
+    const dem_world *w = world;
+    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
+    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i, end = first + (r ? r->pieces : 1);
+    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = first; k < end; k++) {
+        const dem__fixed *f = &w->engine->bodies.fixed[k];
+        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
+        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
+        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
+    }
+    return DEM_OK;
+}
+
+/* Records the force on a fixed particle at the end of a step, `half` of it [s], without what the caller has put on it. */
+DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    dem__fixed *f = &w->engine->bodies.fixed[i];
+    const double *external = w->engine->bodies.external[i];
+    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
+    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
+    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+}
+
+/* Gives a fixed particle the impulse of a contact that begins or ends within a step; it does work if the particle moves. */
+static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    const dem_particle *p = &w->particle[i];
+    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
+    if (w->engine->run.features & DEM_ENERGY) dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
 }
 
 /* Adding walls of every kind but meshes.
@@ -5222,6 +5367,7 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
 /* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that it touches needs no
    test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
+    if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
@@ -6149,15 +6295,15 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes pairs of particles of one rigid body. */
-static inline void dem__drop_pairs_within_bodies(dem_world *w) {
+/* Removes pairs of particles of one rigid body, and of two fixed ones. */
+static inline void dem__drop_idle_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
     for (ptrdiff_t p = 0; p < pairs->count; p++) {
         const dem__near q = pairs->near[p];
         pairs->near[kept] = q;
-        kept += !(of[q.i] > 0 && of[q.i] == of[q.j]);
+        kept += !(of && of[q.i] > 0 && of[q.i] == of[q.j]) && !(dem__is_fixed(w, q.i) && dem__is_fixed(w, q.j));
     }
     pairs->count = kept;
 }
@@ -6187,7 +6333,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid) dem__drop_pairs_within_bodies(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
     return 1;
 }
 
@@ -7583,10 +7729,6 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chu
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
-DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
-    w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
-}
-
 /* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -7634,6 +7776,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.radius_j = w->particle[j].radius;
         b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
+        if (dem__is_fixed(w, i)) b.mass = w->particle[j].mass, b.inertia = other;
+        if (dem__is_fixed(w, j)) b.mass = w->particle[i].mass, b.inertia = inertia;
     } else {
         b.material_j = w->wall[-1 - j].material;
         b.mass = w->particle[i].mass;
@@ -7649,6 +7793,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
     const double k = stiffness * run->dt * run->dt / b.mass;
+    if (k > w->engine->run.stiffest) w->engine->run.stiffest = k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM__TYPES_MAX) {
@@ -8108,12 +8253,15 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
         if (loads) {
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
-        const dem_vec pull = dem__scale(sum->per_mass, force);
+        if (loads && dem__is_fixed(w, i)) {
+            dem__note_fixed_force(w, i, force, torque, half);
+            pull = dem__scale(-1.0, gravity);
+        } else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
@@ -8178,7 +8326,8 @@ static inline int dem__kick(dem_world *w, double h) {
    centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
-    const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
     w->engine->bodies.impact[i] = dem__scale(part * closing, n);
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
@@ -8201,6 +8350,11 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
+        if (dem__is_fixed(w, a)) {
+            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
+            continue;
+        }
         dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
@@ -8222,8 +8376,8 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-    a->v = dem__plus(a->v, 1.0 / a->mass, slower);
-    b->v = dem__plus(b->v, -1.0 / b->mass, slower);
+    a->v = dem__plus(a->v, dem__per_mass(w, i), slower);
+    b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
 /* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
@@ -8948,12 +9102,12 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts with walls that act no more, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller has taken away, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
+        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
@@ -8996,6 +9150,7 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
         w->engine->contacts.type_count = 0;
+        run->stiffest = 0.0;
         DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
     }
     run->features = features;
@@ -9065,6 +9220,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const double *load = w->engine->bodies.load[i];
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) return;
     if (r) {
         for (ptrdiff_t k = r->first; k < i; k++) {
             if (dem__is_linked(w, k)) return;
@@ -9313,6 +9469,8 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     else
         for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* what the contacts were like that there were */
+    if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
     return DEM_OK;
@@ -9662,7 +9820,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
 /* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
 static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first)) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
@@ -9710,6 +9868,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all notes the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
@@ -9736,6 +9895,7 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
     dem__place_pieces(w, r);
 }
 
@@ -9800,6 +9960,10 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) {
+        dem__strike_fixed(w, i, impulse, turn);
+        return;
+    }
     dem__mark_to_check(w, i);
     if (r) {
         dem__push_body(w, r, i, impulse, turn, shift, n);
@@ -9843,7 +10007,7 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     }
     const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
     const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
     const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
     dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
     dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);
@@ -11827,7 +11991,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     }
     *of_particles = n;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i); k++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
             if (w->wall[k].kind == DEM_EXIT) continue;
             p.i = i, p.j = -1 - k, p.near = -1;
             if (pair) pair[n] = p;
@@ -11974,9 +12138,9 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
 /* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__per_share(w, i) / w->particle[i].mass;
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     if (j >= 0) {
         b->radius_j = dem__touching_radius(w, j);
         return;
@@ -13598,6 +13762,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("rebuilds", w->rebuilds, 0),
         DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
+        DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
         DEM__INTEGER("link.on", e->links.on, 0),
@@ -13737,6 +13902,14 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         };
         memcpy(&g->field[g->fields], flights, sizeof flights);
         g->fields += 4;
+    }
+    if (bodies->has_fixed) {
+        const size_t f = sizeof *bodies->fixed;
+        const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
+                                          DEM__DOUBLES("particle.fixed_load", bodies->fixed->load, f),
+                                          DEM__DOUBLES("particle.fixed_impulse", bodies->fixed->impulse, f)};
+        memcpy(&g->field[g->fields], fixed, sizeof fixed);
+        g->fields += 3;
     }
     if (w->engine->convex.shapes > 0) {
         const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
@@ -13978,6 +14151,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
+    if (dem__is_fixed(w, i)) dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     if (!w->engine->links.on) return;
     dem__hash_f64(hash, bodies->external[i], 6);
     dem__hash_i64(hash, w->engine->links.is_loaded[i]);
@@ -14123,8 +14297,8 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) ||
-        !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) ||
+        !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
@@ -14267,6 +14441,7 @@ static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__gro
             return 0;
         if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
             if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
                 return 0;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
@@ -14341,6 +14516,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
+    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -14434,52 +14610,87 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
+/* Returns the least effective mass of particle i in a contact [kg]; that of a part of a body is less than the body's, as the body turns. */
+static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return w->particle[i].mass;
+    const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
+    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y, least = two < r->moments.z ? two : r->moments.z;
+    return 1.0 / (1.0 / r->mass + arm * arm / least);
+}
+
+/* What is present of a material: the least radius of its free and its fixed particles, the least mass of a part of a body. */
+typedef struct dem__present {
+    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite without any */
+    int is_wall;
+} dem__present;
+static inline void dem__list_present(const dem_world *w, dem__present *of) {
+    for (int m = 0; m < DEM_MATERIALS_MAX; m++) {
+        of[m].smallest = of[m].fixed = of[m].lightest = HUGE_VAL;
+        of[m].is_wall = 0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__present *q = &of[w->material[i]];
+        double *least = dem__is_fixed(w, i) ? &q->fixed : &q->smallest;
+        if (!w->alive[i]) continue;
+        if (w->particle[i].radius < *least) *least = w->particle[i].radius;
+        if (least == &q->fixed || !dem__rigid_of(w, i)) continue;
+        const double mass = dem__least_mass(w, i);
+        q->lightest = mass < q->lightest ? mass : q->lightest;
+    }
+    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
+}
+
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a part of a body if that is less [kg]. */
+static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
+    const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
+    return sphere < of[m].lightest ? sphere : of[m].lightest;
+}
+
+/* Lowers the advice to what a pair needs. */
+static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
+    double constants[DEM_CONSTANTS_MAX], contact, damping;
+    if (b->features & DEM_HERTZ) {
+        dem_prepare_hertz(b, constants);
+        contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b->mass, speed);
+        const double overlap = speed * contact / 2.943275175395;
+        damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
+    } else {
+        const double zeta = dem_damping_ratio(b->pair->restitution, b->pair->mode);
+        contact = dem_contact_time(b->pair->stiffness, b->mass, zeta, b->pair->mode);
+        damping = 2.0 * zeta * sqrt(b->pair->stiffness * b->mass);
+    }
+    a->contact = contact < a->contact ? contact : a->contact;
+    if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
+}
+
 /* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
-    double smallest[DEM_MATERIALS_MAX];
+    dem__present of[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
-    for (int m = 0; m < DEM_MATERIALS_MAX; m++) smallest[m] = HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] && w->particle[i].radius < smallest[w->material[i]]) smallest[w->material[i]] = w->particle[i].radius;
-    }
+    dem__list_present(w, of);
     for (int m = 0; m < w->def.materials; m++) {
-        if (!(smallest[m] < HUGE_VAL)) continue;
+        if (!(of[m].smallest < HUGE_VAL)) continue;
         const dem_material *mat = &w->def.material[m];
-        double mass_m = 4.0 / 3.0 * RIDDLE_PI * smallest[m] * smallest[m] * smallest[m] * mat->density;
-        double shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
-        double rayleigh = RIDDLE_PI * smallest[m] * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
+        const double mass_m = dem__mass_of(w, of, m), shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
+        const double rayleigh = RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
         a.rayleigh = rayleigh < a.rayleigh ? rayleigh : a.rayleigh;
         for (int q = 0; q < w->def.materials; q++) {
-            int is_wall = 0;
-            for (int k = 0; k < w->walls; k++) is_wall |= w->wall[k].material == q && w->wall[k].kind != DEM_EXIT;
-            for (int side = 0; side < 2; side++) { /* 0: a sphere of material q, 1: a wall of it */
-                if (side ? !is_wall : !(smallest[q] < HUGE_VAL)) continue;
+            for (int side = 0; side < 3; side++) { /* 0: a sphere of material q, 1: a wall of it, 2: a fixed sphere */
+                const double radius = side == 1 ? 0.0 : side ? of[q].fixed : of[q].smallest;
                 dem_birth b;
-                double constants[DEM_CONSTANTS_MAX];
-                double mass_q =
-                    side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
+                if (side == 1 ? !of[q].is_wall : !(radius < HUGE_VAL)) continue;
+                const double mass_q = side ? HUGE_VAL : dem__mass_of(w, of, q);
                 memset(&b, 0, sizeof b);
                 b.def = &w->def;
                 b.features = features;
                 b.pair = m < q ? &w->def.pair[m][q] : &w->def.pair[q][m];
                 b.material_i = m, b.material_j = q;
-                b.radius_i = smallest[m], b.radius_j = side ? 0.0 : smallest[q];
+                b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                double contact, damping;
-                if (features & DEM_HERTZ) {
-                    dem_prepare_hertz(&b, constants);
-                    contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
-                    double overlap = speed * contact / 2.943275175395;
-                    damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
-                } else {
-                    double zeta = dem_damping_ratio(b.pair->restitution, b.pair->mode);
-                    contact = dem_contact_time(b.pair->stiffness, b.mass, zeta, b.pair->mode);
-                    damping = 2.0 * zeta * sqrt(b.pair->stiffness * b.mass);
-                }
-                a.contact = contact < a.contact ? contact : a.contact;
-                if (damping > 0.0 && b.mass / damping < a.dashpot) a.dashpot = b.mass / damping;
+                dem__advise_pair(&b, speed, &a);
             }
         }
     }

@@ -82,12 +82,15 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load);
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
         if (loads) {
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
-        const dem_vec pull = dem__scale(sum->per_mass, force);
+        if (loads && dem__is_fixed(w, i)) {
+            dem__note_fixed_force(w, i, force, torque, half);
+            pull = dem__scale(-1.0, gravity);
+        } else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
         const dem_vec turn = dem__scale(sum->per_inertia, torque);
         w->spin_rate[i] = turn;
@@ -152,7 +155,8 @@ static inline int dem__kick(dem_world *w, double h) {
    centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
-    const double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
     w->engine->bodies.impact[i] = dem__scale(part * closing, n);
     if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
@@ -175,6 +179,11 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
+        if (dem__is_fixed(w, a)) {
+            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
+            continue;
+        }
         dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
@@ -196,8 +205,8 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem_particle *a = &w->particle[i], *b = &w->particle[j];
     const dem_vec d = dem__nearest_image(w, dem__sub(a->x, b->x)), v = dem__sub(a->v, b->v);
     const dem_vec slower = dem__scale(-h->shift / dem__length(d), dem__sub(v, dem__scale(dem__dot(v, n), n)));
-    a->v = dem__plus(a->v, 1.0 / a->mass, slower);
-    b->v = dem__plus(b->v, -1.0 / b->mass, slower);
+    a->v = dem__plus(a->v, dem__per_mass(w, i), slower);
+    b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
 /* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */

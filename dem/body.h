@@ -28,7 +28,7 @@ static inline void dem__restart(dem_world *w, ptrdiff_t i) {
 DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     dem_particle *p = &w->particle[i];
     const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, i)) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
 }
 
@@ -37,9 +37,10 @@ DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that sums over particles
-   count it once. */
+   count it once. A fixed particle, like a wall, has none. */
 DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const dem_vec u = dem__plus(r->v, dem__now(w, i), r->a);
         return r->first == i ? 0.5 * r->mass * dem__dot(u, u) : 0.0;
@@ -49,6 +50,7 @@ DEM_INLINE double dem__kinetic(const dem_world *w, ptrdiff_t i) {
 }
 DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
@@ -58,6 +60,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
 }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
         const double tau = dem__now(w, i);
         const dem_vec x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
@@ -87,7 +90,7 @@ DEM_INLINE int dem__link_stride(const dem_world *w) {
 static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
-    if (!links->is_loaded[i]) return 0.0;
+    if (!links->is_loaded[i] || dem__is_fixed(w, i)) return 0.0;
     const double tau = dem__now(w, i), turned = 0.5 * w->engine->run.dt * (double)((w->step - 1) % dem__link_stride(w) + 1);
     const dem_vec way = dem__nearest_image(w, dem__sub(dem__at(w, i, tau), dem__first(links->evaluated_at[i])));
     const dem_vec force = dem__sub(dem__first(bodies->load[i]), dem__first(bodies->external[i]));
@@ -98,8 +101,13 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
 /* Sets what turns forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
-    sum->per_mass = 1.0 / w->particle[i].mass;
+    sum->per_mass = dem__per_mass(w, i);
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
+}
+
+/* Sets the part of its mass that a particle has in one of its contacts. */
+DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
+    w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
 /* Sets the acceleration of particle i without contacts. */
@@ -108,6 +116,10 @@ static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
         bodies->room->fall(w, r);
+        return;
+    }
+    if (dem__is_fixed(w, i)) {
+        w->particle[i].a = w->spin_rate[i] = dem_vec3(0.0, 0.0, 0.0);
         return;
     }
     const dem__sum *sum = &bodies->sum[i];
@@ -144,6 +156,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     for (int a = 0; a < 6; a++) bodies->load[i][a] = bodies->external[i][a] = 0.0;
     p->radius = radius;
     p->mass = mass;
+    if (bodies->has_fixed) memset(&bodies->fixed[i], 0, sizeof *bodies->fixed);
     dem__set_inverse_mass(w, i);
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
@@ -204,7 +217,7 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         dem__rigid *r = dem__rigid_of(w, i);
         dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
@@ -214,7 +227,8 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             const dem__rigid *r = dem__rigid_of(w, i);
             const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised = w->alive[i] && (!r || r->first == i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
+            const double raised =
+                w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i) ? -w->particle[i].mass * dem__dot(change, x) : 0.0;
             w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
         }
     }
@@ -242,10 +256,11 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Returns whether particle i, or any particle of its rigid body, has a load. */
+/* Has it, or with a rigid body any of its particles, a load, or is it fixed? */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
+    if (dem__is_fixed(w, i)) return 1; /* flies on no parabola of gravity's */
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
     return loaded;
 }
@@ -272,6 +287,7 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
+    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
     dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
@@ -293,14 +309,15 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     dem_vec *const rate[] = {&w->particle[i].a, &w->spin_rate[i]};
     const double wanted[] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
+    if (r && !dem__is_fixed(w, i)) {
         const dem_vec more = dem__sub(force, dem__first(external));
         r->a = dem__plus(r->a, 1.0 / r->mass, more);
         r->torque = dem__add(dem__add(r->torque, dem__sub(torque, dem__second(external))), dem__cross(w->engine->bodies.arm[i], more));
     }
+    const int fixed = dem__is_fixed(w, i);
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
-        *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
+        if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
         load[a] = !w->engine->links.is_loaded[i] ? wanted[a] : load[a] + change;
         external[a] = wanted[a];
     }

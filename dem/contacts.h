@@ -96,10 +96,6 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chu
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
-DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
-    w->engine->bodies.mass_share[i] = w->touching[i] > 1 ? 1.0 / (double)w->touching[i] : 1.0;
-}
-
 /* Changes the number of contacts of particle i, and of all particles of its rigid body. */
 DEM_INLINE void dem__count_contact(dem_world *w, ptrdiff_t i, int change) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -147,6 +143,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.radius_j = w->particle[j].radius;
         b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
         b.inertia = inertia * other / (inertia + other);
+        if (dem__is_fixed(w, i)) b.mass = w->particle[j].mass, b.inertia = other;
+        if (dem__is_fixed(w, j)) b.mass = w->particle[i].mass, b.inertia = inertia;
     } else {
         b.material_j = w->wall[-1 - j].material;
         b.mass = w->particle[i].mass;
@@ -162,6 +160,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
     const double k = stiffness * run->dt * run->dt / b.mass;
+    if (k > w->engine->run.stiffest) w->engine->run.stiffest = k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM__TYPES_MAX) {

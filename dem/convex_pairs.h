@@ -199,7 +199,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     }
     *of_particles = n;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i); k++) {
+        for (int k = 0; k < w->walls && w->alive[i] && dem__shape_of(w, i) && !dem__is_fixed(w, i); k++) {
             if (w->wall[k].kind == DEM_EXIT) continue;
             p.i = i, p.j = -1 - k, p.near = -1;
             if (pair) pair[n] = p;

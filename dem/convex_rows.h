@@ -107,9 +107,9 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
 /* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__per_share(w, i) / w->particle[i].mass;
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
     if (j >= 0) {
         b->radius_j = dem__touching_radius(w, j);
         return;

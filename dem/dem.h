@@ -70,6 +70,7 @@
 #include "rotation.h"
 #include "flight.h"
 #include "body.h"
+#include "fixed.h"
 #include "walls.h"
 #include "mesh.h"
 #include "stl.h"

@@ -103,6 +103,7 @@ DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
 /* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that it touches needs no
    test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
+    if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i)) return w->wall[wall].kind == DEM_EXIT; /* others: by corners and edges, in convex_pairs.h */
     if (w->wall[wall].kind == DEM_SCREEN) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {

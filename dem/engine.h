@@ -136,16 +136,24 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
+    double stiffest;     /* k dt^2/m_eff of the contacts that a law has been prepared for, greatest */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
+/* Of a fixed particle: what contacts and links did to it in the last step, and the time integral of the force since it was fixed. */
+typedef struct dem__fixed {
+    dem__wrench load;
+    dem_vec impulse; /* [N s] */
+    int64_t on;      /* 0: not fixed */
+} dem__fixed;
+
 /* Particles, beside the public arrays of the world. Written by body.h, bounds.h, step.h. */
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on;
+    int loads_on, has_fixed; /* has_fixed: a particle was fixed at some time; then loads_on, too */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -165,6 +173,7 @@ typedef struct dem__bodies {
     const dem__body_room *room; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
     int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
+    dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's axes, at the origin */
 } dem__bodies;
 

@@ -47,52 +47,87 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
+/* Returns the least effective mass of particle i in a contact [kg]; that of a part of a body is less than the body's, as the body turns. */
+static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    if (!r) return w->particle[i].mass;
+    const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
+    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y, least = two < r->moments.z ? two : r->moments.z;
+    return 1.0 / (1.0 / r->mass + arm * arm / least);
+}
+
+/* What is present of a material: the least radius of its free and its fixed particles, the least mass of a part of a body. */
+typedef struct dem__present {
+    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite without any */
+    int is_wall;
+} dem__present;
+static inline void dem__list_present(const dem_world *w, dem__present *of) {
+    for (int m = 0; m < DEM_MATERIALS_MAX; m++) {
+        of[m].smallest = of[m].fixed = of[m].lightest = HUGE_VAL;
+        of[m].is_wall = 0;
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__present *q = &of[w->material[i]];
+        double *least = dem__is_fixed(w, i) ? &q->fixed : &q->smallest;
+        if (!w->alive[i]) continue;
+        if (w->particle[i].radius < *least) *least = w->particle[i].radius;
+        if (least == &q->fixed || !dem__rigid_of(w, i)) continue;
+        const double mass = dem__least_mass(w, i);
+        q->lightest = mass < q->lightest ? mass : q->lightest;
+    }
+    for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
+}
+
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a part of a body if that is less [kg]. */
+static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
+    const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
+    return sphere < of[m].lightest ? sphere : of[m].lightest;
+}
+
+/* Lowers the advice to what a pair needs. */
+static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
+    double constants[DEM_CONSTANTS_MAX], contact, damping;
+    if (b->features & DEM_HERTZ) {
+        dem_prepare_hertz(b, constants);
+        contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b->mass, speed);
+        const double overlap = speed * contact / 2.943275175395;
+        damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
+    } else {
+        const double zeta = dem_damping_ratio(b->pair->restitution, b->pair->mode);
+        contact = dem_contact_time(b->pair->stiffness, b->mass, zeta, b->pair->mode);
+        damping = 2.0 * zeta * sqrt(b->pair->stiffness * b->mass);
+    }
+    a->contact = contact < a->contact ? contact : a->contact;
+    if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
+}
+
 /* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
-    double smallest[DEM_MATERIALS_MAX];
+    dem__present of[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
-    for (int m = 0; m < DEM_MATERIALS_MAX; m++) smallest[m] = HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i] && w->particle[i].radius < smallest[w->material[i]]) smallest[w->material[i]] = w->particle[i].radius;
-    }
+    dem__list_present(w, of);
     for (int m = 0; m < w->def.materials; m++) {
-        if (!(smallest[m] < HUGE_VAL)) continue;
+        if (!(of[m].smallest < HUGE_VAL)) continue;
         const dem_material *mat = &w->def.material[m];
-        double mass_m = 4.0 / 3.0 * RIDDLE_PI * smallest[m] * smallest[m] * smallest[m] * mat->density;
-        double shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
-        double rayleigh = RIDDLE_PI * smallest[m] * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
+        const double mass_m = dem__mass_of(w, of, m), shear = 0.5 * mat->young_modulus / (1.0 + mat->poisson_ratio);
+        const double rayleigh = RIDDLE_PI * of[m].smallest * sqrt(mat->density / shear) / (0.1631 * mat->poisson_ratio + 0.8766);
         a.rayleigh = rayleigh < a.rayleigh ? rayleigh : a.rayleigh;
         for (int q = 0; q < w->def.materials; q++) {
-            int is_wall = 0;
-            for (int k = 0; k < w->walls; k++) is_wall |= w->wall[k].material == q && w->wall[k].kind != DEM_EXIT;
-            for (int side = 0; side < 2; side++) { /* 0: a sphere of material q, 1: a wall of it */
-                if (side ? !is_wall : !(smallest[q] < HUGE_VAL)) continue;
+            for (int side = 0; side < 3; side++) { /* 0: a sphere of material q, 1: a wall of it, 2: a fixed sphere */
+                const double radius = side == 1 ? 0.0 : side ? of[q].fixed : of[q].smallest;
                 dem_birth b;
-                double constants[DEM_CONSTANTS_MAX];
-                double mass_q =
-                    side ? HUGE_VAL : 4.0 / 3.0 * RIDDLE_PI * smallest[q] * smallest[q] * smallest[q] * w->def.material[q].density;
+                if (side == 1 ? !of[q].is_wall : !(radius < HUGE_VAL)) continue;
+                const double mass_q = side ? HUGE_VAL : dem__mass_of(w, of, q);
                 memset(&b, 0, sizeof b);
                 b.def = &w->def;
                 b.features = features;
                 b.pair = m < q ? &w->def.pair[m][q] : &w->def.pair[q][m];
                 b.material_i = m, b.material_j = q;
-                b.radius_i = smallest[m], b.radius_j = side ? 0.0 : smallest[q];
+                b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                double contact, damping;
-                if (features & DEM_HERTZ) {
-                    dem_prepare_hertz(&b, constants);
-                    contact = dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
-                    double overlap = speed * contact / 2.943275175395;
-                    damping = constants[DEM__HERTZ_GAMMA] * sqrt(sqrt(constants[DEM__HERTZ_RADIUS] * overlap));
-                } else {
-                    double zeta = dem_damping_ratio(b.pair->restitution, b.pair->mode);
-                    contact = dem_contact_time(b.pair->stiffness, b.mass, zeta, b.pair->mode);
-                    damping = 2.0 * zeta * sqrt(b.pair->stiffness * b.mass);
-                }
-                a.contact = contact < a.contact ? contact : a.contact;
-                if (damping > 0.0 && b.mass / damping < a.dashpot) a.dashpot = b.mass / damping;
+                dem__advise_pair(&b, speed, &a);
             }
         }
     }

@@ -81,8 +81,8 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         if (!(counts[k] >= 0 && counts[k] < INT64_MAX / 4)) return 0;
     }
-    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->ledger.started) ||
-        !dem__is_flag(e->ledger.counts))
+    if (!dem__is_flag(e->links.on) || !dem__is_flag(e->field.on) || !dem__is_flag(e->ledger.on) || !dem__is_flag(e->bodies.has_fixed) ||
+        !dem__is_flag(e->ledger.started) || !dem__is_flag(e->ledger.counts))
         return 0;
     if (e->contacts.states < 0 || e->contacts.states > DEM_STATE_MAX || e->links.states < 0 || e->links.states > DEM_STATE_MAX) return 0;
     if (!dem__not_negative(e->links.near) || !dem__not_negative(e->links.interval)) return 0;
@@ -225,6 +225,7 @@ static inline int dem__read_bodies(const dem__file *file, dem_world *w, dem__gro
             return 0;
         if (!(fabs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1.0) < 1e-6)) return 0;
         for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
+            if (dem__is_fixed(w, i) != dem__is_fixed(w, r->first)) return 0;
             if (bodies->rigid_of[i] != 0 || w->particle[i].origin != w->particle[r->first].origin || w->particle[i].mass != r->mass)
                 return 0;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
@@ -299,6 +300,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
     w->engine->run.needs_lists = w->engine->run.keeps_wrenches = 1;
+    w->engine->bodies.loads_on |= w->engine->bodies.has_fixed;
     dem__find_links(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];

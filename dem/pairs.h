@@ -207,15 +207,15 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes pairs of particles of one rigid body. */
-static inline void dem__drop_pairs_within_bodies(dem_world *w) {
+/* Removes pairs of particles of one rigid body, and of two fixed ones. */
+static inline void dem__drop_idle_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
     for (ptrdiff_t p = 0; p < pairs->count; p++) {
         const dem__near q = pairs->near[p];
         pairs->near[kept] = q;
-        kept += !(of[q.i] > 0 && of[q.i] == of[q.j]);
+        kept += !(of && of[q.i] > 0 && of[q.i] == of[q.j]) && !(dem__is_fixed(w, q.i) && dem__is_fixed(w, q.j));
     }
     pairs->count = kept;
 }
@@ -245,7 +245,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid) dem__drop_pairs_within_bodies(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
     return 1;
 }
 

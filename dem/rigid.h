@@ -82,7 +82,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
 /* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which is booked. */
 static inline void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
+    if (w->engine->ledger.on && !dem__is_fixed(w, r->first)) dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
     r->x = x;
 }
 
@@ -130,6 +130,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all notes the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
@@ -156,6 +157,7 @@ static inline void dem__free_body(dem_world *w, dem__rigid *r) {
     dem_vec force;
     dem__sum_on_body(w, r, 0, 1, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
+    if (dem__is_fixed(w, r->first)) r->a = r->torque = dem_vec3(0.0, 0.0, 0.0);
     dem__place_pieces(w, r);
 }
 
@@ -220,6 +222,10 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) {
+        dem__strike_fixed(w, i, impulse, turn);
+        return;
+    }
     dem__mark_to_check(w, i);
     if (r) {
         dem__push_body(w, r, i, impulse, turn, shift, n);
@@ -263,7 +269,7 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     }
     const dem_vec d = dem__nearest_image(w, dem__sub(w->particle[i].x, w->particle[j].x));
     const dem_vec u = dem__sub(dem__centre_velocity(w, i), dem__centre_velocity(w, j));
-    const double distance = dem__length(d) + h->shift * (1.0 / w->particle[i].mass + 1.0 / w->particle[j].mass);
+    const double distance = dem__length(d) + h->shift * (dem__per_mass(w, i) + dem__per_mass(w, j));
     const dem_vec slower = dem__scale(-h->shift / distance, dem__sub(u, dem__scale(dem__dot(u, n), n)));
     dem__push_any(w, i, slower, none, 0.0, n), dem__push_any(w, j, dem__scale(-1.0, slower), none, 0.0, n);
     dem__push_any(w, i, none, none, h->shift, n), dem__push_any(w, j, none, none, -h->shift, n);

@@ -140,6 +140,7 @@ static inline void dem__hash_particle(uint64_t *hash, const dem_world *w, ptrdif
     dem__hash_f64(hash, &p->radius, 1), dem__hash_f64(hash, &p->mass, 1), dem__hash_f64(hash, bodies->load[i], 6);
     dem__hash_i64(hash, p->origin), dem__hash_u64(hash, w->id[i]);
     dem__hash_i64(hash, w->material[i]), dem__hash_i64(hash, w->group[i]);
+    if (dem__is_fixed(w, i)) dem__hash_f64(hash, bodies->fixed[i].load, 6), dem__hash_vec(hash, bodies->fixed[i].impulse);
     if (!w->engine->links.on) return;
     dem__hash_f64(hash, bodies->external[i], 6);
     dem__hash_i64(hash, w->engine->links.is_loaded[i]);

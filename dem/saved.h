@@ -60,6 +60,7 @@ static inline void dem__world_fields(dem_world *w, dem__group *g) {
         DEM__INTEGER("rebuilds", w->rebuilds, 0),
         DEM__INTEGER("needs_forces", e->run.needs_forces, 0),
         DEM__INTEGER("loads_on", e->bodies.loads_on, 0),
+        DEM__INTEGER("has_fixed", e->bodies.has_fixed, 0),
         DEM__INTEGER("contact.states", e->contacts.states, 0),
         DEM__INTEGER("contact.has_history", e->contacts.has_history, 0),
         DEM__INTEGER("link.on", e->links.on, 0),
@@ -199,6 +200,14 @@ static inline void dem__particle_fields(dem_world *w, dem__group *g) {
         };
         memcpy(&g->field[g->fields], flights, sizeof flights);
         g->fields += 4;
+    }
+    if (bodies->has_fixed) {
+        const size_t f = sizeof *bodies->fixed;
+        const dem__saved_field fixed[] = {DEM__INTEGER("particle.fixed", bodies->fixed->on, f),
+                                          DEM__DOUBLES("particle.fixed_load", bodies->fixed->load, f),
+                                          DEM__DOUBLES("particle.fixed_impulse", bodies->fixed->impulse, f)};
+        memcpy(&g->field[g->fields], fixed, sizeof fixed);
+        g->fields += 3;
     }
     if (w->engine->convex.shapes > 0) {
         const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};

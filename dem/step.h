@@ -16,12 +16,12 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts with walls that act no more, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller has taken away, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
     DEM__EACH_CONTACT(w, c) {
-        if (contacts->j[c] < 0 && !dem__is_at_wall(w, contacts->i[c], -1 - contacts->j[c])) contacts->ended[c] = 1;
+        if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
     return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
@@ -64,6 +64,7 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
         w->engine->contacts.type_count = 0;
+        run->stiffest = 0.0;
         DEM__EACH_CONTACT(w, c) { dem__set_constants(w, c, law, features); }
     }
     run->features = features;
@@ -133,6 +134,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const double *load = w->engine->bodies.load[i];
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) return;
     if (r) {
         for (ptrdiff_t k = r->first; k < i; k++) {
             if (dem__is_linked(w, k)) return;
@@ -381,6 +383,8 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     else
         for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* what the contacts were like that there were */
+    if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
     return DEM_OK;

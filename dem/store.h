@@ -31,6 +31,9 @@ static inline int dem__field_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
+/* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
+DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) { return w->engine->bodies.has_fixed && w->engine->bodies.fixed[i].on != 0; }
+
 /* Returns the shape of particle i, or NULL if it is a sphere. */
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
@@ -78,6 +81,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
         list[n].address = &bodies->offset, list[n++].size = sizeof(dem_vec);
         list[n].address = &bodies->arm, list[n++].size = sizeof(dem_vec);
     }
+    if (bodies->has_fixed) list[n].address = &bodies->fixed, list[n++].size = sizeof(dem__fixed);
     if (w->engine->convex.shapes > 0) {
         list[n].address = &w->engine->convex.shape_of, list[n++].size = sizeof(int32_t);
         list[n].address = &w->engine->convex.place, list[n++].size = sizeof(dem__placed);

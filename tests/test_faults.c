@@ -20,6 +20,7 @@ static void near_absolute(double got, double wanted, double tolerance, const cha
 static void near_relative(double got, double wanted, double tolerance, const char *what) {
     near_absolute(got, wanted, tolerance * fabs(wanted), what);
 }
+static double length_of(dem_vec v) { return sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static void run(dem_world *w, double t, int features) {
     const dem_status status = dem_run(w, t, features);
@@ -886,8 +887,242 @@ static void test_pair_set_later(void **state) {
     assert_int_equal(def.pair[0][1].given, 1);
 }
 
+/* ---- fixed particles ---- */
+
+enum { BALLS = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY };
+
+static void some_world(dem_world *w, double e, double gravity) {
+    dem_def def = dem_default_def();
+    const int m = dem_add_material(&def, 2500.0, 1e7, 0.25);
+    dem_pair_def *p = dem_pair(&def, m, m);
+    p->stiffness = 1e4, p->restitution = e, p->friction = 0.5;
+    def.dt = 2e-6, def.gravity = v3(0, 0, gravity);
+    assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
+}
+static void ball(dem_world *w, double x, double y, double z, double d) {
+    const double c[3] = {x, y, z};
+    assert_int_equal(dem_add_spheres(w, 1, c, &d, 0, 0), DEM_OK);
+}
+
+static void add_brick(dem_world *w, dem_vec lengths, const double *centre) {
+    dem_convex shape;
+    assert_int_equal(dem_make_brick(&shape, lengths, 0.03, NULL), DEM_OK);
+    assert_int_equal(dem_add_convex(w, dem_add_shape(w, &shape), 1, centre, NULL, 0, 0), DEM_OK);
+}
+
+/* An impact on a fixed sphere is that on a wall of the same shape; the impulse on it is what the other has lost. */
+static void test_fixed_sphere_is_a_wall(void **state) {
+    (void)state;
+    static const int features[] = {DEM_LINEAR | DEM_ENERGY, BALLS, DEM_HERTZ | DEM_FRICTION | DEM_ENERGY};
+    for (int k = 0; k < 3; k++) {
+        dem_vec v[2], spin[2], force, torque, impulse;
+        double mass = 0.0;
+        for (int is_wall = 0; is_wall < 2; is_wall++) {
+            dem_world w;
+            some_world(&w, 0.6, 0.0);
+            ball(&w, 0.004, 0, 0.012, 0.01);
+            dem_set_motion(&w, 0, v3(0.1, 0.2, -1.0), v3(5, 10, 15));
+            if (is_wall) assert_true(dem_add_sphere_wall(&w, 0, v3(0, 0, 0), 0.005, 0) >= 0);
+            else ball(&w, 0, 0, 0, 0.01), assert_int_equal(dem_fix(&w, 1, 1), DEM_OK);
+            run(&w, 0.01, features[k]);
+            v[is_wall] = dem_velocity(&w, 0), spin[is_wall] = dem_spin(&w, 0), mass = dem_mass(&w, 0);
+            near_absolute(dem_energy(&w).error, 0.0, 5e-5 * 0.5 * mass, "ledger");
+            if (!is_wall) {
+                assert_int_equal(dem_get_fixed_force(&w, 1, &force, &torque, &impulse), DEM_OK);
+                const dem_vec x = dem_position(&w, 1), u = dem_velocity(&w, 1);
+                assert_true(x.x == 0.0 && x.y == 0.0 && x.z == 0.0 && u.x == 0.0 && u.y == 0.0 && u.z == 0.0);
+            }
+            dem_free(&w);
+        }
+        /* friction acts at the middle of the overlap of two spheres, and at the surface of a wall */
+        const double close = k == 0 ? 1e-6 : 0.03, turned = k == 0 ? 1e-6 : 0.1;
+        near_absolute(v[0].x, v[1].x, close, "vx"), near_absolute(v[0].y, v[1].y, close, "vy"), near_absolute(v[0].z, v[1].z, close, "vz");
+        near_absolute(spin[0].x, spin[1].x, turned * length_of(spin[1]), "spin x");
+        near_absolute(spin[0].y, spin[1].y, turned * length_of(spin[1]), "spin y");
+        near_absolute(impulse.z, -mass * (v[0].z + 1.0), 1e-10, "impulse");
+        near_absolute(impulse.x, -mass * (v[0].x - 0.1), 1e-10, "impulse");
+        assert_true(force.x == 0.0 && force.y == 0.0 && force.z == 0.0);
+    }
+}
+
+/* A heap on a floor of fixed spheres that overlap and reach through a wall: no speed, the weight on them, the same bits whatever is skipped
+   and however often it is saved. */
+static void test_heap_on_fixed_spheres(void **state) {
+    (void)state;
+    static char saved[2000000];
+    uint64_t hash[4];
+    for (int way = 0; way < 4; way++) {
+        dem_world w;
+        some_world(&w, 0.3, -9.81);
+        w.def.skip = way == 1 ? 0 : DEM_SKIP_ALL, w.def.threads = way == 2 ? 3 : 1;
+        dem_add_plane(&w, 0, v3(0, 0, -0.001), v3(0, 0, 1));
+        dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 0.022, 1);
+        for (int k = 0; k < 36; k++) ball(&w, 0.008 * (k % 6) - 0.02, 0.008 * (k / 6) - 0.02, 0.0, 0.01);
+        for (int i = 0; i < 36; i++) assert_int_equal(dem_fix(&w, i, 1), DEM_OK);
+        for (int k = 0; k < 27; k++) ball(&w, 0.011 * (k % 3) - 0.011, 0.011 * (k / 3 % 3) - 0.0107, 0.02 + 0.011 * (k / 9), 0.009);
+        for (int part = 0; part < 4; part++) {
+            run(&w, 0.1, BALLS);
+            if (way != 3) continue;
+            const size_t bytes = dem_save(&w, saved, sizeof saved);
+            assert_true(bytes <= sizeof saved);
+            dem_free(&w);
+            assert_int_equal(dem_load(&w, saved, bytes, NULL), DEM_OK);
+            assert_true(dem_is_fixed(&w, 35) && !dem_is_fixed(&w, 36));
+        }
+        hash[way] = dem_hash(&w);
+        double carried = 0.0, weight = 0.0, walls = w.wall[0].force.z + w.wall[1].force.z, speed = 0.0;
+        for (ptrdiff_t i = 0; i < w.count; i++) {
+            dem_vec force, torque, impulse;
+            const int fixed = i < 36;
+            assert_int_equal(dem_get_fixed_force(&w, i, &force, &torque, &impulse), fixed ? DEM_OK : DEM_BAD_ARGUMENT);
+            if (fixed) carried -= force.z, assert_true(dem_position(&w, i).z == 0.0);
+            else weight += 9.81 * dem_mass(&w, i), speed = fmax(speed, fabs(dem_velocity(&w, i).z));
+        }
+        if (way == 0) near_relative(carried - walls, weight, 0.02, "weight"), assert_true(speed < 1e-3);
+        for (ptrdiff_t k = 0; k < dem_contact_count(&w); k++) { /* none of fixed ones alone */
+            const dem_contact_info c = dem_get_contact(&w, k);
+            assert_false(c.i < 36 && c.j < 36);
+        }
+        near_absolute(dem_energy(&w).error, 0.0, 1e-4 * dem_energy(&w).released, "ledger");
+        dem_free(&w);
+    }
+    for (int way = 1; way < 4; way++) assert_true(hash[way] == hash[0]);
+}
+
+/* It moves as it is told, through a periodic box, against a load, past an exit and a wall; what it does to others is work. */
+static void test_fixed_spheres_that_move(void **state) {
+    (void)state;
+    dem_world w;
+    some_world(&w, 0.5, -9.81);
+    w.def.dt = 2e-6;
+    dem_free(&w);
+    dem_def def = dem_default_def();
+    dem_add_material(&def, 2500.0, 1e7, 0.25);
+    dem_pair(&def, 0, 0)->stiffness = 1e4, def.dt = 2e-6;
+    def.periodic[0] = 1, def.low.x = -0.05, def.high.x = 0.05, def.gravity.x = 1.0;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    ball(&w, -0.03, 0, 0, 0.01), ball(&w, 0.0, 0.001, 0.008, 0.01), ball(&w, 0.03, 0, 0.03, 0.01);
+    assert_int_equal(dem_fix(&w, 0, 1), DEM_OK), assert_int_equal(dem_fix(&w, 2, 1), DEM_OK);
+    dem_add_exit(&w, v3(0, 0, 0.05), v3(0, 0, -1)), dem_add_plane(&w, 0, v3(0, 0, 0.07), v3(0, 0, -1));
+    assert_int_equal(dem_set_load(&w, 0, v3(1, 2, 3), v3(1, 0, 0)), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 0, v3(0.5, 0, 0), v3(0, 40, 0)), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 2, v3(0, 0, 1), v3(0, 0, 0)), DEM_OK);
+    run(&w, 0.1, BALLS);
+    assert_int_equal(dem_set_gravity(&w, v3(0, 0, -2)), DEM_OK);
+    run(&w, 0.1, BALLS);
+    near_absolute(dem_position(&w, 0).x, -0.03 + 0.1 - 0.1, 1e-12, "x"), near_absolute(dem_position(&w, 0).z, 0.0, 0.0, "z");
+    near_absolute(dem_position(&w, 2).z, 0.03 + 0.2, 1e-12, "past an exit and a wall");
+    assert_true(dem_spin(&w, 0).y == 40.0 && w.passed_total == 0 && dem_energy(&w).external_work > 0.0);
+    const dem_energy_ledger e = dem_energy(&w);
+    near_absolute(e.error, 0.0, 2e-5 * e.external_work, "ledger");
+    assert_int_equal(dem_fix(&w, 0, 0), DEM_OK); /* free again, with its speed and its load */
+    run(&w, 1e-3, BALLS);
+    near_absolute(dem_velocity(&w, 0).z, (3.0 / dem_mass(&w, 0) - 2.0) * 1e-3, 1e-9, "free");
+    near_absolute(dem_velocity(&w, 0).x, 0.5 + 1.0 / dem_mass(&w, 0) * 1e-3, 1e-9, "free");
+    near_absolute(dem_energy(&w).error, 0.0, 2e-5 * fabs(dem_energy(&w).added), "ledger");
+    dem_free(&w);
+}
+
+/* Clumps and polyhedra are fixed as a whole. */
+static void test_fixed_bodies(void **state) {
+    (void)state;
+    const double two[6] = {0, 0, 0, 0.008, 0, 0}, diameters[2] = {0.01, 0.01}, at[3] = {0, 0, 0}, above[3] = {0.002, 0, 0.011};
+    for (int shape = 0; shape < 2; shape++) {
+        dem_world w;
+        dem_clump clump;
+        dem_vec force, torque, impulse;
+        some_world(&w, 0.5, -9.81);
+        if (shape == 0) {
+            assert_int_equal(dem_make_clump(2, two, diameters, &clump), DEM_OK);
+            assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, NULL, 0, 0), DEM_OK);
+        } else {
+            add_brick(&w, v3(0.008, 0.008, 0.008), at);
+        }
+        const ptrdiff_t parts = w.count;
+        assert_int_equal(dem_fix(&w, parts - 1, 1), DEM_OK);
+        assert_true(dem_is_fixed(&w, 0));
+        assert_int_equal(dem_set_motion(&w, 0, v3(0, 0, 0), v3(0, 0, 1)), DEM_BAD_ARGUMENT); /* bodies don't spin while fixed */
+        ball(&w, above[0], above[1], above[2], 0.01);
+        run(&w, 0.5, BALLS);
+        const dem_body now = dem_get_body(&w, 0);
+        near_absolute(length_of(now.position), 0.0, 0.0, "place");
+        near_absolute(length_of(now.velocity) + length_of(now.spin), 0.0, 0.0, "motion");
+        assert_int_equal(dem_get_fixed_force(&w, 0, &force, &torque, &impulse), DEM_OK);
+        if (shape == 1) near_relative(-force.z, 9.81 * dem_mass(&w, parts), 1e-3, "the ball rests on the brick");
+        near_absolute(dem_energy(&w).error, 0.0, 1e-4 * dem_energy(&w).released, "ledger");
+        assert_int_equal(dem_set_motion(&w, 0, v3(0.1, 0, 0), v3(0, 0, 0)), DEM_OK);
+        run(&w, 0.1, BALLS);
+        near_absolute(dem_position(&w, 0).x, dem_get_body(&w, 0).position.x + (shape ? 0.0 : -0.004), 1e-9, "as one");
+        near_absolute(dem_get_body(&w, 0).position.x, 0.01, 1e-12, "moved");
+        assert_int_equal(dem_fix(&w, 0, 0), DEM_OK);
+        run(&w, 0.1, BALLS);
+        assert_true(dem_get_body(&w, 0).position.z < -0.01);
+        dem_free(&w);
+    }
+}
+
+static void test_fixing_refused(void **state) {
+    (void)state;
+    dem_world w;
+    dem_vec a, b, c;
+    some_world(&w, 0.5, -9.81);
+    ball(&w, 0, 0, 0, 0.01), ball(&w, 0, 0, 0.1, 0.01);
+    assert_int_equal(dem_fix(NULL, 0, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fix(&w, -1, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_fix(&w, 2, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fix(&w, 0, 2), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_get_fixed_force(&w, 0, &a, &b, &c), DEM_BAD_ARGUMENT);
+    assert_true(isnan(a.x) && !dem_is_fixed(&w, 0) && !dem_is_fixed(NULL, 0));
+    assert_int_equal(dem_get_fixed_force(&w, 0, NULL, &b, &c), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_fix(&w, 0, 1), DEM_OK), assert_int_equal(dem_fix(&w, 0, 1), DEM_OK);
+    const dem_advice with = dem_advise(&w, DEM_LINEAR, 1.0);
+    const double k = 1e4, m = dem_mass(&w, 1);
+    near_relative(with.contact, dem_contact_time(k, 0.5 * m, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED), 1e-9, "two free ones");
+    dem_remove(&w, 0);
+    assert_int_equal(dem_fix(&w, 0, 1), DEM_BAD_ARGUMENT);
+    run(&w, 0.1, BALLS);
+    near_absolute(dem_energy(&w).error, 0.0, 1e-12, "ledger");
+    dem_free(&w);
+}
+
+/* The step's report knows heavy and light ones, parts of bodies and laws of one's own. */
+static double stiff_prepare(const dem_birth *birth, double *constants) { return 100.0 * dem_prepare_linear(birth, constants); }
+static const dem_law stiff_law = {"stiff", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, stiff_prepare, dem_force_linear, NULL, NULL};
+DEM_KERNEL(stiff_kernel, stiff_law, DEM_LINEAR)
+
+static void test_step_ratio_of_all_kinds(void **state) {
+    (void)state;
+    const double at[3] = {0, 0, 0.05};
+    dem_world w;
+    some_world(&w, 1.0, -9.81); /* a law of one's own, 100 times as stiff */
+    dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
+    ball(&w, 0, 0, 0.0049, 0.01), ball(&w, 0.03, 0, 0.1, 0.01);
+    assert_int_equal(dem_run_law(&w, 1e-5, &stiff_kernel), DEM_OK);
+    near_relative(w.step_ratio, 0.5 * w.def.dt * sqrt(1e6 / dem_mass(&w, 0)), 1e-9, "own law");
+    dem_free(&w);
+    some_world(&w, 1.0, -9.81); /* a thin plate, lighter than the sphere about it, and turning aside */
+    add_brick(&w, v3(0.008, 0.008, 0.001), at);
+    dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
+    run(&w, 1e-5, DEM_LINEAR | DEM_FRICTION);
+    assert_true(w.step_ratio > 0.5 * w.def.dt * sqrt(1e4 / (0.5 * dem_get_body(&w, 0).mass)));
+    const double before = w.step_ratio;
+    run(&w, 0.2, DEM_LINEAR | DEM_FRICTION);
+    near_relative(w.step_ratio, before, 1e-12, "no contact is worse than foreseen");
+    dem_free(&w);
+    some_world(&w, 1.0, -9.81); /* a grain between boulders */
+    ball(&w, 0, 0, 0, 1.0), ball(&w, 0, 0, 2, 0.001), ball(&w, 0, 0, 4, 1.0);
+    run(&w, 1e-5, DEM_LINEAR);
+    near_relative(w.step_ratio, 0.5 * w.def.dt * sqrt(1e4 / (0.5 * dem_mass(&w, 1))), 1e-9, "the lightest pair");
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fixed_sphere_is_a_wall),
+        cmocka_unit_test(test_heap_on_fixed_spheres),
+        cmocka_unit_test(test_fixed_spheres_that_move),
+        cmocka_unit_test(test_fixed_bodies),
+        cmocka_unit_test(test_fixing_refused),
+        cmocka_unit_test(test_step_ratio_of_all_kinds),
         cmocka_unit_test(test_unset_pairs_are_refused),
         cmocka_unit_test(test_unset_pairs_of_every_shape),
         cmocka_unit_test(test_pair_set_later),
