@@ -284,7 +284,7 @@ typedef struct dem_def {
     int materials;           /* number of materials, by dem_add_material() */
     int threads;             /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;                /* DEM_SKIP_*; default DEM_SKIP_ALL */
-    double dt;               /* time step [s] > 0; default 1e-6; dem_advise() gives a good one */
+    double dt;               /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
     double skin;             /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last under 100
                                 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow periodic box less */
     dem_vec gravity;         /* [m/s2]; default (0, 0, -9.81) */
@@ -884,7 +884,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kern
    ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed then. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
-/* Changes the time step [s] > 0 from now on. */
+/* Changes the time step [s], 1e-60 .. 1e6, from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
 /* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before the first feed. */
@@ -2852,6 +2852,9 @@ static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && de
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
+/* Returns whether the squares of a time step, and what is divided by them, stay normal numbers. */
+static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6; }
+
 /* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
@@ -2877,7 +2880,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
     if (def->threads < 1 || def->threads > 4096) return "threads";
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
-    if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
+    if (!dem__is_time_step(def->dt)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
     if (!dem__moderate_vec(def->gravity)) return "gravity";
     for (int a = 0; a < 3; a++) {
@@ -3473,6 +3476,8 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
+    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that is gone may have had the place */
+    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
     return i;
 }
 
@@ -3504,7 +3509,7 @@ static inline void dem__set_stride(dem_world *w) {
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;
@@ -5727,9 +5732,9 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem
     return q;
 }
 
-/* Returns the number of steps for which the leeway lasts. */
+/* Returns the number of whole steps for which the leeway lasts: the list is checked before the first that it does not cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
-    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall));
+    return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
 
 /* Returns whether the leeway lasts for a time [s]; false for NaN. */
@@ -6086,6 +6091,87 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
+/* The frame and the margin of a list of near pairs, on which it depends how long the list lasts. Reads bodies; writes these fields of pairs.
+   Relies on bounds.h.
+   May be changed here alone: all but that a list lasts for a step: no result depends on it. */
+
+/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
+DEM_INLINE double dem__period(const dem_world *w, int axis) {
+    return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
+}
+static inline double dem__narrowest(const dem_world *w) {
+    double narrowest = HUGE_VAL;
+    for (int a = 0; a < 3; a++) narrowest = dem__period(w, a) < narrowest ? dem__period(w, a) : narrowest;
+    return narrowest;
+}
+
+/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
+   falls with them if most fly. */
+static inline void dem__choose_frame(dem_world *w) {
+    dem__pairs *pairs = &w->engine->pairs;
+    const int flies = 2 * w->engine->bodies.active_count < w->count;
+    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
+    double n = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
+    }
+    pairs->gravity_size = dem__length(dem__free_fall(w));
+    pairs->frame_velocity = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
+    pairs->frame_acceleration = flies ? dem__free_fall(w) : dem_vec3(0.0, 0.0, 0.0);
+    pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
+}
+
+/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
+static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
+    *smallest = HUGE_VAL, *largest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
+        w->engine->pairs.listed_at[i] = x;
+        *smallest = w->particle[i].radius < *smallest ? w->particle[i].radius : *smallest;
+        *largest = w->particle[i].radius > *largest ? w->particle[i].radius : *largest;
+        if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
+            w->status = DEM_NOT_FINITE;
+            w->failed_id = w->id[i];
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Returns how far two particles can move towards each other in the next step [m], seen from the frame of the list. */
+static inline double dem__most_approach(const dem_world *w) {
+    const double dt = w->engine->run.dt;
+    const dem_vec way = dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
+    double farthest = 0.0;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const double tau = dem__now(w, i), most = 0.75 * w->particle[i].radius; /* above it a particle is too fast */
+        const double moved = dem__length(dem__sub(dem__sub(dem__at(w, i, tau + dt), dem__at(w, i, tau)), way));
+        const double counts = moved < most ? moved : most;
+        farthest = counts > farthest ? counts : farthest;
+    }
+    return 2.0 * farthest;
+}
+
+/* Chooses the margin of the list, so that lists last long enough, at least for the next step, and sets what depends on it. */
+static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
+    dem__pairs *pairs = &w->engine->pairs;
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
+    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
+    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
+    const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
+                 wanted = usual > least ? usual : least,
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
+    pairs->wall_reach = 4.0 * pairs->margin;
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
+    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
+    pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
+}
+
 /* ------------------------------------------------------------------------------------------- >>pairs */
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two spheres that are not
    listed cannot touch before the next check.
@@ -6138,16 +6224,6 @@ DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, 
 }
 DEM__AVX2_CLONE(dem__choose, (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
-
-/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
-DEM_INLINE double dem__period(const dem_world *w, int axis) {
-    return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
-}
-static inline double dem__narrowest(const dem_world *w) {
-    double narrowest = HUGE_VAL;
-    for (int a = 0; a < 3; a++) narrowest = dem__period(w, a) < narrowest ? dem__period(w, a) : narrowest;
-    return narrowest;
-}
 
 /* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list. Returns 0 if there is
    no room. */
@@ -6445,57 +6521,6 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their mean velocity, and
-   falls with them if most fly. */
-static inline void dem__choose_frame(dem_world *w) {
-    dem__pairs *pairs = &w->engine->pairs;
-    const int flies = 2 * w->engine->bodies.active_count < w->count;
-    dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
-    double n = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->alive[i]) sum = dem__add(sum, dem__velocity_at(w, i, dem__now(w, i))), n += 1.0;
-    }
-    pairs->frame_velocity = n > 0.0 ? dem__scale(1.0 / n, sum) : sum;
-    pairs->frame_acceleration = flies ? dem__free_fall(w) : dem_vec3(0.0, 0.0, 0.0);
-    pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
-}
-
-/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not finite. */
-static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
-    *smallest = HUGE_VAL, *largest = 0.0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (!w->alive[i]) continue;
-        const dem_vec x = dem__in_box(w, dem__at(w, i, dem__now(w, i)));
-        w->engine->pairs.listed_at[i] = x;
-        *smallest = w->particle[i].radius < *smallest ? w->particle[i].radius : *smallest;
-        *largest = w->particle[i].radius > *largest ? w->particle[i].radius : *largest;
-        if (!(fabs(x.x) < 1e100 && fabs(x.y) < 1e100 && fabs(x.z) < 1e100)) {
-            w->status = DEM_NOT_FINITE;
-            w->failed_id = w->id[i];
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Chooses the margin of the list, so that lists last long enough, and sets what depends on it. */
-static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
-    dem__pairs *pairs = &w->engine->pairs;
-    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
-    const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
-    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
-    const double wanted = 2.0 * smallest * w->def.skin * pairs->margin_factor,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
-    pairs->wall_reach = 4.0 * pairs->margin;
-    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles that are near */
-    pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
-    pairs->gravity_size = dem__length(dem__free_fall(w));
-}
-
 /* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) {
@@ -6523,8 +6548,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__list_active(w);
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
-    dem__choose_margin(w, keeps, smallest, largest);
     dem__choose_frame(w);
+    dem__choose_margin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
@@ -6556,6 +6581,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is wide enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -8303,6 +8329,18 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
+/* Finds the accelerations of loaded bodies that touch nothing as dem__check_bounds does for those that it looks at, which depends on what is
+   skipped: sums of forces on particles, from which dem__kick_all has them, round otherwise. */
+static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        w->engine->bodies.room->place(w, r); /* the torque is found with the arms that this makes */
+        w->engine->bodies.room->fall(w, r);
+    }
+}
+
 /* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
    finite. */
 static inline int dem__kick(dem_world *w, double h) {
@@ -8319,6 +8357,7 @@ static inline int dem__kick(dem_world *w, double h) {
         for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
         all += kicked.check[q];
     }
+    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
 
@@ -9407,8 +9446,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     if (w->engine->field.on && w->engine->bodies.rigid_count > 0) return DEM_BAD_ARGUMENT;
+    if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
@@ -12194,10 +12233,10 @@ static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group) {
     dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
         shape >= w->engine->convex.shapes)
         return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     const dem_convex *s = &w->engine->convex.shape[shape];
     const double density = w->def.material[material].density;

@@ -132,6 +132,18 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
+/* Finds the accelerations of loaded bodies that touch nothing as dem__check_bounds does for those that it looks at, which depends on what is
+   skipped: sums of forces on particles, from which dem__kick_all has them, round otherwise. */
+static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        w->engine->bodies.room->place(w, r); /* the torque is found with the arms that this makes */
+        w->engine->bodies.room->fall(w, r);
+    }
+}
+
 /* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0 if a force is not
    finite. */
 static inline int dem__kick(dem_world *w, double h) {
@@ -148,6 +160,7 @@ static inline int dem__kick(dem_world *w, double h) {
         for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
         all += kicked.check[q];
     }
+    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
 

@@ -233,7 +233,7 @@ DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kern
    ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed then. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
-/* Changes the time step [s] > 0 from now on. */
+/* Changes the time step [s], 1e-60 .. 1e6, from now on. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
 /* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before the first feed. */

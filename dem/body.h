@@ -170,6 +170,8 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
+    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that is gone may have had the place */
+    if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
     return i;
 }
 
@@ -201,7 +203,7 @@ static inline void dem__set_stride(dem_world *w) {
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !(dt > 0.0 && dt < 1e6)) return DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
     for (ptrdiff_t i = 0; i < w->count; i++) dem__restart(w, i);
     w->engine->run.start_time = w->time;
     w->engine->run.start_step = w->step;

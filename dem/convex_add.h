@@ -42,10 +42,10 @@ static inline int dem__are_turns(ptrdiff_t n, const double *orientations) {
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group) {
     dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
     if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials || shape < 0 ||
         shape >= w->engine->convex.shapes)
         return DEM_BAD_ARGUMENT;
-    if (dem__is_running(w)) return DEM_BUSY;
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     const dem_convex *s = &w->engine->convex.shape[shape];
     const double density = w->def.material[material].density;

@@ -71,6 +71,9 @@ static inline int dem__moderate_vec(dem_vec v) { return dem__moderate(v.x) && de
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
+/* Returns whether the squares of a time step, and what is divided by them, stay normal numbers. */
+static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6; }
+
 /* Returns whether a world has room for the numbers of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 && law->history <= law->states &&
@@ -96,7 +99,7 @@ static const char *dem__bad_field(const dem_def *def) {
     if (def->materials < 1 || def->materials > DEM_MATERIALS_MAX) return "materials";
     if (def->threads < 1 || def->threads > 4096) return "threads";
     if (def->skip < 0 || def->skip > DEM_SKIP_ALL) return "skip";
-    if (!(def->dt > 0.0 && def->dt < 1e6)) return "dt";
+    if (!dem__is_time_step(def->dt)) return "dt";
     if (!(def->skin > 0.0 && def->skin < 100.0)) return "skin";
     if (!dem__moderate_vec(def->gravity)) return "gravity";
     for (int a = 0; a < 3; a++) {

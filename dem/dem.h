@@ -84,6 +84,7 @@
 #include "bounds.h"
 #include "compact.h"
 #include "grid.h"
+#include "margin.h"
 #include "pairs.h"
 #include "rows.h"
 #include "edges.h"

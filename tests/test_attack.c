@@ -146,8 +146,101 @@ static void test_refused_where_they_enter(void **state) {
     dem_free(&w);
 }
 
+/* A list holds for its first step however thin its margin, and is checked before it ends: spheres that move up to half a radius in a step
+   are seen where they touch, whatever the skin. */
+static void test_fast_spheres_are_seen(void **state) {
+    (void)state;
+    static const double skins[] = {0.9, 0.35, 0.1, 0.05, 0.02, 0.01, 1e-3, 1e-6};
+    const double d[3] = {2e-3, 2e-3, 2e-3};
+    for (int distance = 0; distance < 40; distance++) {
+        const double apart = 2.05e-3 + 5e-5 * distance, at[9] = {0, 0, 0, apart, 0, 0, 0, 0.5, 0};
+        uint64_t expected = 0;
+        for (size_t k = 0; k < sizeof skins / sizeof *skins; k++) {
+            const double speed = (distance % 4 + 1) * 0.1e-3 / 4e-6;
+            dem_def def = scene_def(4e-6);
+            dem_world w;
+            def.skin = skins[k];
+            assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+            assert_int_equal(dem_add_spheres(&w, 3, at, d, 0, 0), DEM_OK);
+            assert_int_equal(dem_set_motion(&w, 0, dem_vec3(speed, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
+            assert_int_equal(dem_set_motion(&w, 1, dem_vec3(-speed, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
+            assert_int_equal(dem_run(&w, 30 * 4e-6, DEM_LINEAR), DEM_OK);
+            if (k == 0) expected = dem_hash(&w);
+            else assert_true(dem_hash(&w) == expected);
+            dem_free(&w);
+        }
+    }
+}
+
+/* A sphere that gets the place of a polyhedron that is gone is a sphere. */
+static void test_place_of_a_polyhedron(void **state) {
+    (void)state;
+    const double at[6] = {0, 0, 0, 0.1, 0, 0}, d = 2e-3;
+    dem_convex brick;
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    assert_int_equal(dem_make_brick(&brick, dem_vec3(2e-3, 3e-3, 4e-3), 0.05, NULL), DEM_OK);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_shape(&w, &brick), 0);
+    assert_int_equal(dem_add_convex(&w, 0, 2, at, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_remove(&w, 1), DEM_OK);
+    assert_int_equal(dem_run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at + 3, &d, 0, 0), DEM_OK);
+    assert_true(w.count == 2 && dem_shape_of(&w, 0) == 0 && dem_shape_of(&w, 1) == -1);
+    dem_free(&w);
+}
+
+/* A clump under a load, which takes steps in flight, goes on from a save with the same bits, whenever that was. */
+static void test_loaded_clump_goes_on(void **state) {
+    (void)state;
+    const double centre[9] = {0, 0, 0, 1.5e-3, 1e-3, 0, 0, 1e-3, 2e-3}, d[3] = {2e-3, 1.5e-3, 2.5e-3}, at[3] = {0, 0, 0};
+    dem_clump clump;
+    dem_def def = scene_def(4e-6);
+    dem_world w, twin;
+    assert_int_equal(dem_make_clump(3, centre, d, &clump), DEM_OK);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0.1, 0, 0.2), dem_vec3(3, -50, 20)), DEM_OK);
+    assert_int_equal(dem_set_load(&w, 1, dem_vec3(1e-4, 2e-4, 1e-3), dem_vec3(1e-7, 0, -1e-7)), DEM_OK);
+    for (int k = 0; k < 20; k++) {
+        const size_t size = dem_save(&w, NULL, 0);
+        void *bytes = malloc(size);
+        assert_non_null(bytes);
+        assert_true(dem_save(&w, bytes, size) == size);
+        assert_int_equal(dem_load(&twin, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        assert_int_equal(dem_run(&w, 1.7e-4, DEM_LINEAR), DEM_OK);
+        assert_int_equal(dem_run(&twin, 1.7e-4, DEM_LINEAR), DEM_OK);
+        assert_true(dem_hash(&w) == dem_hash(&twin));
+        dem_free(&twin);
+    }
+    dem_free(&w);
+}
+
+/* Time steps whose square is no normal number are refused, at first and later. */
+static void test_time_steps(void **state) {
+    (void)state;
+    static const double bad[] = {0.0, -1e-6, 1e-300, 5e-324, 1e-61, 1e6, 1e300, (double)INFINITY, (double)NAN};
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        dem_world other;
+        const char *field = NULL;
+        assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
+        def.dt = bad[k];
+        assert_int_equal(dem_init(&other, &def, &field), DEM_BAD_DEFINITION);
+        assert_string_equal(field, "dt");
+    }
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fast_spheres_are_seen),
+        cmocka_unit_test(test_place_of_a_polyhedron),
+        cmocka_unit_test(test_loaded_clump_goes_on),
+        cmocka_unit_test(test_time_steps),
         cmocka_unit_test(test_laws_in_turn),
         cmocka_unit_test(test_lost_status),
         cmocka_unit_test(test_link_work_after_exit),

@@ -10,12 +10,14 @@
 #define LEDGER_TOLERANCE 0.02 /* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
 #define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
 #define FAST 1.0
+#define FIRST_WITH_BODIES 100000 /* seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were */
 
 /* ---- what a call may answer ---- */
 
 static int is_documented(const call *c, dem_status status, int memory_failed) {
     const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
-    const int adds = c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT);
+    const int adds =
+        c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) || (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX);
     switch (status) {
     case DEM_OK: return 1;
     case DEM_BAD_ARGUMENT: return 1;
@@ -25,6 +27,7 @@ static int is_documented(const call *c, dem_status status, int memory_failed) {
     case DEM_NOT_FINITE:
     case DEM_TOO_FAST:
     case DEM_BAD_DEFINITION: return runs;
+    case DEM_POLYHEDRON: return runs || c->kind == ADD_LINK;
     default: return 0;
     }
 }
@@ -34,7 +37,8 @@ static int must_succeed(const side *s, const call *c) {
     const int of_wall = c->kind >= VIBRATE && c->kind <= ENABLE_WALL;
     const int of_sphere = c->kind == SET_MOTION || c->kind == SET_LOAD || c->kind == REMOVE;
     if (c->odd >= 0 || c->kind == ADD_LINK || c->kind == SET_LINKS || c->kind == RUN || c->kind == RUN_LAW) return 0;
-    if (of_wall) return s->w.walls > 0;
+    if (c->kind >= OLD_CALLS && c->kind != SET_WALL_GROUPS) return 0;
+    if (of_wall || c->kind == SET_WALL_GROUPS) return s->w.walls > 0;
     if (of_sphere) return spheres_present(&s->w) > 0;
     return !(c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) && !(c->kind >= FILL && c->kind <= FEED_MASS);
 }
@@ -67,6 +71,17 @@ static void tell_difference(const dem_world *a, const dem_world *b) {
         const double x = (&ledger[0].kinetic)[k], y = (&ledger[1].kinetic)[k];
         if (x != y) fprintf(stderr, "ledger, number %d: %.17g %.17g\n", (int)k, x, y);
     }
+    for (ptrdiff_t i = 0, j = 0; i < a->count && j < b->count; i++, j++) { /* by the order of those present */
+        while (i < a->count && a->alive[i] != DEM_PRESENT) i++;
+        while (j < b->count && b->alive[j] != DEM_PRESENT) j++;
+        if (i == a->count || j == b->count) break;
+        const dem_body p = dem_get_body(a, i), q = dem_get_body(b, j);
+        if (memcmp(&p.mass, &q.mass, sizeof p - offsetof(dem_body, mass)) == 0) continue;
+        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "particle", (long)i, p.position.x,
+                p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, p.spin.x, p.spin.y, p.spin.z);
+        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "against ", (long)j, q.position.x,
+                q.position.y, q.position.z, q.velocity.x, q.velocity.y, q.velocity.z, q.spin.x, q.spin.y, q.spin.z);
+    }
 }
 
 static unsigned char *saved(const dem_world *w, size_t *size) {
@@ -80,15 +95,21 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
 }
 
 /* Every reader, with what is there and what is not. */
-static void read_all(const dem_world *w, const call *c) {
+static void read_all(const side *s, const call *c) {
     enum { CELLS = 8, BINS = 5 };
+    const dem_world *w = &s->w;
     const dem_region region = region_of(c);
     dem_measure measure;
     dem_field field[CELLS];
     dem_cells cells = {{-HALF, -HALF, -HALF}, {HALF, HALF, HALF}, {2, 2, 2}, {1e-3, 0.0, 2e-3}};
     double bins[BINS], of_group[CELLS], of_all[CELLS], entered[4], stayed[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < 4; k++) entered[k] = (double)NAN;
-    for (ptrdiff_t i = -1; i <= w->count; i++) dem_position(w, i), dem_velocity(w, i);
+    for (ptrdiff_t i = -1; i <= w->count; i++) {
+        dem_position(w, i), dem_velocity(w, i), dem_spin(w, i), dem_orientation(w, i), dem_radius(w, i), dem_mass(w, i), dem_get_body(w, i);
+        dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i);
+    }
+    dem_core_overlaps(w), dem_gas_velocity(&s->gas, region.low, w->time), dem_gas_porosity(w, &s->gas, of_all);
+    dem_region_volume(&region), dem_region_holds(&region, region.low), dem_hash(w), dem_build_is_deterministic();
     for (ptrdiff_t k = -1; k <= dem_contact_count(w); k++) dem_get_contact(w, k);
     for (ptrdiff_t k = -1; k <= dem_link_count(w); k++) dem_get_link(w, k);
     for (int k = -1; k <= w->walls; k++) dem_count_apertures(w, k);
@@ -107,7 +128,7 @@ static void readers_change_nothing(const side *s, const call *c) {
     size_t size[2];
     unsigned char *bytes[2] = {saved(&s->w, &size[0]), NULL};
     const int calls = s->memory.calls;
-    read_all(&s->w, c);
+    read_all(s, c);
     bytes[1] = saved(&s->w, &size[1]);
     FUZZ_HOLDS(size[0] == size[1] && memcmp(bytes[0], bytes[1], size[0]) == 0 && s->memory.calls == calls);
     free(bytes[0]), free(bytes[1]);
@@ -138,14 +159,17 @@ static dem_def draw_def(fuzz_draws *d) {
     return def;
 }
 
-static void begin(side *s, const dem_def *def, int skip, int threads, int backwards) {
+static void begin(side *s, const dem_def *def, int skip, int threads, int backwards, int bodies) {
     dem_def own = *def;
     memset(s, 0, sizeof *s);
     failing_init(&s->memory);
     own.allocator.fn = failing_fn, own.allocator.user = &s->memory;
     own.skip = skip;
     s->threads = threads, s->backwards = backwards;
-    s->feed = dem_default_feed();
+    s->feed = dem_default_feed(), s->gas = dem_default_gas();
+    const double of_clump[6] = {0.0, 0.0, 0.0, 2e-3, 0.0, 0.0}, sizes[2] = {3e-3, 2e-3};
+    s->bodies = bodies;
+    FUZZ_HOLDS(dem_make_clump(2, of_clump, sizes, &s->clump) == DEM_OK);
     FUZZ_HOLDS(dem_init(&s->w, &own, NULL) == DEM_OK);
     set_threads(s);
 }
@@ -164,11 +188,19 @@ static void load_in_place(side *s, const side *of) {
     FUZZ_HOLDS(dem_load(&s->w, bytes, size, &hook) == DEM_OK);
     free(bytes);
     set_threads(s);
-    s->feed = of->feed, s->links = of->links, s->interval = of->interval, s->near = of->near;
+    s->feed = of->feed;
+    if (s->feed.clump) s->feed.clump = &s->clump;
+    s->links = of->links, s->interval = of->interval, s->near = of->near;
     for (int k = 0; k < s->w.walls; k++) {
         if (s->w.wall[k].asked.drive != DEM_PRESCRIBED) continue;
         FUZZ_HOLDS(dem_run(&s->w, 0.0, DEM_LINEAR) == DEM_NO_MOTION);
         FUZZ_HOLDS(dem_prescribe(&s->w, k, s->w.wall[k].asked.spin_centre, swing, NULL) == DEM_OK);
+    }
+    s->gas = of->gas, s->field = of->field;
+    if (s->field.kernel) {
+        const int has_bodies = s->w.engine->bodies.rigid_count > 0; /* added since: the field can only be taken off */
+        FUZZ_HOLDS(dem_run(&s->w, 0.0, DEM_LINEAR) == (has_bodies ? DEM_BAD_ARGUMENT : DEM_NO_FIELD));
+        FUZZ_HOLDS(hand_over_field(s) == (has_bodies ? DEM_BAD_ARGUMENT : DEM_OK));
     }
     if (s->links) FUZZ_HOLDS(dem_set_links(&s->w, &spring_kernel, s->interval, s->near) == DEM_OK);
 }
@@ -294,10 +326,10 @@ static void try_call(program *p, fuzz_draws *d, const call *c) {
 }
 
 /* How often each call is drawn. */
-static int draw_kind(fuzz_draws *d) {
+static int draw_kind(fuzz_draws *d, int calls) {
     static const int often[] = {ADD_SPHERES, ADD_SPHERES, FILL, SET_MOTION, ADD_LINK, ADD_LINK, RUN, RUN, RUN, RUN, RUN, RUN, RUN, RUN_LAW};
-    const int n = (int)(sizeof often / sizeof *often), k = fuzz_one_of(d, CALLS + n);
-    return k < CALLS ? k : often[k - CALLS];
+    const int n = (int)(sizeof often / sizeof *often), k = fuzz_one_of(d, calls + n);
+    return k < calls ? k : often[k - calls];
 }
 
 static uint64_t run_program(fuzz_draws *d) {
@@ -305,14 +337,15 @@ static uint64_t run_program(fuzz_draws *d) {
     uint64_t hash = 0xcbf29ce484222325u;
     memset(&p, 0, sizeof p);
     const dem_def def = draw_def(d);
-    begin(&p.a, &def, DEM_SKIP_ALL, 1, 0);
-    begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1);
+    const int bodies = fuzz_seed >= FIRST_WITH_BODIES || d->bytes;
+    begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
+    begin(&p.b, &def, fuzz_one_of(d, DEM_SKIP_ALL + 1), 1 + fuzz_one_of(d, 3), 1, bodies);
     const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
     for (int calls = lasts ? 10000 : 8 + fuzz_one_of(d, 24); calls > 0; calls--) {
-        const int kind = draw_kind(d), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
+        const int kind = draw_kind(d, bodies ? CALLS : OLD_CALLS), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
         call c = draw_call(d, kind, hostile);
         c.most_steps = lasts ? 10 : 1500;
-        const int grows = kind == ADD_SPHERES || (kind >= FILL && kind <= FEED_MASS);
+        const int grows = kind == ADD_SPHERES || kind == ADD_CLUMPS || kind == ADD_CONVEX || (kind >= FILL && kind <= FEED_MASS);
         if (grows && spheres_present(&p.a.w) > MOST_SPHERES) continue;
         try_call(&p, d, &c);
         if (fuzz_one_of(d, 6) == 0) readers_change_nothing(&p.a, &c);
@@ -326,4 +359,4 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(200)
+FUZZ_PROGRAMS(150, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100889)

@@ -278,4 +278,4 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(200)
+FUZZ_PROGRAMS(200, 0)

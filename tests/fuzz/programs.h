@@ -3,9 +3,10 @@
 
        static uint64_t run_program(fuzz_draws *draws);      // a number that depends on every bit of the results
 
-   and ends with FUZZ_PROGRAMS(count). As a plain program:
+   and ends with FUZZ_PROGRAMS(count, other, seeds...); other: the first seed of another kind of programs, or 0; seeds: of programs that have
+   found something, which is mended. As a plain program:
 
-       fuzz_dem                 the first `count` seeds: the regression test
+       fuzz_dem                 `count` seeds from 0, as many from `other`, and `seeds`: the regression test
        fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same for every compiler and machine
        fuzz_dem FILE...         the programs that these bytes spell
 
@@ -81,10 +82,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     } while (0)
 
 #ifdef FUZZ_LIBRARY
-#define FUZZ_PROGRAMS(count)
+#define FUZZ_PROGRAMS(...)
 #else
-static int fuzz_programs_main(int argc, char **argv, uint64_t count) {
-    uint64_t first = 0, hash = 0xcbf29ce484222325u;
+static int fuzz_programs_main(int argc, char **argv, const uint64_t *seeds, size_t n) {
+    uint64_t first = 0, count = seeds[0], hash = 0xcbf29ce484222325u;
     static const char *const none[] = {""};
     if (argc > 1 && strspn(argv[1], "0123456789") != strlen(argv[1])) return fuzz_main(argc, argv, none, 1, 0);
     if (argc > 2) first = strtoull(argv[1], NULL, 10), count = strtoull(argv[2], NULL, 10);
@@ -95,14 +96,17 @@ static int fuzz_programs_main(int argc, char **argv, uint64_t count) {
         fuzz_mix_bits(&hash, of);
         if (tells) printf("%llu %016llx\n", (unsigned long long)k, (unsigned long long)of);
     }
-    static const uint64_t found[] = {1843, 8785, 11667}; /* what these found in dem.h is mended */
-    for (size_t k = 0; argc < 2 && k < sizeof found / sizeof *found; k++) fuzz_run_seed(found[k]);
+    for (uint64_t k = 0; argc < 2 && seeds[1] > 0 && k < count; k++) fuzz_run_seed(seeds[1] + k);
+    for (size_t k = 2; argc < 2 && k < n; k++) fuzz_run_seed(seeds[k]);
     printf("%llu programs from seed %llu: hash %016llx\n[  PASSED  ] 1 test(s).\n", (unsigned long long)count, (unsigned long long)first,
            (unsigned long long)hash);
     return 0;
 }
-#define FUZZ_PROGRAMS(count)                                                                                                               \
-    int main(int argc, char **argv) { return fuzz_programs_main(argc, argv, count); }
+#define FUZZ_PROGRAMS(...)                                                                                                                 \
+    int main(int argc, char **argv) {                                                                                                      \
+        static const uint64_t seeds[] = {__VA_ARGS__};                                                                                     \
+        return fuzz_programs_main(argc, argv, seeds, sizeof seeds / sizeof *seeds);                                                        \
+    }
 #endif
 
 #endif
