@@ -556,7 +556,7 @@ typedef struct dem_gas {
 typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work;                /* done on the particles by moving walls; by loads, and by moving fixed particles */
+    double wall_work, external_work;                /* done on the particles by moving walls; by loads and moving fixed particles */
     double field_work;                              /* done on the particles by a force field */
     double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
     double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
@@ -633,11 +633,11 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable. Computed when a run begins after a change, for the smallest,
-                               stiffest pair present (of a part of a body: with its least effective mass); raised by contacts that begin
-                               later if their law's prepare function returns a stiffness; 0 before. Above 1 contacts create energy.
-                               dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from the time of
-                               Rayleigh waves alone. Links are not looked at: their interval is yours */
+    double step_ratio;      /* time step over the largest that is stable; 0 before the first run. Computed when a run begins after a change,
+                               for the smallest and stiffest pair present (for a particle of a body, with its least effective mass).
+                               Contacts that begin later raise it if their law's prepare function returns a stiffness. Above 1 contacts
+                               create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from
+                               the time of Rayleigh waves alone. Links are not included: the caller chooses their interval */
 
     dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
@@ -707,14 +707,15 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 /* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed. DEM_BAD_ARGUMENT also for
    accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Fixes particle i, with it the body that it is a part of (1), or sets it free (0). A fixed one stops at once; from then on it stands still,
-   or moves as dem_set_motion says (bodies: without spin), whatever touches it. For others it is an obstacle of its shape, with contacts as
-   heavy as theirs. Gravity, loads, walls, exits and other fixed ones have no effect on it. The ledger counts no energy of it, and its work on
-   others as external_work. */
+/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then on it stays at
+   rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To other particles it is an
+   obstacle of its shape, and like a wall leaves the mass of a contact to them. Gravity, loads, walls, exits and other fixed particles have
+   no effect on it. The ledger counts no energy of it, and books its work on others as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
-/* What contacts and links do to a fixed particle, or to the whole fixed body that it is a part of: force [N], and torque about the centre
-   [N m], at the end of the last step; time integral of the force since it was fixed [N s]. DEM_BAD_ARGUMENT, and NaN, for others. */
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force [N], and torque
+   about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N s]. For other particles,
+   DEM_BAD_ARGUMENT and NaN. */
 DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse);
 /* Removes particle i, and the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
@@ -1117,14 +1118,12 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any length but 0, scalar
    first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as dem_add_spheres. Each is one particle, whose
-   radius is that of the sphere around it.
-
-   A contact is a point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with the
-   rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many springs
-   as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise
-   DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
-   too, but their normals may jump. Walls of every kind are touched by corners, edges and faces. Links of
-   polyhedra are refused with DEM_POLYHEDRON. */
+   radius is that of the sphere around it. A contact is a point: a corner at the other body, or two edges that cross. At each point the
+   pair's law acts between spheres with the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass;
+   so a face on a face has as many springs as points. Weights of points let force pass from edges to corners without a jump
+   (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the
+   sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls of every
+   kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */
@@ -1708,17 +1707,17 @@ typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
 } dem__node;
-/* Edges and corners that stand out: number 3 k + c is the edge of triangle k from its corner c on, and that corner. What triangles share is
-   kept by one of them. */
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges and corners that
+   triangles share have one entry. */
 typedef struct dem__mesh_edges {
     size_t bytes;
-    dem_vec *outward; /* of an edge: against both of its faces; 0 of a rim */
-    dem_vec *tip;     /* of a corner: against all of its edges; 0 where a rim ends */
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
     uint8_t *kind;    /* DEM__EDGE, .. */
 } dem__mesh_edges;
 typedef struct dem__tree {
     size_t bytes;
-    dem__mesh_edges *edges; /* which stand out; NULL until there are polyhedra */
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
     int32_t vertices, triangles, nodes;
     dem_vec *vertex, *normal;
     int32_t *corner; /* [triangles][3] */
@@ -2377,13 +2376,14 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
-    double stiffest;     /* k dt^2/m_eff of the contacts that a law has been prepared for, greatest */
+    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
-/* Of a fixed particle: what contacts and links did to it in the last step, and the time integral of the force since it was fixed. */
+/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force since it was
+   fixed. */
 typedef struct dem__fixed {
     dem__wrench load;
     dem_vec impulse; /* [N s] */
@@ -2394,7 +2394,7 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on, has_fixed; /* has_fixed: a particle was fixed at some time; then loads_on, too */
+    int loads_on, has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
     void *block;
     size_t bytes;
     dem__sum *sum;
@@ -3042,13 +3042,13 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Returns whether the caller has taken the contact of i and j away: by the wall, or by fixing particles. */
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
     return dem__is_fixed(w, i) && dem__is_fixed(w, j);
 }
 
-/* Books work that moving fixed particles do on others [J]. */
+/* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
 /* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
@@ -3075,7 +3075,7 @@ static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
-/* Books the work that the fixed particle i has done in a step by its motion, by the trapezoidal rule. */
+/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
 static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
@@ -3251,7 +3251,7 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Returns the acceleration of particle i, or of its rigid body, over the force on it [1/kg]. */
+/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
@@ -3411,7 +3411,7 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Sets the part of its mass that a particle has in one of its contacts. */
+/* Sets the share of its mass that a particle has in each of its contacts. */
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
@@ -3476,7 +3476,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that is gone may have had the place */
+    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
     if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
     return i;
 }
@@ -3564,11 +3564,11 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Has it, or with a rigid body any of its particles, a load, or is it fixed? */
+/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
-    if (dem__is_fixed(w, i)) return 1; /* flies on no parabola of gravity's */
+    if (dem__is_fixed(w, i)) return 1; /* does not fall */
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
     return loaded;
 }
@@ -3637,11 +3637,11 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
 }
 
 /* -------------------------------------------------------------------------------------------- >>fixed */
-/* Fixed particles: obstacles that stand still or move as their caller says, whatever touches them, and the force on them.
-   Relies on body.h: dem__is_fixed() is asked wherever forces become motion.
-   May be changed here alone: what is noted of the force on a fixed particle. */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
+   motion calls dem__is_fixed().
+   May be changed here alone: what is recorded of the force on a fixed particle. */
 
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; nothing has changed then. */
+/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
 static inline int dem__reserve_fixed(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -3673,7 +3673,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__free_acceleration(w, first);
     dem__book_added(w, dem__potential(w, first));
     dem__book_motion(w, dem__kinetic(w, first) + dem__rotational(w, first));
-    dem__wake(w, first); /* it takes steps, as a loaded one does */
+    dem__wake(w, first); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -3697,7 +3697,7 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     return DEM_OK;
 }
 
-/* Records the force on a fixed particle at the end of a step, `half` of it [s], without what the caller has put on it. */
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
 DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
     dem__fixed *f = &w->engine->bodies.fixed[i];
     const double *external = w->engine->bodies.external[i];
@@ -3706,7 +3706,7 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Gives a fixed particle the impulse of a contact that begins or ends within a step; it does work if the particle moves. */
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
@@ -5732,7 +5732,7 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts: the list is checked before the first that it does not cover. */
+/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does not cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
@@ -6091,9 +6091,9 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
     return g->first + ((ptrdiff_t)cz * g->n[1] + cy) * g->n[0] + cx;
 }
 
-/* The frame and the margin of a list of near pairs, on which it depends how long the list lasts. Reads bodies; writes these fields of pairs.
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
    Relies on bounds.h.
-   May be changed here alone: all but that a list lasts for a step: no result depends on it. */
+   May be changed here alone: all but that a list lasts for at least one step; no result depends on it. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -6139,7 +6139,7 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
     return 1;
 }
 
-/* Returns how far two particles can move towards each other in the next step [m], seen from the frame of the list. */
+/* Returns how far two particles can approach each other in the next step [m], in the frame of the list. */
 static inline double dem__most_approach(const dem_world *w) {
     const double dt = w->engine->run.dt;
     const dem_vec way = dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
@@ -6154,7 +6154,7 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the margin of the list, so that lists last long enough, at least for the next step, and sets what depends on it. */
+/* Chooses the margin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
 static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
     pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
@@ -6162,8 +6162,7 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
     const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
-                 wanted = usual > least ? usual : least,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+                 wanted = usual > least ? usual : least, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;
@@ -6371,7 +6370,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes pairs of particles of one rigid body, and of two fixed ones. */
+/* Removes the pairs of particles of one rigid body, and of two fixed particles. */
 static inline void dem__drop_idle_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
@@ -6581,7 +6580,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is wide enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -8329,14 +8328,15 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
-/* Finds the accelerations of loaded bodies that touch nothing as dem__check_bounds does for those that it looks at, which depends on what is
-   skipped: sums of forces on particles, from which dem__kick_all has them, round otherwise. */
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them. dem__kick_all finds them
+   from sums over particles, which round differently; which bodies are checked depends on what a step skips, and results must not depend on
+   it. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.room->place(w, r); /* the torque is found with the arms that this makes */
+        w->engine->bodies.room->place(w, r); /* the torque needs the arms that this sets */
         w->engine->bodies.room->fall(w, r);
     }
 }
@@ -9141,7 +9141,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller has taken away, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -9508,7 +9508,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     else
         for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* what the contacts were like that there were */
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
     if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
@@ -9907,7 +9907,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
-    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all notes the forces on its particles */
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);
@@ -11145,7 +11145,7 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
    is the gradient of a potential (of a linear law), and continuous in the motion.
    May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 256 }; /* points of a pair: a plate on 60 wires has not more; further ones are left out */
+enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -11214,8 +11214,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number, ends;         /* ends: bits of those that are corners, which have points of their own */
-    int sided;                /* of a wall's: is it touched from the side of `outward` only? */
+    int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -11308,7 +11308,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
    where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. The crossing has the key, its ends the next four. */
+   with weights. The point of the crossing gets `key`, those of the ends the next four. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
                                    dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
@@ -11397,25 +11397,25 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_mesh */
-/* The edges and corners of a mesh that stand out: those that edges and faces of polyhedra can touch.
-   Relies on mesh.h for the tree and the sort. Made once for each mesh, in a world with polyhedra.
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
+   table is made once for each mesh, in a world with polyhedra.
    May be changed here alone: what counts as flat. */
 
-#define DEM__FLAT_EDGE 1e-3 /* sine of the angle between two triangles below which there is no edge, or between two edges no corner */
+#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
-/* kind: of edge `at`, and of the corner that it begins at. */
+/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
 enum {
-    DEM__EDGE = 1,     /* an edge that stands out on one side, or a rim */
-    DEM__RIM = 2,      /* of one triangle, or of more than two: touched from all around */
-    DEM__CORNER = 4,   /* the corner is one, and kept here */
-    DEM__FROM_END = 8, /* the edge begins at a corner, */
-    DEM__TO_END = 16   /* ends at one */
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
 };
 
-/* Finds of each vertex the first one at the same place. */
+/* Finds the first vertex at the same place for each vertex. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
-        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* -0 is 0 */
+        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
         uint64_t hash = 0, bits;
         for (int a = 0; a < 3; a++) {
             memcpy(&bits, &x[a], sizeof bits);
@@ -11434,11 +11434,11 @@ static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keye
     }
 }
 
-/* Finds the ends of edge `at`, which is number at % 3 of triangle at / 3. */
+/* Finds the ends of edge `at`: edge at % 3 of triangle at / 3. */
 DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
     *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
 }
-/* Returns the direction in its triangle away from it. */
+/* Returns the direction from an edge into its triangle, perpendicular to the edge. */
 DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     int32_t from, to;
     dem__ends_of(t, at, &from, &to);
@@ -11446,7 +11446,7 @@ DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
 }
 
-/* Finds the edges that stand out. */
+/* Finds the sharp edges. */
 static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
     for (int32_t at = 0; at < (int32_t)n; at++) {
@@ -11468,7 +11468,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Finds which of their ends are corners: those where more meet than two in one line. */
+/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     ptrdiff_t n = 0;
     for (int32_t at = 0; at < 3 * t->triangles; at++) {
@@ -11498,7 +11498,7 @@ static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *e
     }
 }
 
-/* Makes the table for a mesh that has none. Returns 0 when out of memory. */
+/* Makes the table of a mesh that has none. Returns 0 when out of memory. */
 static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
     const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
     const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;
@@ -11525,8 +11525,7 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 
 /* ------------------------------------------------------------------------------------ >>convex_walls */
 /* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: what a point is depends on these alone; forces are the gradient of a potential, as between
-   polyhedra.
+   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
    May be changed here alone: which features are tested; every point that touches is found. */
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
@@ -11536,20 +11535,20 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* in the table; 0 until they are asked for */
+    int edges; /* length of the list; 0 until edges are needed */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Keys of points: below 32 corners, from there on edges, five keys each; of a screen again for each bar. */
+/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
 enum {
     DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
-    DEM__BARS_FROM = 1 << 18,               /* added to a bar's number, which may be less than 0 */
+    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
     DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
-    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh, and of a corner */
+    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
     DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
-    DEM__RING_POINTS = 16, /* of a cone's rim, where faces touch it */
-    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
+    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
+    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
 };
 
 /* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
@@ -11569,12 +11568,12 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     return corner + DEM_CORNERS_MAX * place;
 }
 
-/* Returns the element of a wall that a key names. */
+/* Returns the element of a wall to which a key belongs. */
 DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
 }
 
-/* Lists the polyhedron's edges, once. */
+/* Lists the edges of the polyhedron unless that is done. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -11583,7 +11582,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
 }
 
-/* Sets an edge of a wall, from `from` to `to`, both from the polyhedron's centre. Returns 0 if it is too far away to touch. */
+/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
 DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
     const dem_vec u = dem__sub(to, from);
     dem_vec n;
@@ -11594,7 +11593,8 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
     return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
 }
 
-/* Adds the points of all edges at an edge of a wall, of a radius. With sign 1 or -1 only those whose normals are on that side. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
+   that side, 0 all. */
 static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
@@ -11605,8 +11605,8 @@ static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge 
     }
 }
 
-/* Adds the point of a wall's corner, a sphere of a radius at x, at the polyhedron's core. tip: its outward direction; 0: touched from all
-   sides. */
+/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
+   touched from all sides. */
 static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
@@ -11619,7 +11619,7 @@ static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double rad
     q->n++;
 }
 
-/* Adds the points of the polyhedron's corners, as spheres. */
+/* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -11637,7 +11637,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
-/* Adds the points of edges at a bar. A half-round one is a capsule where it is touched from above, and two sharp edges from below. */
+/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
@@ -11657,7 +11657,7 @@ static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double
             dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
     }
 }
-/* Adds those of all bars near the polyhedron. */
+/* Adds the points of edges at all bars near the polyhedron. */
 static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(q->centre, w->position);
@@ -11671,7 +11671,7 @@ static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     }
 }
 
-/* Adds the points of edges across a cylinder, from outside. Its axis has no ends. */
+/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
 static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -11681,13 +11681,12 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but far from each other: triangles lie in the order of the
-   tree. */
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
 
-/* Adds the points at the edges and corners of a triangle that stand out. */
+/* Adds the points at the sharp edges and corners of a triangle. */
 static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
     const dem_wall *w = q->wall;
     const dem__tree *t = w->tree;
@@ -11706,7 +11705,7 @@ static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, de
         dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
     }
 }
-/* Adds those of the triangles near the polyhedron. */
+/* Adds the points at all triangles near the polyhedron. */
 static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     const dem__tree *t = q->wall->tree;
     const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
@@ -11722,7 +11721,7 @@ static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     }
 }
 
-/* Returns the touch with a cone of the sphere about the point at t of an edge. */
+/* Returns the touch of a cone with the sphere about the point at t of an edge. */
 DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch;
     double least;
@@ -11732,7 +11731,7 @@ DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__pl
     return touch;
 }
 
-/* Returns where an edge is nearest, between a place where it approaches the cone and one where it leaves. */
+/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
 static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
     for (int k = 0; k < 50; k++) {
         const double middle = 0.5 * (low + high);
@@ -11742,8 +11741,8 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
     return 0.5 * (low + high);
 }
 
-/* Finds where an edge touches a cone between its ends, by steps along it: long where there is surely no contact, else short. Returns how
-   many places there are. */
+/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
+   short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_cone_along(q, e, 0.0);
@@ -11761,7 +11760,7 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a cone, and those of its ends with their weights, as where edges cross. */
+/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;
@@ -14649,7 +14648,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]; that of a part of a body is less than the body's, as the body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the body's mass, because the
+   body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
@@ -14658,9 +14658,10 @@ static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     return 1.0 / (1.0 / r->mass + arm * arm / least);
 }
 
-/* What is present of a material: the least radius of its free and its fixed particles, the least mass of a part of a body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass of a particle of a
+   body. */
 typedef struct dem__present {
-    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite without any */
+    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
     int is_wall;
 } dem__present;
 static inline void dem__list_present(const dem_world *w, dem__present *of) {
@@ -14680,13 +14681,13 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
 }
 
-/* Returns the mass of the smallest sphere of a material, or the effective mass of a part of a body if that is less [kg]. */
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less [kg]. */
 static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
     const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
     return sphere < of[m].lightest ? sphere : of[m].lightest;
 }
 
-/* Lowers the advice to what a pair needs. */
+/* Lowers the advised times to those that a pair needs. */
 static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
     double constants[DEM_CONSTANTS_MAX], contact, damping;
     if (b->features & DEM_HERTZ) {

@@ -132,14 +132,15 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
 }
-/* Finds the accelerations of loaded bodies that touch nothing as dem__check_bounds does for those that it looks at, which depends on what is
-   skipped: sums of forces on particles, from which dem__kick_all has them, round otherwise. */
+/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them. dem__kick_all finds them
+   from sums over particles, which round differently; which bodies are checked depends on what a step skips, and results must not depend on
+   it. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.room->place(w, r); /* the torque is found with the arms that this makes */
+        w->engine->bodies.room->place(w, r); /* the torque needs the arms that this sets */
         w->engine->bodies.room->fall(w, r);
     }
 }

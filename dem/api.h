@@ -56,14 +56,15 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 /* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed. DEM_BAD_ARGUMENT also for
    accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Fixes particle i, with it the body that it is a part of (1), or sets it free (0). A fixed one stops at once; from then on it stands still,
-   or moves as dem_set_motion says (bodies: without spin), whatever touches it. For others it is an obstacle of its shape, with contacts as
-   heavy as theirs. Gravity, loads, walls, exits and other fixed ones have no effect on it. The ledger counts no energy of it, and its work on
-   others as external_work. */
+/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then on it stays at
+   rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To other particles it is an
+   obstacle of its shape, and like a wall leaves the mass of a contact to them. Gravity, loads, walls, exits and other fixed particles have
+   no effect on it. The ledger counts no energy of it, and books its work on others as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
-/* What contacts and links do to a fixed particle, or to the whole fixed body that it is a part of: force [N], and torque about the centre
-   [N m], at the end of the last step; time integral of the force since it was fixed [N s]. DEM_BAD_ARGUMENT, and NaN, for others. */
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force [N], and torque
+   about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N s]. For other particles,
+   DEM_BAD_ARGUMENT and NaN. */
 DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque, dem_vec *impulse);
 /* Removes particle i, and the body that it is a part of. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);

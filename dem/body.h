@@ -105,7 +105,7 @@ static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Sets the part of its mass that a particle has in one of its contacts. */
+/* Sets the share of its mass that a particle has in each of its contacts. */
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
@@ -170,7 +170,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     memset(&bodies->bound[i], 0, sizeof bodies->bound[i]);
     bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
     if (bodies->rigid) bodies->rigid_of[i] = 0;
-    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that is gone may have had the place */
+    if (w->engine->convex.shapes > 0) w->engine->convex.shape_of[i] = 0; /* a polyhedron that has gone may have had this entry */
     if (w->engine->field.on) w->engine->field.until[i] = DEM__NO_FLIGHT;
     return i;
 }
@@ -258,11 +258,11 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
     return e[0] != 0.0 || e[1] != 0.0 || e[2] != 0.0 || e[3] != 0.0 || e[4] != 0.0 || e[5] != 0.0;
 }
 
-/* Has it, or with a rigid body any of its particles, a load, or is it fixed? */
+/* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     int loaded = r ? 0 : dem__has_load(w, i);
-    if (dem__is_fixed(w, i)) return 1; /* flies on no parabola of gravity's */
+    if (dem__is_fixed(w, i)) return 1; /* does not fall */
     for (ptrdiff_t k = 0; r && k < r->pieces; k++) loaded |= dem__has_load(w, r->first + k);
     return loaded;
 }

@@ -96,7 +96,7 @@ DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts: the list is checked before the first that it does not cover. */
+/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does not cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }

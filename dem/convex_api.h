@@ -43,14 +43,12 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any length but 0, scalar
    first, from the shape's principal axes to the world's; NULL: none is turned. Otherwise as dem_add_spheres. Each is one particle, whose
-   radius is that of the sphere around it.
-
-   A contact is a point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with the
-   rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a face has as many springs
-   as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise
-   DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of the radii: cores that overlap are pushed apart,
-   too, but their normals may jump. Walls of every kind are touched by corners, edges and faces. Links of
-   polyhedra are refused with DEM_POLYHEDRON. */
+   radius is that of the sphere around it. A contact is a point: a corner at the other body, or two edges that cross. At each point the
+   pair's law acts between spheres with the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass;
+   so a face on a face has as many springs as points. Weights of points let force pass from edges to corners without a jump
+   (docs/dem_convex.md). Runs need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the
+   sum of the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls of every
+   kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres, const double *orientations, int material,
                                   int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i);              /* number of its shape; -1: it has none */

@@ -1,23 +1,23 @@
 /* ------------------------------------------------------------------------------------- >>convex_mesh */
-/* The edges and corners of a mesh that stand out: those that edges and faces of polyhedra can touch.
-   Relies on mesh.h for the tree and the sort. Made once for each mesh, in a world with polyhedra.
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. Relies on mesh.h for the tree and the sort. The
+   table is made once for each mesh, in a world with polyhedra.
    May be changed here alone: what counts as flat. */
 
-#define DEM__FLAT_EDGE 1e-3 /* sine of the angle between two triangles below which there is no edge, or between two edges no corner */
+#define DEM__FLAT_EDGE 1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
 
-/* kind: of edge `at`, and of the corner that it begins at. */
+/* Flags of entry `at`: of an edge, and of the corner at which it begins. */
 enum {
-    DEM__EDGE = 1,     /* an edge that stands out on one side, or a rim */
-    DEM__RIM = 2,      /* of one triangle, or of more than two: touched from all around */
-    DEM__CORNER = 4,   /* the corner is one, and kept here */
-    DEM__FROM_END = 8, /* the edge begins at a corner, */
-    DEM__TO_END = 16   /* ends at one */
+    DEM__EDGE = 1,     /* a sharp edge, which protrudes on one side, or a rim */
+    DEM__RIM = 2,      /* edge of one triangle, or of more than two: can be touched from all around */
+    DEM__CORNER = 4,   /* the corner is sharp, and this is its entry */
+    DEM__FROM_END = 8, /* the edge begins at a sharp corner */
+    DEM__TO_END = 16   /* the edge ends at one */
 };
 
-/* Finds of each vertex the first one at the same place. */
+/* Finds the first vertex at the same place for each vertex. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
-        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* -0 is 0 */
+        const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
         uint64_t hash = 0, bits;
         for (int a = 0; a < 3; a++) {
             memcpy(&bits, &x[a], sizeof bits);
@@ -36,11 +36,11 @@ static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keye
     }
 }
 
-/* Finds the ends of edge `at`, which is number at % 3 of triangle at / 3. */
+/* Finds the ends of edge `at`: edge at % 3 of triangle at / 3. */
 DEM_INLINE void dem__ends_of(const dem__tree *t, int32_t at, int32_t *from, int32_t *to) {
     *from = t->corner[at], *to = t->corner[at % 3 < 2 ? at + 1 : at - 2];
 }
-/* Returns the direction in its triangle away from it. */
+/* Returns the direction from an edge into its triangle, perpendicular to the edge. */
 DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     int32_t from, to;
     dem__ends_of(t, at, &from, &to);
@@ -48,7 +48,7 @@ DEM_INLINE dem_vec dem__into_face(const dem__tree *t, int32_t at) {
     return dem__scale(1.0 / dem__length(along), dem__cross(t->normal[at / 3], along));
 }
 
-/* Finds the edges that stand out. */
+/* Finds the sharp edges. */
 static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     const ptrdiff_t n = 3 * (ptrdiff_t)t->triangles;
     for (int32_t at = 0; at < (int32_t)n; at++) {
@@ -70,7 +70,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Finds which of their ends are corners: those where more meet than two in one line. */
+/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same, dem__keyed *items) {
     ptrdiff_t n = 0;
     for (int32_t at = 0; at < 3 * t->triangles; at++) {
@@ -100,7 +100,7 @@ static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *e
     }
 }
 
-/* Makes the table for a mesh that has none. Returns 0 when out of memory. */
+/* Makes the table of a mesh that has none. Returns 0 when out of memory. */
 static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
     const size_t n = 3 * (size_t)t->triangles, v = (size_t)t->vertices, most = 2 * n > v ? 2 * n : v;
     const size_t bytes = sizeof(dem__mesh_edges) + 2 * n * sizeof(dem_vec) + n;

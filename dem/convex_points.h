@@ -4,7 +4,7 @@
    is the gradient of a potential (of a linear law), and continuous in the motion.
    May be changed here alone: which features are tested; every point that touches is found. */
 
-enum { DEM__POINTS_MAX = 256 }; /* points of a pair: a plate on 60 wires has not more; further ones are left out */
+enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -73,8 +73,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number, ends;         /* ends: bits of those that are corners, which have points of their own */
-    int sided;                /* of a wall's: is it touched from the side of `outward` only? */
+    int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -167,7 +167,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the crossing counts only
    beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2) k/2. It is 0 with slope 0
    where the crossing reaches an end, and that corner's own point continues. Forces are its gradient: D at the crossing and D_i at the ends,
-   with weights. The crossing has the key, its ends the next four. */
+   with weights. The point of the crossing gets `key`, those of the ends the next four. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart, int32_t key,
                                    dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];

@@ -1,7 +1,6 @@
 /* ------------------------------------------------------------------------------------ >>convex_walls */
 /* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own corners. Reads a
-   wall, a shape and its place. Promises: what a point is depends on these alone; forces are the gradient of a potential, as between
-   polyhedra.
+   wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a potential, as between polyhedra.
    May be changed here alone: which features are tested; every point that touches is found. */
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
@@ -11,20 +10,20 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* in the table; 0 until they are asked for */
+    int edges; /* length of the list; 0 until edges are needed */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Keys of points: below 32 corners, from there on edges, five keys each; of a screen again for each bar. */
+/* Keys of points: below 32, corners; then edges, five keys each; for a screen, the same again for each bar. */
 enum {
     DEM__BAR_KEYS = DEM_CORNERS_MAX + 2 + 3 * 5 * DEM_EDGES_MAX,
-    DEM__BARS_FROM = 1 << 18,               /* added to a bar's number, which may be less than 0 */
+    DEM__BARS_FROM = 1 << 18,               /* added to the number of a bar, which may be negative */
     DEM__MESH_PLACES = 54,                  /* directions of normals, for corners at a mesh */
-    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh, and of a corner */
+    DEM__MESH_KEYS = 1 + 5 * DEM_EDGES_MAX, /* of an edge of a mesh and its corner */
     DEM__MESH_EDGES_MAX = (1 << 30) / DEM__MESH_KEYS,
-    DEM__RING_POINTS = 16, /* of a cone's rim, where faces touch it */
-    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone */
+    DEM__RING_POINTS = 16, /* points of a cone's rim at which faces can touch it */
+    DEM__CROSSINGS_MAX = 4 /* of an edge with a cone, at most */
 };
 
 /* Returns the key of a corner at an element of a wall: a bar of a screen by its number, a place of a mesh by the direction of its normal in
@@ -44,12 +43,12 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     return corner + DEM_CORNERS_MAX * place;
 }
 
-/* Returns the element of a wall that a key names. */
+/* Returns the element of a wall to which a key belongs. */
 DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return wall->kind == DEM_SCREEN ? key / DEM__BAR_KEYS - DEM__BARS_FROM : 0;
 }
 
-/* Lists the polyhedron's edges, once. */
+/* Lists the edges of the polyhedron unless that is done. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -58,7 +57,7 @@ static inline void dem__list_edges(dem__at_wall *q) {
     for (int e = 0; e < q->shape->edges; e++) q->edges += dem__place_edge(&side, e, 0, &q->edge[q->edges]);
 }
 
-/* Sets an edge of a wall, from `from` to `to`, both from the polyhedron's centre. Returns 0 if it is too far away to touch. */
+/* Sets an edge of a wall between two places, given from the polyhedron's centre. Returns 0 if it is too far away to touch. */
 DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec to, double radius, int ends, dem__placed_edge *e) {
     const dem_vec u = dem__sub(to, from);
     dem_vec n;
@@ -69,7 +68,8 @@ DEM_INLINE int dem__set_wall_edge(const dem__at_wall *q, dem_vec from, dem_vec t
     return dem__from_edge(e, dem_vec3(0.0, 0.0, 0.0), &n) < q->shape->reach + radius;
 }
 
-/* Adds the points of all edges at an edge of a wall, of a radius. With sign 1 or -1 only those whose normals are on that side. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall with a radius. sign: 1 or -1 takes only those whose normals are on
+   that side, 0 all. */
 static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge *e, double radius, int32_t key, dem_vec side, double sign) {
     dem__list_edges(q);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
@@ -80,8 +80,8 @@ static inline void dem__cross_wall_edge(dem__at_wall *q, const dem__placed_edge 
     }
 }
 
-/* Adds the point of a wall's corner, a sphere of a radius at x, at the polyhedron's core. tip: its outward direction; 0: touched from all
-   sides. */
+/* Adds the point of a wall's corner, a sphere with a radius at x, at the polyhedron's core. tip: its outward direction; 0: it can be
+   touched from all sides. */
 static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double radius, dem_vec tip, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     dem_vec n;
@@ -94,7 +94,7 @@ static inline void dem__touch_wall_corner(dem__at_wall *q, dem_vec x, double rad
     q->n++;
 }
 
-/* Adds the points of the polyhedron's corners, as spheres. */
+/* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -112,7 +112,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
     }
 }
 
-/* Adds the points of edges at a bar. A half-round one is a capsule where it is touched from above, and two sharp edges from below. */
+/* Adds the points of edges at a bar. A half-round bar is a capsule when touched from above, and two sharp edges when touched from below. */
 static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double index, dem_vec d) {
     const dem_wall *w = q->wall;
     const double half = 0.5 * w->wire, bar = (index - 0.5) * (w->aperture + w->wire), length = family ? w->half_y : w->half_x;
@@ -132,7 +132,7 @@ static inline void dem__touch_bar_with_edges(dem__at_wall *q, int family, double
             dem__cross_wall_edge(q, &e, 0.0, key + 2 + 5 * DEM_EDGES_MAX * (side > 0 ? 2 : 1), w->axis[2], -1.0);
     }
 }
-/* Adds those of all bars near the polyhedron. */
+/* Adds the points of edges at all bars near the polyhedron. */
 static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(q->centre, w->position);
@@ -146,7 +146,7 @@ static inline void dem__touch_screen_with_edges(dem__at_wall *q) {
     }
 }
 
-/* Adds the points of edges across a cylinder, from outside. Its axis has no ends. */
+/* Adds the points of edges across the outside of a cylinder, whose axis has no ends. */
 static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
     const dem_wall *w = q->wall;
     const dem_vec d = dem__sub(w->position, q->centre), foot = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -156,13 +156,12 @@ static inline void dem__touch_cylinder_with_edges(dem__at_wall *q) {
         dem__cross_wall_edge(q, &e, w->radius, DEM_CORNERS_MAX, w->axis[2], 0.0);
 }
 
-/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but far from each other: triangles lie in the order of the
-   tree. */
+/* Returns the key of an edge of a mesh. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of the tree. */
 DEM_INLINE int32_t dem__mesh_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__MESH_PLACES + (int32_t)((int64_t)(at % DEM__MESH_EDGES_MAX) * DEM__MESH_KEYS);
 }
 
-/* Adds the points at the edges and corners of a triangle that stand out. */
+/* Adds the points at the sharp edges and corners of a triangle. */
 static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, dem_vec d) {
     const dem_wall *w = q->wall;
     const dem__tree *t = w->tree;
@@ -181,7 +180,7 @@ static inline void dem__touch_triangle_with_edges(dem__at_wall *q, int32_t k, de
         dem__cross_wall_edge(q, &e, 0.0, key + 1, w->axis[2], 0.0);
     }
 }
-/* Adds those of the triangles near the polyhedron. */
+/* Adds the points at all triangles near the polyhedron. */
 static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     const dem__tree *t = q->wall->tree;
     const dem_vec d = dem__sub(q->centre, q->wall->position), p = dem__to_frame(q->wall, d);
@@ -197,7 +196,7 @@ static inline void dem__touch_mesh_with_edges(dem__at_wall *q) {
     }
 }
 
-/* Returns the touch with a cone of the sphere about the point at t of an edge. */
+/* Returns the touch of a cone with the sphere about the point at t of an edge. */
 DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch;
     double least;
@@ -207,7 +206,7 @@ DEM_INLINE dem__touch dem__touch_cone_along(const dem__at_wall *q, const dem__pl
     return touch;
 }
 
-/* Returns where an edge is nearest, between a place where it approaches the cone and one where it leaves. */
+/* Returns where an edge is nearest to a cone, between a place where it approaches and one where it recedes. */
 static inline double dem__nearest_between(const dem__at_wall *q, const dem__placed_edge *e, double low, double high) {
     for (int k = 0; k < 50; k++) {
         const double middle = 0.5 * (low + high);
@@ -217,8 +216,8 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
     return 0.5 * (low + high);
 }
 
-/* Finds where an edge touches a cone between its ends, by steps along it: long where there is surely no contact, else short. Returns how
-   many places there are. */
+/* Finds the places at which an edge touches a cone between its ends, by steps along it: long ones where no contact is possible, otherwise
+   short ones. Returns their number. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_cone_along(q, e, 0.0);
@@ -236,7 +235,7 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a cone, and those of its ends with their weights, as where edges cross. */
+/* Adds the point of an edge at t with a cone, and the points of the edge's ends, with weights as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;

@@ -136,13 +136,14 @@ typedef struct dem__run {
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run is in progress: hooks of laws may not change the world */
     int keeps_wrenches;
-    double stiffest;     /* k dt^2/m_eff of the contacts that a law has been prepared for, greatest */
+    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
-/* Of a fixed particle: what contacts and links did to it in the last step, and the time integral of the force since it was fixed. */
+/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force since it was
+   fixed. */
 typedef struct dem__fixed {
     dem__wrench load;
     dem_vec impulse; /* [N s] */
@@ -153,7 +154,7 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int loads_on, has_fixed; /* has_fixed: a particle was fixed at some time; then loads_on, too */
+    int loads_on, has_fixed; /* has_fixed: a particle has been fixed since the world was made; then loads_on is set, too */
     void *block;
     size_t bytes;
     dem__sum *sum;

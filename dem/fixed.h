@@ -1,9 +1,9 @@
 /* -------------------------------------------------------------------------------------------- >>fixed */
-/* Fixed particles: obstacles that stand still or move as their caller says, whatever touches them, and the force on them.
-   Relies on body.h: dem__is_fixed() is asked wherever forces become motion.
-   May be changed here alone: what is noted of the force on a fixed particle. */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on body.h; every part that turns forces into
+   motion calls dem__is_fixed().
+   May be changed here alone: what is recorded of the force on a fixed particle. */
 
-/* Makes room for the state of fixed particles. Returns 0 when out of memory; nothing has changed then. */
+/* Makes room for the state of fixed particles. Returns 0 when out of memory; then nothing has changed. */
 static inline int dem__reserve_fixed(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__array list[DEM__ARRAYS_MAX];
@@ -35,7 +35,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__free_acceleration(w, first);
     dem__book_added(w, dem__potential(w, first));
     dem__book_motion(w, dem__kinetic(w, first) + dem__rotational(w, first));
-    dem__wake(w, first); /* it takes steps, as a loaded one does */
+    dem__wake(w, first); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -59,7 +59,7 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     return DEM_OK;
 }
 
-/* Records the force on a fixed particle at the end of a step, `half` of it [s], without what the caller has put on it. */
+/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s]. */
 DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
     dem__fixed *f = &w->engine->bodies.fixed[i];
     const double *external = w->engine->bodies.external[i];
@@ -68,7 +68,7 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Gives a fixed particle the impulse of a contact that begins or ends within a step; it does work if the particle moves. */
+/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);

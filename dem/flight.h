@@ -31,7 +31,7 @@ DEM_INLINE dem__rigid *dem__rigid_of(const dem_world *w, ptrdiff_t i) {
     return bodies->rigid && bodies->rigid_of[i] > 0 ? &bodies->rigid[bodies->rigid_of[i] - 1] : NULL;
 }
 
-/* Returns the acceleration of particle i, or of its rigid body, over the force on it [1/kg]. */
+/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) { return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass; }
 
 DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {

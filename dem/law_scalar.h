@@ -47,7 +47,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]; that of a part of a body is less than the body's, as the body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the body's mass, because the
+   body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
@@ -56,9 +57,10 @@ static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     return 1.0 / (1.0 / r->mass + arm * arm / least);
 }
 
-/* What is present of a material: the least radius of its free and its fixed particles, the least mass of a part of a body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass of a particle of a
+   body. */
 typedef struct dem__present {
-    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite without any */
+    double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
     int is_wall;
 } dem__present;
 static inline void dem__list_present(const dem_world *w, dem__present *of) {
@@ -78,13 +80,13 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= w->wall[k].kind != DEM_EXIT;
 }
 
-/* Returns the mass of the smallest sphere of a material, or the effective mass of a part of a body if that is less [kg]. */
+/* Returns the mass of the smallest sphere of a material, or the effective mass of a particle of a body if that is less [kg]. */
 static inline double dem__mass_of(const dem_world *w, const dem__present *of, int m) {
     const double r = of[m].smallest, sphere = 4.0 / 3.0 * RIDDLE_PI * r * r * r * w->def.material[m].density;
     return sphere < of[m].lightest ? sphere : of[m].lightest;
 }
 
-/* Lowers the advice to what a pair needs. */
+/* Lowers the advised times to those that a pair needs. */
 static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
     double constants[DEM_CONSTANTS_MAX], contact, damping;
     if (b->features & DEM_HERTZ) {

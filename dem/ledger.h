@@ -40,13 +40,13 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Returns whether the caller has taken the contact of i and j away: by the wall, or by fixing particles. */
+/* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
     return dem__is_fixed(w, i) && dem__is_fixed(w, j);
 }
 
-/* Books work that moving fixed particles do on others [J]. */
+/* Books the work of moving fixed particles on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
 /* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it; otherwise as sliding loss,
@@ -73,7 +73,7 @@ static inline void dem__book_callers_contacts(dem_world *w, double before) {
     if (w->engine->ledger.started) w->engine->ledger.sums.added += dem__stored_energy(w) - before;
 }
 
-/* Books the work that the fixed particle i has done in a step by its motion, by the trapezoidal rule. */
+/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
 static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;

@@ -1,6 +1,6 @@
-/* The frame and the margin of a list of near pairs, on which it depends how long the list lasts. Reads bodies; writes these fields of pairs.
+/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these fields of pairs.
    Relies on bounds.h.
-   May be changed here alone: all but that a list lasts for a step: no result depends on it. */
+   May be changed here alone: all but that a list lasts for at least one step; no result depends on it. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
@@ -46,7 +46,7 @@ static inline int dem__list_positions(dem_world *w, double *smallest, double *la
     return 1;
 }
 
-/* Returns how far two particles can move towards each other in the next step [m], seen from the frame of the list. */
+/* Returns how far two particles can approach each other in the next step [m], in the frame of the list. */
 static inline double dem__most_approach(const dem_world *w) {
     const double dt = w->engine->run.dt;
     const dem_vec way = dem__scale(dt, dem__plus(w->engine->pairs.frame_velocity, 0.5 * dt, w->engine->pairs.frame_acceleration));
@@ -61,7 +61,7 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the margin of the list, so that lists last long enough, at least for the next step, and sets what depends on it. */
+/* Chooses the margin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
 static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
     pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
@@ -69,8 +69,7 @@ static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, 
     if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
     const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
-                 wanted = usual > least ? usual : least,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+                 wanted = usual > least ? usual : least, room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
     pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->margin;

@@ -6,17 +6,17 @@ typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
 } dem__node;
-/* Edges and corners that stand out: number 3 k + c is the edge of triangle k from its corner c on, and that corner. What triangles share is
-   kept by one of them. */
+/* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges and corners that
+   triangles share have one entry. */
 typedef struct dem__mesh_edges {
     size_t bytes;
-    dem_vec *outward; /* of an edge: against both of its faces; 0 of a rim */
-    dem_vec *tip;     /* of a corner: against all of its edges; 0 where a rim ends */
+    dem_vec *outward; /* of an edge: direction away from both of its faces; 0 for a rim */
+    dem_vec *tip;     /* of a corner: direction away from all of its edges; 0 at a rim */
     uint8_t *kind;    /* DEM__EDGE, .. */
 } dem__mesh_edges;
 typedef struct dem__tree {
     size_t bytes;
-    dem__mesh_edges *edges; /* which stand out; NULL until there are polyhedra */
+    dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
     int32_t vertices, triangles, nodes;
     dem_vec *vertex, *normal;
     int32_t *corner; /* [triangles][3] */

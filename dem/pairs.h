@@ -197,7 +197,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes pairs of particles of one rigid body, and of two fixed ones. */
+/* Removes the pairs of particles of one rigid body, and of two fixed particles. */
 static inline void dem__drop_idle_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
@@ -407,7 +407,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is wide enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);

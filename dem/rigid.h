@@ -130,7 +130,7 @@ static inline void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     dem__bodies *bodies = &w->engine->bodies;
     const int loads = bodies->loads_on || w->engine->links.on;
     dem_vec force;
-    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all notes the forces on its particles */
+    if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
     r->strides = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     r->a = dem__plus(dem__free_fall(w), 1.0 / r->mass, force);

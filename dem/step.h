@@ -16,7 +16,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller has taken away, and rebuilds the list of near pairs. Returns 0 after a failure. */
+/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->run.needs_lists) return 1;
@@ -383,7 +383,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     else
         for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
     w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* what the contacts were like that there were */
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
     if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;

@@ -393,7 +393,7 @@ typedef struct dem_gas {
 typedef struct dem_energy_ledger {
     double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work;                /* done on the particles by moving walls; by loads, and by moving fixed particles */
+    double wall_work, external_work;                /* done on the particles by moving walls; by loads and moving fixed particles */
     double field_work;                              /* done on the particles by a force field */
     double link_work;      /* done on the particles by links: minus what links store and lost, apart from walls' work through them */
     double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts that begin, end or get
@@ -470,11 +470,11 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio;      /* time step over the largest that is stable. Computed when a run begins after a change, for the smallest,
-                               stiffest pair present (of a part of a body: with its least effective mass); raised by contacts that begin
-                               later if their law's prepare function returns a stiffness; 0 before. Above 1 contacts create energy.
-                               dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from the time of
-                               Rayleigh waves alone. Links are not looked at: their interval is yours */
+    double step_ratio;      /* time step over the largest that is stable; 0 before the first run. Computed when a run begins after a change,
+                               for the smallest and stiffest pair present (for a particle of a body, with its least effective mass).
+                               Contacts that begin later raise it if their law's prepare function returns a stiffness. Above 1 contacts
+                               create energy. dem_advise() advises 0.08 or less. With DEM_HERTZ, whose contacts stiffen in an impact, from
+                               the time of Rayleigh waves alone. Links are not included: the caller chooses their interval */
 
     dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
