@@ -709,8 +709,8 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
 /* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then on it stays at
    rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To other particles it is an
-   obstacle of its shape, and like a wall leaves the mass of a contact to them. Gravity, loads, walls, exits and other fixed particles have
-   no effect on it. The ledger counts no energy of it, and books its work on others as external_work. */
+   obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads, walls, exits and other fixed particles have no
+   effect on it. The ledger counts no energy of it, and books its work on others as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
 /* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force [N], and torque
