@@ -2,7 +2,8 @@
 
    The funnel is a triangle mesh from an STL file: one that the program writes, or --stl. Spheres of one size are fed into its top; below
    its lowest point stands a round plate with a rim one diameter high, over which the surplus falls. When the last have come to rest, the heap's surface is the
-   highest centre in each ring and sector of the plate; the angle of repose is the slope of a line through the rings' means. Friction is that
+   highest centre in each ring and sector of the plate; the angle of repose is the slope of a line through the rings' means, its error that of
+   the mean of heaps poured alike with other random numbers: what the sectors of one heap have in common makes no scatter there. Friction is that
    between spheres and with the plate; the funnel is smooth. A lever arm of rolling resistance stands for what spheres have too little of. */
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@
 #include "dem.h"
 #include "world_picture.h"
 
-enum { RINGS = 6, SECTORS = 12, CASES = 5, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
+enum { RINGS = 6, SECTORS = 12, CASES = 5, HEAPS_MAX = 50, AROUND = 48, FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
 
 static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}};
 
@@ -28,7 +29,7 @@ typedef struct heap {
     progress *bar;
     /* found */
     dem_status status;
-    double angle, error;                 /* [rad]: slope and its standard error, from sectors */
+    double angle;                        /* slope [rad] */
     double radius[RINGS], height[RINGS]; /* of rings, and of centres over the plate [m]; NaN where hardly any sector has one */
     double speed, time;                  /* largest at the end [m/s], simulated [s] */
     int on_plate;
@@ -77,25 +78,10 @@ static void corners_of(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     }
 }
 
-/* Standard error of the slope: from the slopes of the sectors, each a line through its own rings. That the surface is curved makes none. */
-static double slope_error(double (*top)[SECTORS], const double *radius) {
-    double all = 0.0, sum = 0.0, square = 0.0;
-    for (int s = 0; s < SECTORS; s++) {
-        double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-        for (int k = 1; k < RINGS; k++) {
-            if (top[k][s] == top[k][s]) n += 1.0, x += radius[k], y += top[k][s], xx += radius[k] * radius[k], xy += radius[k] * top[k][s];
-        }
-        if (n < 3.0) continue;
-        const double angle = -atan((n * xy - x * y) / (n * xx - x * x));
-        all += 1.0, sum += angle, square += angle * angle;
-    }
-    return all > 2.0 ? sqrt(fmax(square - sum * sum / all, 0.0) / (all - 1.0) / all) : (double)NAN;
-}
-
 /* Highest centres by ring and sector, and the line through the rings' means between a fifth of the radius and the rim. */
 static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
     double top[RINGS][SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    h->angle = h->error = (double)NAN;
+    h->angle = (double)NAN;
     h->on_plate = 0, h->speed = 0.0;
     for (int k = 0; k < RINGS * SECTORS; k++) top[k / SECTORS][k % SECTORS] = (double)NAN;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -122,7 +108,6 @@ static void measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
     }
     if (n < 3.0) return;
     h->angle = -atan((xy - x * y / n) / (xx - x * x / n));
-    h->error = slope_error(top, h->radius);
 }
 
 /* Pours one heap and measures it. */
@@ -186,45 +171,61 @@ static int pour_one(int index, void *user) {
     return h->status != DEM_OK;
 }
 
-static void report(const program *self, const heap *heaps, int n, const dem_stl_report *stl) {
+/* Heaps of one friction: the mean of their angles, and its standard error, NaN of one heap [rad]. The heights are those of the first. */
+static void average(const heap *h, int heaps, double *mean, double *error) {
+    double sum = 0.0, square = 0.0;
+    for (int k = 0; k < heaps; k++) sum += h[k].angle;
+    *mean = sum / heaps;
+    for (int k = 0; k < heaps; k++) square += (h[k].angle - *mean) * (h[k].angle - *mean);
+    *error = heaps > 1 ? sqrt(square / (heaps - 1.0) / heaps) : (double)NAN;
+}
+
+static void report(const program *self, const heap *all, int n, int heaps, const dem_stl_report *stl) {
     const double degree = 180.0 / RIDDLE_PI;
     double friction[CASES], angle[CASES], error[CASES];
-    table t = table_begin("friction [-]|angle of repose [deg]|standard error [deg]|on the plate|largest speed [mm/s]");
-    csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,on_plate,largest_speed_m_s");
+    table t = table_begin("friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
+    csv *rows = csv_open(self->out, "angle_of_repose.csv", "friction,angle_deg,standard_error_deg,heaps,on_plate,largest_speed_m_s");
     plot *figure = plot_new("Heaps poured through a funnel", 1, 2);
     plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
     plot_equal(figure);
     for (int k = 0; k < n; k++) {
-        const heap *h = &heaps[k];
+        const heap *h = &all[k * heaps];
         double x[RINGS], y[RINGS];
         char label[40];
         for (int q = 0; q < RINGS; q++) x[q] = 1e3 * h->radius[q], y[q] = 1e3 * h->height[q];
         snprintf(label, sizeof label, "friction %.3g", h->friction);
         plot_line(figure, label, x, y, RINGS);
         plot_style(figure, PLOT_MARKED, PLOT_NEXT);
-        friction[k] = h->friction, angle[k] = degree * h->angle, error[k] = degree * h->error;
-        table_cell(&t, "%.3g", h->friction), table_cell(&t, "%.1f", angle[k]), table_cell(&t, "%.1f", error[k]);
+        average(h, heaps, &angle[k], &error[k]);
+        friction[k] = h->friction, angle[k] *= degree, error[k] *= degree;
+        table_cell(&t, "%.3g", h->friction), table_cell(&t, "%.1f", angle[k]);
+        if (heaps > 1) table_cell(&t, "%.1f", error[k]);
+        else table_cell(&t, "-");
         table_cell(&t, "%d", h->on_plate), table_cell(&t, "%.2g", 1e3 * h->speed);
-        const double row[5] = {h->friction, angle[k], error[k], h->on_plate, h->speed};
-        csv_row(rows, row, 5);
+        const double row[6] = {h->friction, angle[k], error[k], heaps, h->on_plate, h->speed};
+        csv_row(rows, row, 6);
     }
     table_end(&t), csv_close(rows);
+    if (heaps > 1)
+        common_print("Means of %d heaps each, with other random numbers; heights, numbers and speeds are of the first.\n", heaps);
+    else common_print("One heap each: how far others would be from it is not known; --heaps tells.\n");
     plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
     plot_line(figure, "slope of the surface", friction, angle, n);
     plot_style(figure, PLOT_MARKED, 0);
-    plot_error_bars(figure, NULL, friction, angle, error, n);
-    plot_style(figure, 0, PLOT_SAME);
+    if (heaps > 1)
+        plot_error_bars(figure, "standard error of the mean of the heaps", friction, angle, error, n), plot_style(figure, 0, PLOT_SAME);
     plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);
     json_program(j, self);
     json_array(j, "friction", friction, n);
     json_array(j, "angle_of_repose_deg", angle, n);
-    json_array(j, "standard_error_deg", error, n);
-    json_number(j, "diameter_m", heaps[0].diameter);
-    json_number(j, "rolling_lever_arm_m", heaps[0].rolling * heaps[0].diameter);
-    json_integer(j, "spheres", heaps[0].spheres);
-    json_number(j, "simulated_s", heaps[0].time);
+    json_array(j, "standard_error_deg", error, n); /* null of one heap */
+    json_integer(j, "heaps", heaps);
+    json_number(j, "diameter_m", all[0].diameter);
+    json_number(j, "rolling_lever_arm_m", all[0].rolling * all[0].diameter);
+    json_integer(j, "spheres", all[0].spheres);
+    json_number(j, "simulated_s", all[0].time);
     json_integer(j, "stl_facets", stl->facets);
     json_integer(j, "stl_open_edges", stl->open_edges);
     json_integer(j, "stl_wrong_normals", stl->wrong_normals);
@@ -234,7 +235,7 @@ static void report(const program *self, const heap *heaps, int n, const dem_stl_
 
 int main(int argc, char **argv) {
     double diameter_mm = 5.0, one_friction = 0.5, rolling = 0.02, scale = 1e-3;
-    int spheres = 1000;
+    int spheres = 1000, repeats = 3;
     bool film = false;
     const char *stl = NULL;
     option options[] = {
@@ -242,6 +243,7 @@ int main(int argc, char **argv) {
         option_double("rolling", "SHARE", &rolling, 0.0, 1.0, "lever arm of rolling resistance over the diameter [-]"),
         option_int("spheres", "N", &spheres, 100, 100000, "spheres poured"),
         option_positive("diameter-mm", "MM", &diameter_mm, 1000.0, "diameter of the spheres [mm]"),
+        option_int("heaps", "N", &repeats, 1, HEAPS_MAX, "heaps of each friction; --quick: 1"),
         option_string("stl", "FILE", &stl, "a funnel of your own: mouth up, outlet down, the axis in the middle of its box"),
         option_flag("movie", &film, "angle_of_repose.mp4 of the last heap, by ffmpeg"),
         option_positive("stl-scale", "M", &scale, 1e6, "length of the file's unit [m]"),
@@ -256,6 +258,7 @@ int main(int argc, char **argv) {
     dem_stl_report found;
     size_t size;
     if (self.quick && !options[2].given) spheres = 500; /* fewer make no heap */
+    if (self.quick && !options[4].given) repeats = 1;
     if (!stl) {
         made = lathe(funnel_points, 3);
         const int failed = write_stl(self.out, "funnel.stl", &made);
@@ -285,19 +288,20 @@ int main(int argc, char **argv) {
                  stl, (long)funnel.triangles, (long)found.open_edges, (long)found.degenerate, (long)found.duplicate,
                  (long)found.wrong_normals, (long)found.not_finite, (long)found.missing, (long)found.unannounced, (long)found.surplus);
 
-    heap heaps[CASES];
+    heap *heaps = calloc((size_t)(n * repeats), sizeof *heaps);
     progress bar;
-    memset(heaps, 0, sizeof heaps);
-    progress_begin(&bar, "pouring", n);
-    for (int k = 0; k < n; k++) {
+    if (!heaps) return common_fail("out of memory"), 1;
+    progress_begin(&bar, "pouring", n * repeats);
+    for (int k = 0; k < n * repeats; k++) {
         heap *h = &heaps[k];
-        h->diameter = d, h->friction = n == 1 ? one_friction : (n == CASES ? row[k] : extremes[k]), h->rolling = rolling;
-        h->spheres = spheres, h->seed = self.seed, h->funnel = &funnel, h->bar = &bar;
-        h->folder = k == n - 1 ? self.out : NULL, h->film = film;
+        const int which = k / repeats;
+        h->diameter = d, h->friction = n == 1 ? one_friction : (n == CASES ? row[which] : extremes[which]), h->rolling = rolling;
+        h->spheres = spheres, h->seed = program_seed_of(self.seed, (uint64_t)(k % repeats)), h->funnel = &funnel, h->bar = &bar;
+        h->folder = k == (n - 1) * repeats ? self.out : NULL, h->film = film; /* the first heap of the last friction */
     }
-    jobs_run(n, self.threads, pour_one, heaps);
+    jobs_run(n * repeats, self.threads, pour_one, heaps);
     progress_end(&bar);
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n * repeats; k++) {
         if (heaps[k].status != DEM_OK) common_fail("friction %g: %s", heaps[k].friction, dem_status_text(heaps[k].status));
     }
     vtk_array none = vtk_vector("position", funnel.vertex);
@@ -306,6 +310,7 @@ int main(int argc, char **argv) {
     if (ends) vtp_polygons(self.out, "funnel.vtp", (int)funnel.vertices, none, (int)funnel.triangles, ends, funnel.triangle, NULL, 0);
     free(ends);
     dem_free_mesh(&funnel);
-    if (!common_interrupted() && common_exit_status() == 0) report(&self, heaps, n, &found);
+    if (!common_interrupted() && common_exit_status() == 0) report(&self, heaps, n, repeats, &found);
+    free(heaps);
     return common_exit_status();
 }

@@ -452,7 +452,7 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     json_bool(j, "one_rate", g->one_rate);
     common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time, (int)w->count,
                  unfinished);
-    common_print("contacts of a particle %.3f +- %.3f (sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
+    common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
                  deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
     common_print(
         "first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); restitution %.3f (sd %.3f); outward %.3f\n",

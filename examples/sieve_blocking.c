@@ -310,13 +310,13 @@ static int simulate(const sieve_patch_def *def, double time, readings *r, sieve_
 static void report_simulation(json *report, const sieve_patch *patch, const readings *r) {
     const sieve_patch_def *def = &patch->def;
     const dem_world *w = &patch->world;
-    ptrdiff_t too_large = 0;
+    ptrdiff_t too_large = patch->forced;
     for (ptrdiff_t i = 0; i < w->passed_count; i++) too_large += w->passed[i].diameter > def->opening;
     common_print("Simulated: %d x %d holes of %g mm, wires of %g mm, vertical amplitude %.3f mm at %.4g Hz, %ld spheres of %.2f .. %.2f mm "
                  "(%.3g kg/m2, x_h %.3f)\n",
                  def->across, def->across, 1e3 * def->opening, 1e3 * def->wire, 1e3 * sieve_patch_amplitude(def), def->frequency,
                  (long)patch->grains, 500.0 * def->opening, 1600.0 * def->opening, def->load, patch->hard_mass / patch->mass);
-    common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n", (long)w->passed_count,
+    common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n", (long)w->passed_total,
                  (long)too_large, w->def.dt);
     json_object_begin(report, "simulation");
     json_integer(report, "holes", def->across * def->across);
@@ -328,7 +328,7 @@ static void report_simulation(json *report, const sieve_patch *patch, const read
     json_number(report, "x_h", patch->hard_mass / patch->mass);
     json_number(report, "load_kg_per_m2", def->load);
     json_integer(report, "spheres", patch->grains);
-    json_integer(report, "passed", w->passed_count);
+    json_integer(report, "passed", w->passed_total);
     json_integer(report, "forced_through", too_large);
     json_number(report, "vibrated_s", r->t[r->n - 1]);
     json_integer(report, "contact_steps", w->contact_steps);
@@ -370,7 +370,7 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
     plot *figure = plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
     csv *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f*, 95 % of counting|f* of Table 3|fit");
+    table t = table_begin("K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
         plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");

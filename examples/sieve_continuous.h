@@ -43,7 +43,7 @@ static int run_way(int index, void *user) {
         if (blocked < 0) status = DEM_OUT_OF_MEMORY;
         jobs->free[way][seed][c] = 1.0 - (double)blocked / (def.across * def.across);
     }
-    jobs->passed[way][seed] = patch.world.passed_count;
+    jobs->passed[way][seed] = (ptrdiff_t)patch.world.passed_total;
     dem_free(&patch.world);
     if (status != DEM_OK) common_fail("%s, seed %d: %s", way_name[way], seed + 1, dem_status_text(status));
     return status != DEM_OK || common_interrupted();
@@ -65,6 +65,7 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
     plot *figure = plot_new(title, 1, 1);
     plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
     for (int w = 0; w < WAYS; w++) strcat(strcat(header, "|"), way_name[w]);
+    common_print("Free holes; +-: 95 %% range by counting holes, as if each were blocked by itself\n");
     table t = table_begin(header);
     csv *file = csv_open(self->out, "continuous.csv",
                          "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");

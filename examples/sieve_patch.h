@@ -46,7 +46,7 @@ typedef struct sieve_patch {
     dem_world world;
     int deck;
     ptrdiff_t grains;       /* laid on at the start */
-    ptrdiff_t laid_again;   /* of those that passed, with refill */
+    ptrdiff_t forced;       /* larger than a hole, of those that passed and were replaced, with refill */
     uint64_t random;        /* of the places where they are laid */
     double mass, hard_mass; /* of all, of hard-to-screen grains [kg] */
 } sieve_patch;
@@ -126,15 +126,15 @@ static inline dem_status sieve_patch_lay(sieve_patch *patch) {
     return status;
 }
 
-/* Lays an equal grain on top for each that passed and was not yet replaced. One that finds no place waits. */
+/* Lays an equal grain on top for each that passed, and takes its record, so that records don't pile up. One that finds no place waits. */
 static inline dem_status sieve_patch_refill(sieve_patch *patch) {
     const sieve_patch_def *d = &patch->def;
     const double l = d->opening, side = d->across * (l + d->wire);
     double top = 0.5 * d->wire;
     for (ptrdiff_t i = 0; i < patch->world.count; i++)
         if (patch->world.alive[i]) top = fmax(top, dem_position(&patch->world, i).z);
-    while (patch->laid_again < patch->world.passed_count) {
-        const dem_passed *p = &patch->world.passed[patch->laid_again];
+    while (patch->world.passed_count > 0) {
+        const dem_passed *p = patch->world.passed;
         dem_feed feed = dem_default_feed();
         feed.region = dem_box_region(dem_vec3(0.0, 0.0, fmin(top, 8.0 * l)), dem_vec3(side, side, fmin(top, 8.0 * l) + 4.0 * l));
         feed.sizes = dem_one_size(p->diameter);
@@ -142,7 +142,8 @@ static inline dem_status sieve_patch_refill(sieve_patch *patch) {
         feed.random = ++patch->random + d->seed * 1000003u;
         const dem_status status = dem_fill(&patch->world, &feed, 1);
         if (status != DEM_OK || feed.placed == 0) return status;
-        patch->laid_again++;
+        patch->forced += p->diameter > d->opening;
+        dem_take_passed(&patch->world, NULL, 1);
     }
     return DEM_OK;
 }
