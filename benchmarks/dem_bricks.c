@@ -1,0 +1,113 @@
+/* dem.h: what a bed of bricks costs, beside clumps of two spheres and spheres of the same number.
+
+   Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random, into a box that is
+   periodic sideways, and settle. Then so many steps are timed at rest or on a floor that shakes. Figure of merit: particle-steps per second
+   of processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+#include "dem.h"
+#include "measure.h"
+
+static const double edge = 2e-3, density = 2500.0, stiffness = 1e4, spacing = 5.2e-3;
+enum { ACROSS = 7 }; /* bodies of a layer, along each side */
+static const char *const shapes[] = {"brick", "clump", "sphere"};
+
+static double uniform(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
+    dem_convex brick;
+    dem_clump clump;
+    const double ball = edge * 0.5 * 1.58375586998611 * 2.0 / 2.0, two = ball * 1.58740105196820 * 0.5; /* radii: of one, of each of two */
+    const double centres[6] = {0, 0, -two, 0, 0, two}, diameters[2] = {2.0 * two, 2.0 * two};
+    dem_status status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
+    if (status == DEM_OK) status = dem_make_clump(2, centres, diameters, &clump);
+    const int number = status == DEM_OK && shape == 0 ? dem_add_shape(w, &brick) : 0;
+    if (number < 0) return (dem_status)-number;
+    for (int k = 0; k < n && status == DEM_OK; k++) {
+        const int layer = k / (ACROSS * ACROSS);
+        const double at[3] = {(0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing};
+        const double q[4] = {uniform(&seed) - 0.5, uniform(&seed) - 0.5, uniform(&seed) - 0.5, uniform(&seed) - 0.5}, d = 2.0 * ball;
+        if (shape == 0) status = dem_add_convex(w, number, 1, at, q, 0, 0);
+        else if (shape == 1) status = dem_add_clumps(w, 1, &clump, at, NULL, q, 0, 0);
+        else status = dem_add_spheres(w, 1, at, &d, 0, 0);
+        if (status == DEM_OK) status = dem_set_motion(w, w->count - 1, dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0));
+    }
+    return status;
+}
+
+/* The bodies' states: centre, quaternion of the shape's principal axes, velocity, spin. */
+static void write_state(const dem_world *w, const char *out) {
+    csv *file = csv_open(out, "state.csv", "x_m,y_m,z_m,q_w,q_x,q_y,q_z,v_x_m_s,v_y_m_s,v_z_m_s,w_x_1_s,w_y_1_s,w_z_1_s");
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
+        const dem_quaternion q = dem_orientation(w, i);
+        csv_line(file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x.x, x.y, x.z, q.w, q.x, q.y, q.z,
+                 v.x, v.y, v.z, s.x, s.y, s.z);
+    }
+    csv_close(file);
+}
+
+int main(int argc, char **argv) {
+    int bodies = 490, steps = 2000, shape = 0;
+    double settle = 0.12, shake = 0.0;
+    option options[] = {
+        option_choice("shape", &shape, "brick|clump|sphere", "what the bodies are"),
+        option_int("bodies", "N", &bodies, 49, 100000, "how many"),
+        option_double("settle-s", "S", &settle, 0.0, 10.0, "time to settle [s]"),
+        option_double("amplitude-m", "M", &shake, 0.0, 0.01, "of the floor, at 50 Hz, while steps are timed [m]"),
+        option_int("steps", "N", &steps, 10, 1000000, "time steps that are timed"),
+    };
+    program self =
+        program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
+    if (self.quick && !options[1].given) bodies = 98;
+    dem_def def = dem_default_def();
+    dem_world world;
+    const int material = dem_add_material(&def, density, 1e7, 0.3);
+    dem_pair_def *pair = dem_pair(&def, material, material);
+    pair->stiffness = stiffness, pair->restitution = 0.3, pair->friction = 0.5;
+    def.dt = 3e-6, def.threads = 1;
+    def.periodic[0] = def.periodic[1] = 1;
+    def.high.x = def.high.y = ACROSS * spacing;
+    dem_status status = dem_init(&world, &def, NULL);
+    const int floor_wall = status == DEM_OK ? dem_add_plane(&world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : 0;
+    if (status == DEM_OK) status = add_bodies(&world, shape, bodies, self.seed);
+    progress bar;
+    progress_begin(&bar, "settling", 100.0);
+    for (int k = 0; k < 100 && status == DEM_OK && !common_interrupted(); k++) {
+        status = dem_run(&world, 0.01 * settle, DEM_LINEAR | DEM_FRICTION);
+        progress_add(&bar, 1.0);
+    }
+    progress_end(&bar);
+    if (status == DEM_OK) write_state(&world, self.out);
+    if (shake > 0.0 && status == DEM_OK)
+        status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
+    if (status == DEM_OK) status = dem_run(&world, 10 * def.dt, DEM_LINEAR | DEM_FRICTION);
+    const int64_t contacts = world.contact_steps, lists = world.rebuilds;
+    const double begun = machine_processor_seconds();
+    if (status == DEM_OK) status = dem_run(&world, steps * def.dt, DEM_LINEAR | DEM_FRICTION);
+    const double taken = machine_processor_seconds() - begun;
+    if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
+    const double rate = (double)bodies * steps / taken, touching = (double)(world.contact_steps - contacts) / steps;
+    const dem_energy_ledger energy = dem_energy(&world);
+    printf("%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n",
+           shapes[shape], bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(world.rebuilds - lists),
+           (long long)dem_core_overlaps(&world));
+    json *report = json_open(self.json);
+    json_string(report, "shape", shapes[shape]);
+    json_integer(report, "bodies", bodies);
+    json_number(report, "contacts", touching);
+    json_integer(report, "steps", steps);
+    json_number(report, "cpu_s", taken);
+    json_number(report, "particle_steps_per_s", rate);
+    json_number(report, "kinetic_energy_J", energy.kinetic + energy.rotational);
+    json_program(report, &self);
+    json_close(report);
+    dem_free(&world);
+    return common_exit_status();
+}
