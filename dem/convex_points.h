@@ -5,6 +5,7 @@
    May be changed here alone: which features are tested; every point that touches is found. */
 
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+#define DEM__WINDOW 1.000001    /* features are tested up to this part of the radii, so that rounding in a direction does not choose them */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -72,6 +73,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
+    dem_vec middle;           /* of the part that is near the other core */
+    double half;              /* half the length of that [m] */
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
     int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
     int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
@@ -81,7 +84,8 @@ typedef struct dem__placed_edge {
 typedef struct dem__side {
     const dem_convex *shape;
     const dem__placed *place;
-    double height[DEM_CORNERS_MAX];
+    double height[DEM_CORNERS_MAX], limit; /* limit: sign times height below which a corner is near */
+    double sign;
     uint32_t near;
 } dem__side;
 
@@ -97,8 +101,18 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
-    side->near = 0;
+    side->near = 0, side->limit = low, side->sign = sign;
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
+}
+
+/* Finds the part of an edge that is near: all of it, or from its near end to the limit. a, b: heights of its ends. */
+DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
+    double from = 0.0, to = p->length;
+    a *= side->sign, b *= side->sign;
+    if (!(b < side->limit)) to = p->length * ((side->limit - a) / (b - a));
+    if (!(a < side->limit)) from = p->length * ((a - side->limit) / (a - b));
+    p->middle = dem__plus(p->from, 0.5 * (from + to), p->along);
+    p->half = 0.5 * (to - from);
 }
 
 /* Places edge e in the world. Returns 0 if it ends at no near corner. apart: the cores do not overlap, and the directions in its faces are
@@ -113,6 +127,7 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     const double a = side->height[from], b = side->height[to];
     p->low = a < b ? a : b, p->high = a < b ? b : a;
+    dem__find_near_part(side, a, b, p);
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
     if (apart) return 1;
     for (int f = 0; f < 2 && s->faces > 0; f++) {
@@ -230,7 +245,10 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
         if (!dem__place_edge(a, e, apart, &p)) continue;
         for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
             const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
-            if (p.low - other[f].high < radii) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
+            const dem_vec d = dem__sub(p.middle, other[f].middle);
+            const double near = p.half + other[f].half + DEM__WINDOW * radii;
+            if (dem__dot(d, d) < near * near && p.low - other[f].high < DEM__WINDOW * radii)
+                n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
         }
     }
     return n;
@@ -241,7 +259,7 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
 static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec normal,
                                    dem__convex_point *out) {
     dem__side sa, sb;
-    const double radii = a->radius + b->radius;
+    const double radii = DEM__WINDOW * (a->radius + b->radius);
     double low_a, high_a, low_b, high_b;
     int n = 0;
     sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;

@@ -25,6 +25,7 @@ typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
     int32_t first, count; /* of its points in the present step */
     dem__nearest_cache cache;
+    dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
 } dem__convex_pair;
 
 /* The functions that the engine calls for polyhedra, in the order of a step; they are in convex_add.h. The first shape of a world sets the
