@@ -11147,7 +11147,7 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
    May be changed here alone: which features are tested; every point that touches is found. */
 
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
-#define DEM__WINDOW 1.000001    /* features are tested up to this part of the radii, so that rounding in a direction does not choose them */
+#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -11215,8 +11215,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
-    dem_vec middle;           /* of the part that is near the other core */
-    double half;              /* half the length of that [m] */
+    dem_vec middle;           /* centre of the part near the other core */
+    double half;              /* half the length of that part [m] */
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
     int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
     int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
@@ -11226,7 +11226,7 @@ typedef struct dem__placed_edge {
 typedef struct dem__side {
     const dem_convex *shape;
     const dem__placed *place;
-    double height[DEM_CORNERS_MAX], limit; /* limit: sign times height below which a corner is near */
+    double height[DEM_CORNERS_MAX], limit; /* limit: a corner is near if sign times its height is below it */
     double sign;
     uint32_t near;
 } dem__side;
@@ -11247,7 +11247,7 @@ DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
 }
 
-/* Finds the part of an edge that is near: all of it, or from its near end to the limit. a, b: heights of its ends. */
+/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
 DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
     double from = 0.0, to = p->length;
     a *= side->sign, b *= side->sign;
@@ -11882,14 +11882,15 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     return 1;
 }
 
-/* Returns how far a core reaches from its centre along n. */
+/* Returns how far a core extends from its centre in the direction n [m]. */
 DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
     const dem_vec u = dem__into_core(p, n);
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
 
-/* Returns how far two cores are apart along a unit vector from b to a; less than 0: perhaps not at all. */
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
+   be apart in another direction. */
 DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
     return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
@@ -11911,7 +11912,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
     const double radii = a->radius + b->radius;
     pb.x = dem__scale(-1.0, d);
-    /* a direction only chooses whom to test, so one of an earlier step will do as long as the cores are nearly as far apart along it */
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
+       along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > 0.9 * radii)) {
         dem__gap_of_cores gap;

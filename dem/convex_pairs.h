@@ -33,14 +33,15 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     return 1;
 }
 
-/* Returns how far a core reaches from its centre along n. */
+/* Returns how far a core extends from its centre in the direction n [m]. */
 DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, dem_vec n) {
     const dem_vec u = dem__into_core(p, n);
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
 
-/* Returns how far two cores are apart along a unit vector from b to a; less than 0: perhaps not at all. */
+/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value says nothing: they may
+   be apart in another direction. */
 DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
     return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) - dem__reach_along(b, pb, n);
@@ -62,7 +63,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     if (!b) return dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), particle[p->j].radius, 0, out);
     const double radii = a->radius + b->radius;
     pb.x = dem__scale(-1.0, d);
-    /* a direction only chooses whom to test, so one of an earlier step will do as long as the cores are nearly as far apart along it */
+    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are nearly as far apart
+       along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > 0.9 * radii)) {
         dem__gap_of_cores gap;

@@ -5,7 +5,7 @@
    May be changed here alone: which features are tested; every point that touches is found. */
 
 enum { DEM__POINTS_MAX = 256 }; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
-#define DEM__WINDOW 1.000001    /* features are tested up to this part of the radii, so that rounding in a direction does not choose them */
+#define DEM__WINDOW 1.000001    /* features are tested up to this multiple of the radii, so that rounding of directions does not decide */
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, dem_vec *n) {
@@ -73,8 +73,8 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
-    dem_vec middle;           /* of the part that is near the other core */
-    double half;              /* half the length of that [m] */
+    dem_vec middle;           /* centre of the part near the other core */
+    double half;              /* half the length of that part [m] */
     double length, low, high; /* [m]; heights of its ends along the normal between the cores */
     int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
     int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
@@ -84,7 +84,7 @@ typedef struct dem__placed_edge {
 typedef struct dem__side {
     const dem_convex *shape;
     const dem__placed *place;
-    double height[DEM_CORNERS_MAX], limit; /* limit: sign times height below which a corner is near */
+    double height[DEM_CORNERS_MAX], limit; /* limit: a corner is near if sign times its height is below it */
     double sign;
     uint32_t near;
 } dem__side;
@@ -105,7 +105,7 @@ DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     for (int k = 0; k < side->shape->corners; k++) side->near |= (uint32_t)(sign * side->height[k] < low) << k;
 }
 
-/* Finds the part of an edge that is near: all of it, or from its near end to the limit. a, b: heights of its ends. */
+/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of its ends [m]. */
 DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
     double from = 0.0, to = p->length;
     a *= side->sign, b *= side->sign;
