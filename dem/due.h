@@ -69,7 +69,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
 /* Tests everything that is due at a step. */
 static inline void dem__detect(dem_world *w, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
-    if (walls->meshes) dem__follow_meshes(w, step);
+    if (walls->meshes) walls->follow_meshes(w, step);
     if (w->engine->convex.room) w->engine->convex.room->follow(w, step);
     if (!(w->def.skip & DEM_SKIP_PAIRS)) dem__test_all_pairs(w, step);
     if (!(w->def.skip & DEM_SKIP_SPACE)) {

@@ -183,9 +183,10 @@ typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int meshes, touch_keepers, controls; /* number of meshes; of walls whose contacts keep a touch (meshes, cones); whether forces drive any
                                             wall */
-    dem__timers timers;                  /* of particle i and wall k: number i * walls + k */
-    uint32_t *sure;                      /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
-    int32_t *first_contact;              /* of a particle: its first contact with a wall; contacts.wall_next leads on */
+    void (*follow_meshes)(dem_world *w, int64_t step); /* takes contacts with meshes to a step; set with the first mesh */
+    dem__timers timers;                                /* of particle i and wall k: number i * walls + k */
+    uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
+    int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
 /* Near pairs and the list's life. Written by pairs.h, bounds.h. */
@@ -241,6 +242,7 @@ typedef struct dem__contacts {
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
+    void (*step)(dem_world *w); /* takes their step; set with their law */
     double interval, near;
     int on, stride, states;
     ptrdiff_t count, capacity;

@@ -1,18 +1,7 @@
 /* ------------------------------------------------------------------------------------------ >>forces */
-/* Forces of all links and contacts, on one thread or several. Reads contacts and links; writes the sums of bodies and the forces on walls.
+/* Forces of all contacts, on one thread or several. Reads contacts; writes the sums of bodies and the forces on walls.
    Promises: every sum is added in the order of slots, whatever the number of threads.
    May be changed here alone: how chunks are shared among threads. */
-/* Runs the links' loop on blocks first .. end - 1. */
-static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__links *links = &w->engine->links;
-    (void)context;
-    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
-}
-static inline void dem__evaluate_links(dem_world *w) {
-    const ptrdiff_t n = w->engine->links.count;
-    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
-}
-
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
     dem_loop_fn loop;

@@ -140,7 +140,7 @@ static inline dem_status dem__read_walls(const dem__file *file, dem_world *w, de
         if (!dem__is_sound_wall(w, a)) return DEM_BAD_DATA;
         const dem_status status = a->kind == DEM_MESH ? dem__read_mesh(file, &w->def.allocator, w->walls, a, g) : DEM_OK;
         if (status != DEM_OK) return status;
-        walls->meshes += a->kind == DEM_MESH;
+        if (a->kind == DEM_MESH) dem__count_mesh(w);
         walls->touch_keepers += a->kind == DEM_MESH || a->kind == DEM_CONE;
         walls->controls |= a->asked.drive >= DEM_FORCE_CONTROLLED;
     }

@@ -130,12 +130,18 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
             memcpy(&t->corner[3 * k], from, 3 * sizeof *from);
             dem__has_area(vertex[from[0]], vertex[from[1]], vertex[from[2]], &t->normal[k]);
         }
-        t->triangles = (int32_t)n;
+        t->triangles = (int32_t)n, t->touch = dem__touch_mesh;
         dem__grow_node(t, 0, (int32_t)n);
         *status = DEM_OK;
     }
     a->fn(a->user, items, scratch, 0);
     return t;
+}
+
+/* Counts one mesh more. */
+static inline void dem__count_mesh(dem_world *w) {
+    w->engine->walls.meshes++;
+    w->engine->walls.follow_meshes = dem__follow_meshes;
 }
 
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
@@ -178,7 +184,7 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
         wall.tree = NULL, status = DEM_OUT_OF_MEMORY;
     }
     if (!wall.tree) return -(int)status;
-    w->engine->walls.meshes++;
+    dem__count_mesh(w);
     return dem__add_wall(w, &wall);
 }
 

@@ -6,6 +6,7 @@ typedef struct dem__node {
     double low[3], high[3];
     int32_t skip, first, count; /* count: triangles of a leaf, else 0 */
 } dem__node;
+typedef int dem__touch_mesh_fn(const dem_wall *w, dem_vec d, double radius, double deep, double limit, dem__touch *out, double *least);
 /* Sharp edges and corners of a mesh. Entry 3 k + c is the edge of triangle k from its corner c, and that corner. Edges and corners that
    triangles share have one entry. */
 typedef struct dem__mesh_edges {
@@ -21,6 +22,7 @@ typedef struct dem__tree {
     dem_vec *vertex, *normal;
     int32_t *corner; /* [triangles][3] */
     dem__node *node;
+    dem__touch_mesh_fn *touch; /* dem__touch_mesh: a program that makes no tree compiles nothing of meshes */
 } dem__tree;
 enum { DEM__LEAF = 4 };
 

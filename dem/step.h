@@ -120,89 +120,6 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     return 1;
 }
 
-DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
-
-/* Returns whether particle i has links, or its load contains forces of links. */
-DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
-    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
-}
-
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
-   particle. */
-static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
-    const dem__sum *sum = &w->engine->bodies.sum[i];
-    const double *load = w->engine->bodies.load[i];
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) return;
-    if (r) {
-        for (ptrdiff_t k = r->first; k < i; k++) {
-            if (dem__is_linked(w, k)) return;
-        }
-        dem__book_link_work(w, -dem__motion_energy(w, r->first));
-        w->engine->bodies.room->kick_links(w, r, half);
-        dem__book_link_work(w, dem__motion_energy(w, r->first));
-        return;
-    }
-    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
-    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
-    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
-    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
-}
-
-/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
-static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
-    else {
-        const int32_t one = (int32_t)i;
-        dem__renew_bound(w, i, w->step);
-        dem__reset_pair_timers(w, &one, 1, w->step);
-    }
-}
-
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
-   the velocities to the mean of the old force and the new one. */
-static inline void dem__step_links(dem_world *w) {
-    dem__run *run = &w->engine->run;
-    dem__bodies *bodies = &w->engine->bodies;
-    dem__links *links = &w->engine->links;
-    dem__ledger *ledger = &w->engine->ledger;
-    const double h = (double)links->stride * run->dt;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!dem__is_linked(w, i)) continue;
-        dem__set_origin(w, i);
-        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
-        else dem__wrap(w, i);
-        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
-        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
-    }
-    run->kernel_dt = h;
-    dem__evaluate_links(w);
-    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
-    }
-    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
-        const dem__rigid *r = dem__rigid_of(w, i);
-        const dem_particle *p = &w->particle[i];
-        if (!dem__is_linked(w, i)) continue;
-        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
-        links->is_loaded[i] = links->first_link[i] >= 0;
-        for (int q = 0; q < 3 && ledger->on; q++)
-            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
-        if (run->needs_lists) continue;
-        if (!r) dem__check_linked(w, i);
-        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
-    }
-    for (int32_t k = 0; k < (int32_t)links->count;) {
-        if (links->ended[k]) dem__cut_link(w, k);
-        else k++;
-    }
-}
-
 /* Finds the contacts that begin in a step, with the walls at its end. Returns 0 after a failure. */
 static inline int dem__find_contacts_that_begin(dem_world *w) {
     if (!dem__move_walls(w, w->step + 1)) w->status = DEM_NOT_FINITE;
@@ -269,7 +186,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     if (leaving) dem__free_untouched(w);
     dem__check_bounds(w);
     if (in_field && w->status == DEM_OK && !dem__begin_flights(w)) return 0;
-    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) dem__step_links(w);
+    if (w->engine->links.stride > 0 && w->step % w->engine->links.stride == 0) w->engine->links.step(w);
     return w->status == DEM_OK;
 }
 

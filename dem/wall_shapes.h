@@ -37,7 +37,7 @@ static inline int dem__touch_wall(const dem_wall *w, dem_vec centre, double radi
         return 1;
     }
     if (w->kind == DEM_CONE) return dem__touch_cone(w, d, up, radius, limit, out, least);
-    if (w->kind == DEM_MESH) return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
+    if (w->kind == DEM_MESH) return w->tree->touch(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
     *least = fabs(up) - radius - 0.5 * w->wire;
     if (!(*least < limit)) return 0;
     double bound = HUGE_VAL;

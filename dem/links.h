@@ -1,0 +1,145 @@
+/* ------------------------------------------------------------------------------------------- >>links */
+/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of links; writes links, the
+   loads and velocities of bodies. The engine calls links.step, which dem_set_links sets: a program without links compiles none of it.
+   May be changed here alone: how links are integrated. */
+/* Runs the links' loop on blocks first .. end - 1. */
+static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__links *links = &w->engine->links;
+    (void)context;
+    links->loop(w, DEM__BLOCK * first, DEM__BLOCK * end < links->count ? DEM__BLOCK * end : links->count, part);
+}
+static inline void dem__evaluate_links(dem_world *w) {
+    const ptrdiff_t n = w->engine->links.count;
+    dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
+}
+
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
+
+/* Returns whether particle i has links, or its load contains forces of links. */
+DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
+    return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
+}
+
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at its first linked
+   particle. */
+static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
+    const dem__sum *sum = &w->engine->bodies.sum[i];
+    const double *load = w->engine->bodies.load[i];
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (dem__is_fixed(w, i)) return;
+    if (r) {
+        for (ptrdiff_t k = r->first; k < i; k++) {
+            if (dem__is_linked(w, k)) return;
+        }
+        dem__book_link_work(w, -dem__motion_energy(w, r->first));
+        w->engine->bodies.room->kick_links(w, r, half);
+        dem__book_link_work(w, dem__motion_energy(w, r->first));
+        return;
+    }
+    const dem_vec a = dem__scale(sum->per_mass, dem__sub(dem__first(load), dem__first(sum->load)));
+    const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
+    p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
+    p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__motion_energy(w, i));
+}
+
+/* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a new one. */
+static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
+    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    else {
+        const int32_t one = (int32_t)i;
+        dem__renew_bound(w, i, w->step);
+        dem__reset_pair_timers(w, &one, 1, w->step);
+    }
+}
+
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each evaluation corrects
+   the velocities to the mean of the old force and the new one. */
+static inline void dem__step_links(dem_world *w) {
+    dem__run *run = &w->engine->run;
+    dem__bodies *bodies = &w->engine->bodies;
+    dem__links *links = &w->engine->links;
+    dem__ledger *ledger = &w->engine->ledger;
+    const double h = (double)links->stride * run->dt;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!dem__is_linked(w, i)) continue;
+        dem__set_origin(w, i);
+        if (r) bodies->room->wrap(w, r), bodies->room->place(w, r);
+        else dem__wrap(w, i);
+        if (ledger->on) dem__book_link_work(w, dem__link_work(w, i) - (r ? 0.0 : dem__motion_energy(w, i)));
+        for (int a = 0; a < 6; a++) bodies->sum[i].load[a] = bodies->load[i][a], bodies->load[i][a] = bodies->external[i][a];
+    }
+    run->kernel_dt = h;
+    dem__evaluate_links(w);
+    if (dem__link_parts(w) > 1) dem__add_links(w, 0, links->count);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_linked(w, i)) dem__kick_linked(w, i, 0.5 * h);
+    }
+    for (ptrdiff_t i = 0; i < w->count; i++) { /* after all particles of a body have changed */
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem_particle *p = &w->particle[i];
+        if (!dem__is_linked(w, i)) continue;
+        for (int q = 0; q < 6; q++) bodies->sum[i].load[q] = 0.0;
+        links->is_loaded[i] = links->first_link[i] >= 0;
+        for (int q = 0; q < 3 && ledger->on; q++)
+            links->evaluated_at[i][q] = dem_axis(p->x, q), links->evaluated_at[i][3 + q] = dem_axis(p->spin, q);
+        if (run->needs_lists) continue;
+        if (!r) dem__check_linked(w, i);
+        for (ptrdiff_t k = 0; r && k < r->pieces; k++) dem__check_linked(w, r->first + k);
+    }
+    for (int32_t k = 0; k < (int32_t)links->count;) {
+        if (links->ended[k]) dem__cut_link(w, k);
+        else k++;
+    }
+}
+
+DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_world *w = world;
+    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !dem__positive(interval) ||
+        !dem__not_negative(near) || w->engine->field.on)
+        return DEM_BAD_ARGUMENT;
+    dem__links *links = &w->engine->links;
+    const dem_law *law = kernel->law;
+    if (links->count > 0 && law->states != links->states) return DEM_LAW_MISMATCH;
+    links->on = 1;
+    links->law = law;
+    links->loop = kernel->loop, links->step = dem__step_links;
+    links->interval = interval;
+    if (links->near != near) w->engine->run.needs_lists = 1;
+    links->near = near;
+    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+        dem__release(&w->def.allocator, links->block, links->bytes);
+        links->block = NULL;
+        links->capacity = 0;
+        links->states = law->states;
+    }
+    dem__set_stride(w);
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
+    dem_world *w = world;
+    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j) return DEM_BAD_ARGUMENT;
+    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
+    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j)) return DEM_BAD_ARGUMENT;
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+    if (w->engine->links.count + 1 > w->engine->links.capacity) {
+        dem__array list[DEM__ARRAYS_MAX];
+        if (w->engine->links.count > INT32_MAX / 2 ||
+            !dem__grow_group(w, list, dem__link_arrays(w, list), &w->engine->links.block, &w->engine->links.bytes,
+                             &w->engine->links.capacity, w->engine->links.count + 1))
+            return DEM_OUT_OF_MEMORY;
+    }
+    const int32_t k = (int32_t)w->engine->links.count++;
+    w->engine->links.i[k] = (int32_t)i, w->engine->links.j[k] = (int32_t)j, w->engine->links.element[k] = element;
+    for (int a = 0; a < w->engine->links.states; a++) w->engine->links.state[a][k] = state[a];
+    for (int a = 0; a < 9; a++) w->engine->links.wrench[a][k] = 0.0;
+    w->engine->links.gap[k] = 0.0;
+    w->engine->links.ended[k] = 0;
+    dem__list_link(w, k);
+    return DEM_OK;
+}
