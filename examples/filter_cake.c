@@ -616,11 +616,13 @@ int main(int argc, char **argv) {
     if (t.tau > 0.0 && !(t.tau > 0.5)) program_refuse(&self, "tau", NULL, "a number above 0.5 and at most 2");
     if (t.stop > 0.0 && !t.checkpoint) program_refuse(&self, "stop-ms", NULL, "only with --checkpoint");
     filtration_status status;
+    common_interrupt_at_once(true); /* 2.5 um voxels take half a minute to set up; nothing is written yet */
     if (t.resume) status = resume(&self, &r, t.resume, 1e-3 * t.time);
     else {
         r.d = completed(&self, &t);
         status = set_up(&r, self.threads, self.seed);
     }
+    common_interrupt_at_once(false);
     const double stop = t.stop > 0.0 ? fmin(1e-3 * t.stop, r.d.time) : r.d.time;
     f.every = t.frame > 0.0 ? 1e-3 * t.frame : r.d.time / (self.quick ? 2.0 : 20.0);
     f.next = f.every * floor(r.fluid.time / f.every + 1.0), f.with_flow = !t.no_flow;

@@ -23,7 +23,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 11, HANGS_AFTER_S = 300 };
+enum { LONGEST_PATH = 500, MOST_PROGRAMS = 64, EACH = 10, HANGS_AFTER_S = 300 };
 
 static char folder[LONGEST_PATH];
 
@@ -276,28 +276,7 @@ static void test_its_own_options(void **state) {
     assert_true(numeric > 0); /* --threads at least */
 }
 
-static void test_quick_run(void **state) {
-    char out[LONGEST_PATH + 20], json[LONGEST_PATH + 20];
-    snprintf(out, sizeof out, "%s/o u t/deep", folder);
-    snprintf(json, sizeof json, "%s/result.json", folder);
-    const char *words[] = {"--quick", "--quiet", "--out", out, "--json", json, NULL};
-    result r = run_program(*state, words, 0, 0.0);
-    printf("%s --quick: %.1f s\n", strrchr(*state, '/') + 1, r.seconds);
-    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
-    assert_string_equal(r.out, "");
-    assert_string_equal(r.err, "");
-    forget(&r);
-    char *text = file_text(json);
-    assert_non_null(text);
-    assert_true(is_json(text));
-    assert_non_null(strstr(text, "\"program\": "));
-    free(text);
-    count_files(folder);
-    assert_int_equal(n_parts, 0);
-    assert_true(n_svg >= 1);
-}
-
-/* What an example writes does not depend on the number of threads: figures, tables and particles of one and of two are the same bytes.
+/* A quick run, and its files. What an example writes does not depend on the number of threads: figures, tables and particles of one and of two are the same bytes.
    (A benchmark's hold times.) */
 static char one_thread[LONGEST_PATH + 20], two_threads[LONGEST_PATH + 20];
 static int n_compared, n_different;
@@ -323,17 +302,31 @@ static int compared(const char *path, const struct stat *info, int kind, struct 
     return 0;
 }
 
-static void test_threads(void **state) {
-    if (!strstr(*state, "/examples/")) skip();
-    const char *one[] = {"--quick", "--quiet", "--threads", "1", "--out", one_thread, NULL};
-    const char *two[] = {"--quick", "--quiet", "--threads", "2", "--out", two_threads, NULL};
-    snprintf(one_thread, sizeof one_thread, "%s/1", folder);
+static void test_quick_run(void **state) {
+    char json[LONGEST_PATH + 20];
+    snprintf(one_thread, sizeof one_thread, "%s/o u t/deep", folder);
     snprintf(two_threads, sizeof two_threads, "%s/2", folder);
-    for (int i = 0; i < 2; i++) {
-        result r = run_program(*state, i ? two : one, 0, 0.0);
-        if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
-        forget(&r);
-    }
+    snprintf(json, sizeof json, "%s/result.json", folder);
+    const char *one[] = {"--quick", "--quiet", "--threads", "1", "--out", one_thread, "--json", json, NULL};
+    const char *two[] = {"--quick", "--quiet", "--threads", "2", "--out", two_threads, NULL};
+    result r = run_program(*state, one, 0, 0.0);
+    printf("%s --quick: %.1f s\n", strrchr(*state, '/') + 1, r.seconds);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    assert_string_equal(r.out, "");
+    assert_string_equal(r.err, "");
+    forget(&r);
+    char *text = file_text(json);
+    assert_non_null(text);
+    assert_true(is_json(text));
+    assert_non_null(strstr(text, "\"program\": "));
+    free(text);
+    count_files(folder);
+    assert_int_equal(n_parts, 0);
+    assert_true(n_svg >= 1);
+    if (!strstr(*state, "/examples/")) return;
+    r = run_program(*state, two, 0, 0.0);
+    if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
+    forget(&r);
     n_compared = n_different = 0;
     nftw(one_thread, compared, 16, FTW_PHYS);
     assert_true(n_compared >= 1);
@@ -601,10 +594,9 @@ int main(void) {
     } each[EACH] = {{"help", test_help},
                     {"wrong options", test_wrong_options},
                     {"its own options", test_its_own_options},
-                    {"quick run", test_quick_run},
+                    {"quick run, one and two threads", test_quick_run},
                     {"full disk", test_full_disk},
                     {"Ctrl-C", test_interrupt},
-                    {"threads", test_threads},
                     {"screening studies", test_screening_studies},
                     {"simulation", test_simulation},
                     {"own screen", test_own_screen},

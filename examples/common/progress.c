@@ -14,7 +14,19 @@ static bool quiet_run;
 static const char *program_name = "riddle";
 static pthread_mutex_t printing = PTHREAD_MUTEX_INITIALIZER;
 
-static void on_signal(int number) { caught_signal = number; }
+static volatile sig_atomic_t ends_at_once;
+
+static void on_signal(int number) {
+    caught_signal = number;
+    if (!ends_at_once) return;
+    static const char said[] = ": interrupted\n"; /* write and _exit are what a handler may call */
+    ssize_t written = write(STDERR_FILENO, program_name, strlen(program_name));
+    if (written > 0) written = write(STDERR_FILENO, said, sizeof said - 1);
+    (void)written;
+    _exit(128 + number);
+}
+
+void common_interrupt_at_once(bool at_once) { ends_at_once = at_once; }
 
 void common_catch_interrupt(void) {
     struct sigaction action;

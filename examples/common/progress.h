@@ -18,6 +18,8 @@
 /* True once Ctrl-C (or SIGTERM) has come: leave loops, write nothing that is not whole, and return common_exit_status().
    A second Ctrl-C ends the program at once. Costs one load; call it from any thread. */
 bool common_interrupted(void);
+/* Ctrl-C ends the program at once: during work that cannot be stopped in its middle and that has no file open. */
+void common_interrupt_at_once(bool at_once);
 
 /* 130 after Ctrl-C, 143 after SIGTERM, 1 if anything failed, else 0. Says "interrupted" on stderr in the first two cases. */
 int common_exit_status(void);

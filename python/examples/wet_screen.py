@@ -17,7 +17,7 @@ CLASSES = [(5e-3, 150), (7e-3, 60), (10e-3, 60)]  # diameter [m], number
 
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 library = os.path.join(tempfile.mkdtemp(), "wet.so")
-subprocess.run(["cc", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(root, "python/laws/wet.c"), "-lm", "-o", library], check=True)
+subprocess.run([os.environ.get("CC", "cc"), "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(root, "python/laws/wet.c"), "-lm", "-o", library], check=True)
 wet = dem.Law(library)
 
 definition = dem.def_(dt=1e-5)
