@@ -2,7 +2,8 @@
 
    Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random, into a box that is
    periodic sideways, and settle. Then so many steps are timed at rest or on a floor that shakes. Figure of merit: particle-steps per second
-   of processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. */
+   of processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. --rebounds instead
+   tells how bricks rebound from a plane. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,7 @@ static double uniform(uint64_t *state) {
 static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
     dem_convex brick;
     dem_clump clump;
-    const double ball = edge * 0.5 * 1.58375586998611 * 2.0 / 2.0, two = ball * 1.58740105196820 * 0.5; /* radii: of one, of each of two */
+    const double ball = edge * 0.5 * 1.58375586998611, two = ball * 1.58740105196820 * 0.5; /* radii: of one, of each of two */
     const double centres[6] = {0, 0, -two, 0, 0, two}, diameters[2] = {2.0 * two, 2.0 * two};
     dem_status status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
     if (status == DEM_OK) status = dem_make_clump(2, centres, diameters, &clump);
@@ -53,8 +54,62 @@ static void write_state(const dem_world *w, const char *out) {
     csv_close(file);
 }
 
+/* Bricks that fall on a plane without gravity, turned at random: restitution of the centre and angle of the rebound. */
+static dem_status rebound(double restitution, int hits, uint64_t *seed, double *mean, double *scatter, double *angle) {
+    const double mass = 2080.0, k = mass / (0.01 * 0.01);
+    double sum = 0.0, squares = 0.0, angles = 0.0;
+    dem_status status = DEM_OK;
+    for (int hit = 0; hit < hits && status == DEM_OK; hit++) {
+        dem_def def = dem_default_def();
+        dem_world w;
+        dem_convex brick;
+        const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);
+        dem_pair_def *pair = dem_pair(&def, m, m);
+        const double at[3] = {0, 0, 1.3};
+        double q[4], size;
+        pair->stiffness = k, pair->restitution = restitution, pair->friction = 0.8, pair->tangential_ratio = 0.78;
+        def.dt = RIDDLE_PI * sqrt(mass / k) / 50.0, def.gravity = dem_vec3(0, 0, 0);
+        do { /* evenly over all orientations: within a ball */
+            for (int a = 0; a < 4; a++) q[a] = 2.0 * uniform(seed) - 1.0;
+            size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        } while (!(size <= 1.0 && size > 1e-3));
+        status = dem_init(&w, &def, NULL);
+        if (status == DEM_OK && dem_add_plane(&w, m, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_OUT_OF_MEMORY;
+        if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(1, 1, 2.08), 0.03, NULL);
+        const int shape = status == DEM_OK ? dem_add_shape(&w, &brick) : 0;
+        if (status == DEM_OK) status = shape < 0 ? (dem_status)-shape : dem_add_convex(&w, shape, 1, at, q, m, 0);
+        if (status == DEM_OK) status = dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
+        do status = status == DEM_OK ? dem_run(&w, 0.1, DEM_LINEAR | DEM_FRICTION) : status;
+        while (status == DEM_OK && dem_position(&w, 0).z < 1.25 && w.time < 10.0);
+        if (status == DEM_OK) {
+            const dem_vec v = dem_velocity(&w, 0);
+            const double turned = atan2(v.x, v.z) * 180.0 / RIDDLE_PI;
+            sum += v.z, squares += v.z * v.z, angles += turned * turned;
+        }
+        dem_free(&w);
+    }
+    *mean = sum / hits, *scatter = sqrt(squares / hits - *mean * *mean), *angle = sqrt(angles / hits);
+    return status;
+}
+
+/* The table of rebounds, rebound.csv. */
+static int tell_rebounds(const program *self, int hits) {
+    static const double e[5] = {0.29, 0.50, 0.65, 0.75, 0.90};
+    uint64_t seed = self->seed;
+    csv *file = csv_open(self->out, "rebound.csv", "restitution,mean,scatter,angle_deg");
+    for (int k = 0; k < 5; k++) {
+        double mean, scatter, angle;
+        const dem_status status = rebound(e[k], hits, &seed, &mean, &scatter, &angle);
+        if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
+        csv_line(file, "%.2f,%.5g,%.5g,%.5g", e[k], mean, scatter, angle);
+        printf("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
+    }
+    csv_close(file);
+    return common_exit_status();
+}
+
 int main(int argc, char **argv) {
-    int bodies = 490, steps = 2000, shape = 0;
+    int bodies = 490, steps = 2000, shape = 0, hits = 0;
     double settle = 0.12, shake = 0.0;
     option options[] = {
         option_choice("shape", &shape, "brick|clump|sphere", "what the bodies are"),
@@ -62,10 +117,13 @@ int main(int argc, char **argv) {
         option_double("settle-s", "S", &settle, 0.0, 10.0, "time to settle [s]"),
         option_double("amplitude-m", "M", &shake, 0.0, 0.01, "of the floor, at 50 Hz, while steps are timed [m]"),
         option_int("steps", "N", &steps, 10, 1000000, "time steps that are timed"),
+        option_int("rebounds", "N", &hits, 0, 100000, "instead: so many bricks fall on a plane, one by one, for each of five restitutions"),
     };
     program self =
         program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
+    if (hits > 0) return tell_rebounds(&self, hits);
     if (self.quick && !options[1].given) bodies = 98;
+    if (self.quick && !options[2].given) settle = 0.05;
     dem_def def = dem_default_def();
     dem_world world;
     const int material = dem_add_material(&def, density, 1e7, 0.3);

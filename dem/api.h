@@ -126,6 +126,8 @@ typedef struct dem_feed {
     dem_vec scatter;        /* largest deviation from it, uniform by component [m/s] >= 0; default 0 */
     const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same volume. It must
                                exist as long as the feed is used. Default NULL: spheres */
+    int polyhedron;         /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size, oriented at
+                               random; sizes are not used, and clump is NULL. Each is kept apart by the sphere around it. Default 0: none */
     int tries;              /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
     uint64_t random;        /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */

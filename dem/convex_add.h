@@ -4,7 +4,8 @@
    May be changed here alone: what is refused. */
 
 static const dem__convex_room dem__polyhedra = {dem__list_convex_pairs, dem__follow_polyhedra,   dem__prepare_convex,
-                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem__leave_convex_edges};
+                                                dem__fill_convex_rows,  dem__finish_convex_rows, dem_add_convex,
+                                                dem__leave_convex_edges};
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;

@@ -216,10 +216,18 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
 
 /* Returns the number of particles in a body of a feed. */
 static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+/* Returns the polyhedron of a feed, or NULL. */
+static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_feed *feed) {
+    return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
+}
+/* Returns the diameter of the sphere with a polyhedron's volume. */
+static inline double dem__convex_diameter(const dem_convex *s) { return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI)); }
 /* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
 static inline double dem__feed_scale(const dem_feed *feed) { return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0; }
 /* Returns the radius of such a body about its centre. */
-static inline double dem__feed_reach(const dem_feed *feed) {
+static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
+    const dem_convex *s = dem__feed_shape(w, feed);
+    if (s) return 2.0 * s->reach / dem__convex_diameter(s);
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
@@ -234,7 +242,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
 /* Returns whether a body of a feed is free at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                 double radius) {
-    if (!feed->clump) return dem__is_free(w, room, x, radius, feed->group);
+    if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
     for (int k = 0; k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
@@ -245,11 +253,11 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 
 /* Finds a free place for a body of a feed, by random tries. Returns 0 if there was none. */
 static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed *feed, double radius, dem_vec *x, dem_quaternion *turn) {
-    const double reach = radius * dem__feed_reach(feed);
+    const double reach = radius * dem__feed_reach(w, feed);
     for (int tries = 0; tries < feed->tries; tries++) {
         if (!dem__random_place(&feed->region, reach, &feed->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump) *turn = dem__random_turn(&feed->random);
+        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&feed->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
@@ -258,7 +266,7 @@ static inline int dem__find_place(dem_world *w, const dem__room *room, dem_feed 
 /* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                     double radius) {
-    if (!feed->clump) dem__settle_in(room, x, radius);
+    if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
@@ -290,7 +298,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem_feed
     if (at_once) dem__sort_sizes(b->radius, n);
     for (ptrdiff_t k = 0; k < n * pieces; k++) {
         const double r = b->radius[k / pieces];
-        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r;
+        b->piece[k] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[k % pieces] : r * dem__feed_reach(w, feed);
         widest = r > widest ? r : widest;
     }
     return widest;
@@ -348,9 +356,11 @@ static inline ptrdiff_t dem__list_placed(const dem__room *room, ptrdiff_t presen
 /* Adds n bodies with their velocities, or none. */
 static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptrdiff_t n, const dem__batch *b) {
     const ptrdiff_t pieces = dem__feed_pieces(feed);
-    const dem_status status = feed->clump
-                                  ? dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group)
-                                  : dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
+    dem_status status;
+    if (feed->polyhedron)
+        status = w->engine->convex.room->add(w, feed->polyhedron - 1, n, b->centre, b->orientation, feed->material, feed->group);
+    else if (feed->clump) status = dem_add_clumps(w, n, feed->clump, b->centre, b->diameter, b->orientation, feed->material, feed->group);
+    else status = dem_add_spheres(w, n, b->centre, b->diameter, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
         const dem_vec v = dem_vec3(b->velocity[3 * k], b->velocity[3 * k + 1], b->velocity[3 * k + 2]);
         dem_set_motion(w, w->count - (n - k) * pieces, v, dem_vec3(0.0, 0.0, 0.0));
@@ -363,14 +373,16 @@ static inline dem_status dem__add_moving(dem_world *w, const dem_feed *feed, ptr
 static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
     const dem_allocator memory = w->def.allocator;
-    dem_feed after = *feed, counted = *feed;
+    dem_feed after = *feed, counted;
+    if (feed->polyhedron) after.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, feed)));
+    counted = after;
     dem__room room;
     dem__batch batch;
     ptrdiff_t placed = 0;
     const ptrdiff_t most = at_once ? INT32_MAX / 8 : 100000; /* limits what a source draws after it was blocked for long */
     const ptrdiff_t pieces = dem__feed_pieces(feed);
     double smallest, largest;
-    dem__are_sizes(&feed->sizes, &smallest, &largest);
+    dem__are_sizes(&after.sizes, &smallest, &largest);
     if (at_once && number > (double)most && mass > (double)most * dem__sphere_mass(w, feed->material, 0.5 * largest)) return DEM_TOO_MANY;
     const ptrdiff_t n = dem__draw_due(w, &counted, number, mass, most, NULL);
     if (n >= INT32_MAX / 8 / pieces) return DEM_TOO_MANY;
@@ -380,7 +392,7 @@ static inline dem_status dem__insert(dem_world *w, dem_feed *feed, double number
     }
     if (!dem__make_batch(&batch, &memory, n, pieces)) return DEM_OUT_OF_MEMORY;
     const double widest = dem__draw_batch(w, &batch, &after, number, mass, n, most, at_once);
-    dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(feed));
+    dem_status status = dem__make_room(&room, w, &feed->region, batch.piece, n * pieces, widest * dem__feed_reach(w, feed));
     if (status == DEM_OK) {
         const ptrdiff_t present = room.count;
         dem__find_places(w, &room, &after, &batch, n, mass < HUGE_VAL, at_once);
@@ -402,6 +414,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !dem__is_clump(f->clump)) return 0;
+    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) ||
         !(f->scatter.z >= 0.0))

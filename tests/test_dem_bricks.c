@@ -289,6 +289,53 @@ static void test_spheres(void **state) {
     dem_free(&w);
 }
 
+/* Feeds of polyhedra: as many as asked, or their mass, at rest nowhere within each other, turned in every direction alike. */
+static void test_feed(void **state) {
+    (void)state;
+    dem_world w;
+    make(&w, 1e-5, 1e4, 0.5, 0.5, 0.8, dem_vec3(0, 0, -9.81), 1);
+    ground(&w);
+    dem_feed feed = dem_default_feed();
+    feed.region = dem_box_region(dem_vec3(0, 0, 0.0), dem_vec3(0.1, 0.1, 0.1));
+    feed.velocity = dem_vec3(0, 0, -0.5);
+    feed.polyhedron = 1;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT); /* no shape yet */
+    const int shape = brick(&w, 0.004, 0.004, 0.00832, 0.03);
+    feed.polyhedron = shape + 1;
+    assert_int_equal(dem_fill(&w, &feed, 300), DEM_OK);
+    assert_int_equal(w.count, 300);
+    assert_int_equal(feed.placed, 300);
+    near(feed.placed_mass, 300 * dem_mass(&w, 0), 1e-12 * feed.placed_mass);
+    near(dem_mass(&w, 0), 1000.0 * 0.004 * 0.004 * 0.00832, 1e-18);
+    double along = 0.0;
+    for (int i = 0; i < 300; i++) {
+        assert_int_equal(dem_shape_of(&w, i), shape);
+        const dem_vec axis = dem__to_lab(dem_orientation(&w, i), dem_vec3(0, 0, 1));
+        along += axis.z * axis.z / 300;
+        near(dem_velocity(&w, i).z, -0.5, 0.0);
+    }
+    near(along, 1.0 / 3.0, 0.06);
+    RUN(&w, 1e-5);
+    assert_int_equal(dem_contact_count(&w), 0);
+    const double mass = dem_mass(&w, 0);
+    feed.region = dem_box_region(dem_vec3(0, 0, 0.15), dem_vec3(0.1, 0.1, 0.15)); /* centres in a face */
+    assert_int_equal(dem_feed_mass(&w, &feed, 20.0 * mass, 1.0), DEM_OK);
+    assert_int_equal(w.count, 320);
+    assert_int_equal(dem_feed_number(&w, &feed, 7.0, 1.0), DEM_OK);
+    assert_int_equal(w.count, 327);
+    RUN(&w, 0.02);
+    feed.polyhedron = shape + 2;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    feed.polyhedron = -1;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    dem_clump clump;
+    const double centre[3] = {0, 0, 0}, d = 1.0;
+    assert_int_equal(dem_make_clump(1, centre, &d, &clump), DEM_OK);
+    feed.polyhedron = 1, feed.clump = &clump;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
 static void test_refused(void **state) {
     (void)state;
     dem_world w;
@@ -358,9 +405,9 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),    cmocka_unit_test(test_slide),   cmocka_unit_test(test_tip),  cmocka_unit_test(test_rock),
-        cmocka_unit_test(test_hits),    cmocka_unit_test(test_rebound), cmocka_unit_test(test_pile), cmocka_unit_test(test_spheres),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_rest), cmocka_unit_test(test_slide),   cmocka_unit_test(test_tip),    cmocka_unit_test(test_rock),
+        cmocka_unit_test(test_hits), cmocka_unit_test(test_rebound), cmocka_unit_test(test_pile),   cmocka_unit_test(test_spheres),
+        cmocka_unit_test(test_feed), cmocka_unit_test(test_refused), cmocka_unit_test(test_memory),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
