@@ -462,8 +462,8 @@ typedef struct classifier_fit_result {
 } classifier_fit_result;
 /* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
    sd[n] > 0 or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
-   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW) and values on both sides of one
-   half (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
+   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one half,
+   and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -2629,15 +2629,21 @@ static inline void classifier__fit_bypass(classifier__fit_try *best, const class
     }
 }
 
+/* Returns the least of the sizes above x; HUGE_VAL if there is none. */
+static inline double classifier__size_above(const classifier__fit_data *d, double x) {
+    double above = HUGE_VAL;
+    for (int j = 0; j < d->n; j++)
+        if (d->x[j] > x && d->x[j] < above) above = d->x[j];
+    return above;
+}
+
 /* Finds the best curve with a hook. The sum of squares has a kink at every size, so there is one start between each two. A result at the
    bound counts as no hook. */
 static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
     const classifier__fit_try without = *best;
     const double floors[2] = {floor_t, 0.1};
     for (int i = 0; i < d->n; i++) {
-        double above = HUGE_VAL;
-        for (int j = 0; j < d->n; j++)
-            if (d->x[j] > d->x[i] && d->x[j] < above) above = d->x[j];
+        const double above = classifier__size_above(d, d->x[i]);
         if (!(above < HUGE_VAL)) continue;
         for (int k = 0; k < 2; k++) {
             classifier__fit_try f = classifier__fit_begin(&without, true, true, riddle_log(floors[k] / (1.0 - floors[k])),
@@ -2647,6 +2653,68 @@ static inline void classifier__fit_hook(classifier__fit_try *best, const classif
             if (f.p[2] > -16.0) classifier__fit_take(best, &f);
         }
     }
+}
+
+/* Takes a step between two sizes where that is better: the border of infinite slope, which the way down from a gentle slope need not find. */
+static inline void classifier__fit_steps(classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
+    for (int i = 0; i < d->n; i++) {
+        const double low = d->x[i], above = classifier__size_above(d, low);
+        double sum = 0.0, weights = 0.0;
+        if (!(above < HUGE_VAL)) continue;
+        for (int j = 0; j < d->n; j++) {
+            const double weight = d->sd ? 1.0 / (d->sd[j] * d->sd[j]) : 1.0;
+            if (d->x[j] <= low) sum += weight * d->t[j], weights += weight;
+        }
+        const double share = sum / weights < 0.99 ? sum / weights : 0.99;
+        for (int k = 0; k < (bypass && share > 1e-7 ? 2 : 1); k++) {
+            classifier__fit_try f = classifier__fit_begin(best, k == 1, false, k ? riddle_log(share / (1.0 - share)) : 0.0, 0.0);
+            f.p[0] = 0.5 * (riddle_log(low) + riddle_log(above));
+            f.p[1] = riddle_log(60.0 / (f.like.law == CLASSIFIER_MOLERUS_HOFFMANN ? 1.0 - low / above : riddle_log(above / low)));
+            f.squares = classifier__try_squares(&f, f.p, d, NULL, NULL);
+            if (!(f.squares < best->squares)) continue;
+            classifier__descend(&f, d);
+            f.iterations += best->iterations;
+            classifier__fit_take(best, &f);
+        }
+    }
+}
+
+/* Takes the curve of Molerus & Hoffmann where it is better from other starts: the best of a grid of sizes and slopes, 0 among them. */
+static inline void classifier__fit_from_grid(classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
+    const double slopes[4] = {-40.0, -1.0, 0.5, 2.0};
+    double least = HUGE_VAL, most = 0.0;
+    if (best->like.law != CLASSIFIER_MOLERUS_HOFFMANN) return;
+    for (int i = 0; i < d->n; i++) least = d->x[i] < least ? d->x[i] : least, most = d->x[i] > most ? d->x[i] : most;
+    const double from = riddle_log(0.2 * least), way = riddle_log(5.0 * most) - from;
+    for (int k = 0; k < (bypass ? 8 : 4); k++) {
+        classifier__fit_try start = *best;
+        start.squares = HUGE_VAL;
+        for (int i = 0; i < 24; i++) {
+            classifier__fit_try f = classifier__fit_begin(best, k >= 4, false, -2.0, 0.0);
+            f.p[0] = i == 0 ? from - 14.0 : from + way * i / 23.0, f.p[1] = slopes[k % 4]; /* the first: far below all, T = 1 */
+            f.squares = classifier__try_squares(&f, f.p, d, NULL, NULL);
+            if (f.squares < start.squares) start = f;
+        }
+        classifier__descend(&start, d);
+        start.iterations += best->iterations;
+        if (start.n_free < 3 || start.p[2] > -16.0) classifier__fit_take(best, &start);
+    }
+}
+
+/* Returns whether a constant T fits the points as well: they leave the cut size open. Without a bypass, that of Molerus & Hoffmann has no
+   such limit. */
+static inline bool classifier__is_flat(const classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
+    double sum = 0.0, weights = 0.0, squares = 0.0;
+    if (best->like.law == CLASSIFIER_MOLERUS_HOFFMANN && !bypass) return false;
+    for (int i = 0; i < d->n; i++) {
+        const double weight = d->sd ? 1.0 / (d->sd[i] * d->sd[i]) : 1.0;
+        sum += weight * d->t[i], weights += weight;
+    }
+    for (int i = 0; i < d->n; i++) {
+        const double miss = (d->t[i] - sum / weights) / (d->sd ? d->sd[i] : 1.0);
+        squares += miss * miss;
+    }
+    return !(best->squares < squares * (1.0 - 1e-9));
 }
 
 /* Returns the number of distinct sizes, counted up to `most`. */
@@ -2727,6 +2795,9 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     if (!classifier__fit_start(&best, law, &d, &floor_t)) return CLASSIFIER_OUTSIDE;
     classifier__descend(&best, &d);
     if (bypass) classifier__fit_bypass(&best, &d, floor_t);
+    classifier__fit_steps(&best, &d, bypass);
+    classifier__fit_from_grid(&best, &d, bypass);
+    if (classifier__is_flat(&best, &d, bypass)) return CLASSIFIER_OUTSIDE;
     if (hook) classifier__fit_hook(&best, &d, floor_t);
     result->curve = classifier__curve_from(&best.like, best.p);
     result->at_border = (bypass && best.n_free < 3 ? (unsigned)CLASSIFIER_FREE_BYPASS : 0u) |
