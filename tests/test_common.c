@@ -392,6 +392,11 @@ static void test_particles_as_others_write_them(void **state) {
          "f.csv: the unit of column x cannot be converted; the columns are x [furlong], y, z, diameter"},
         {"x_m,x_mm,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x_m, x_mm, y, z, diameter"},
         {"\xFF\xFEx,y,z", "f.csv: not a text file in UTF-8"},
+        {"x,x,y,z,diameter\n1,2,3,4,5\n", "f.csv: two columns are named x; the columns are x, x, y, z, diameter"},
+        {"x [mm2],y,z,diameter\n1,2,3,4\n", "f.csv: the unit of column x [mm2] cannot be that of x"},
+        {"x,y,z,diameter_s\n1,2,3,4\n", "f.csv: the unit of column diameter_s cannot be that of diameter"},
+        {"x,y,z,vx_m,diameter\n1,2,3,4,5\n", "f.csv: the unit of column vx_m cannot be that of vx"},
+        {"x,y,z,diameter,radius\n1,2,3,4,3\n", "f.csv:2: the diameter is not twice the radius"},
     };
     char message[900];
     particles p;

@@ -306,10 +306,21 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
         found = k;
         scale = here;
     }
+    for (int k = found + 1; found >= 0 && k < data->columns; k++) {
+        if (strcmp(data->names[k], data->names[found]) != 0) continue;
+        say_columns(data, message, message_size, "two columns are named %s", name);
+        return -1;
+    }
     if (factor) *factor = scale;
     if (found < 0)
         say_columns(data, message, message_size, convertible ? "no column %s" : "the unit of column %s cannot be converted", name);
     return found;
+}
+
+int csv_measures(const char *name, char dimension) {
+    char base[128];
+    const unit *in;
+    return split_name(name, base, sizeof base, &in) && (!in || in->dimension == dimension);
 }
 
 int csv_column(const csv_data *data, const char *name) { return csv_find(data, name, NULL, NULL, 0); }

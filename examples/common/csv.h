@@ -30,6 +30,8 @@ int csv_is(const char *name, const char *wanted, double *factor);
 /* Its index; factor (may be NULL): by which its numbers are multiplied. -1 if it is not there, if two columns have the name, or if its unit
    cannot be converted; message (may be NULL) then says so and lists the columns that are there. */
 int csv_find(const csv_data *data, const char *name, double *factor, char *message, int message_size);
+int csv_measures(const char *name,
+                 char dimension); /* 1: its unit is one of the dimension ('L' length, 'v' velocity, 'w' spin), or it has none */
 int csv_column(const csv_data *data, const char *name);            /* its index, or -1 */
 double csv_value(const csv_data *data, int row, const char *name); /* in the unit asked for; NaN if there is no such cell */
 void csv_free(csv_data *data);

@@ -65,6 +65,9 @@ static int find_columns(const csv_data *data, const char *path, int *column, dou
     for (int k = 0; k < COLUMNS; k++) {
         column[k] = csv_find(data, column_names[k], &factor[k], said, sizeof said);
         if (k == GROUP && column[k] < 0) column[k] = csv_find(data, "class", &factor[k], said, sizeof said);
+        if (column[k] >= 0 && k != GROUP && !csv_measures(data->names[column[k]], k / 3 == 1 ? 'v' : k / 3 == 2 ? 'w' : 'L'))
+            return refuse(p, message, message_size, "%s: the unit of column %.60s cannot be that of %s", path, data->names[column[k]],
+                          column_names[k]);
         if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0)) return refuse(p, message, message_size, "%s: %s", path, said);
     }
     if (column[DIAMETER] >= 0 || column[RADIUS] >= 0) return 0;
@@ -83,7 +86,7 @@ static int parse_csv(const char *bytes, size_t size, const char *path, particles
     for (int i = 0; i < data.rows && status == 0; i++) {
         double value[COLUMNS] = {0.0};
         for (int k = 0; k < COLUMNS && status == 0; k++) {
-            if (column[k] < 0 || (k == RADIUS && column[DIAMETER] >= 0)) continue;
+            if (column[k] < 0) continue;
             value[k] = factor[k] * data.values[(size_t)i * (size_t)data.columns + (size_t)column[k]];
             if (!(fabs(value[k]) <= 1e300) || (k == GROUP && (value[k] != floor(value[k]) || fabs(value[k]) > 2e9)))
                 status =
@@ -92,6 +95,9 @@ static int parse_csv(const char *bytes, size_t size, const char *path, particles
         }
         for (int k = 0; k < 9 && status == 0; k++)
             p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = value[k];
+        if (status != 0) break;
+        if (column[DIAMETER] >= 0 && column[RADIUS] >= 0 && !(fabs(2.0 * value[RADIUS] / value[DIAMETER] - 1.0) < 1e-3))
+            status = refuse(p, message, message_size, "%s:%d: the diameter is not twice the radius", path, data.lines[i]);
         if (status != 0) break;
         p->diameter[i] = column[DIAMETER] >= 0 ? value[DIAMETER] : 2.0 * value[RADIUS];
         p->group[i] = (int)value[GROUP];

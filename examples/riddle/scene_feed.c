@@ -66,6 +66,9 @@ static int read_csv(scene *s, const sizes_def *def, size_shares *list) {
     int failed = csv_find(&data, "size", NULL, message, sizeof message) < 0 ||
                  (!curve && csv_find(&data, "share", NULL, message, sizeof message) < 0);
     if (failed) tree_fail(s->file, at, "file: %s: %s", path, message);
+    else if (!csv_measures(data.names[csv_column(&data, "size")], 'L'))
+        failed =
+            tree_fail(s->file, at, "file: %s: the unit of column %.60s is not one of length", path, data.names[csv_column(&data, "size")]);
     for (int r = 0; r < data.rows && !failed; r++) {
         const double size = csv_value(&data, r, "size"), value = csv_value(&data, r, curve ? "passing" : "share");
         if (!(size > smaller) || !(value >= (curve ? before : 0.0)) || (curve && value > 1.0)) {
