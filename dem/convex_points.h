@@ -73,11 +73,9 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
    normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
-    dem_vec middle;           /* centre of the part near the other core */
-    double half;              /* half the length of that part [m] */
-    double length, low, high; /* [m]; heights of its ends along the normal between the cores */
-    int number, ends;         /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;                /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double length, middle, half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
+    int number, ends;            /* ends: bits of the ends that are corners, which have points of their own */
+    int sided;                   /* of a wall's edge: whether it is touched only from the side of `outward` */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -111,7 +109,7 @@ DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, d
     a *= side->sign, b *= side->sign;
     if (!(b < side->limit)) to = p->length * ((side->limit - a) / (b - a));
     if (!(a < side->limit)) from = p->length * ((a - side->limit) / (a - b));
-    p->middle = dem__plus(p->from, 0.5 * (from + to), p->along);
+    p->middle = 0.5 * (from + to);
     p->half = 0.5 * (to - from);
 }
 
@@ -126,7 +124,6 @@ static inline int dem__place_edge(const dem__side *side, int e, int apart, dem__
     p->length = dem__length(u);
     p->from = dem__corner_at(s, side->place, from), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     const double a = side->height[from], b = side->height[to];
-    p->low = a < b ? a : b, p->high = a < b ? b : a;
     dem__find_near_part(side, a, b, p);
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
     if (apart) return 1;
@@ -243,12 +240,12 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     for (int f = 0; f < b->shape->edges; f++) others += dem__place_edge(b, f, apart, &other[others]);
     for (int e = 0; e < a->shape->edges && others > 0; e++) {
         if (!dem__place_edge(a, e, apart, &p)) continue;
+        const dem_vec here = dem__plus(p.from, p.middle, p.along);
         for (int f = 0; f < others && n + 5 <= DEM__POINTS_MAX; f++) {
             const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + other[f].number);
-            const dem_vec d = dem__sub(p.middle, other[f].middle);
+            const dem_vec d = dem__sub(here, dem__plus(other[f].from, other[f].middle, other[f].along));
             const double near = p.half + other[f].half + DEM__WINDOW * radii;
-            if (dem__dot(d, d) < near * near && p.low - other[f].high < DEM__WINDOW * radii)
-                n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
+            if (dem__dot(d, d) < near * near) n += dem__cross_edges(&p, &other[f], radii, apart, key, &out[n]);
         }
     }
     return n;

@@ -127,8 +127,8 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of i
-   to that of the sphere that touches for it. */
+/* Returns whether the contact in slot c is one of a polyhedron. The next two functions return its normal, and the vector from the centre of
+   i to that of the sphere that touches for it. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_normal(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
