@@ -109,8 +109,8 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time)
 /* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers. shifted: how far
    corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its timer says; the caller then calls
    dem__advance_wall_timers. */
-static inline int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
-                                   dem__outcome *news) {
+DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v, double shifted,
+                                dem__outcome *news) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;

@@ -117,7 +117,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
 }
 
 /* Loads the constants of those rows whose contact type is not that of the block before. */
-static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
+DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t *kind = contacts->type + base;
     int32_t own = -1;
