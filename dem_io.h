@@ -69,13 +69,17 @@ typedef struct dem_io_surface {
 DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *high);
 /* Makes the surface of the enabled walls at their present places. DEM_OUT_OF_MEMORY leaves an empty surface. */
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface);
+/* The same for the polyhedra that are present: their faces, with flat strips and corners instead of the round ones; wall: the particle. */
+DEM_IO_API dem_status dem_io_polyhedra_of(const dem_world *world, dem_io_surface *surface);
 DEM_IO_API void dem_io_free_surface(dem_io_surface *surface); /* safe on a zeroed or freed one */
 
 /* Write one .vtp file. dem_io_particles: the particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; where there are
    clumps or polyhedra also body, the id of its first particle, and orientation_w, orientation_xyz, the quaternion of dem_orientation().
-   dem_io_walls: the walls, with their index as array "wall". */
+   dem_io_walls: the walls, with their index as array "wall". dem_io_polyhedra: the polyhedra's surfaces, with the particle's index as array
+   "particle". */
 DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name);
+DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
 /* A series of both in time. The caller owns it; folder must live as long. */
 typedef struct dem_io_series {
@@ -347,11 +351,8 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
     }
 }
 
-/* Allocates one block that is large enough for all enabled walls. */
-static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surface *s) {
-    double vertices = 1.0, triangles = 1.0;
-    for (int k = 0; k < world->walls; k++)
-        if (world->wall[k].enabled) dem_io__size(&world->wall[k], &vertices, &triangles);
+/* Allocates one block for so many corners and triangles. */
+static inline dem_status dem_io__allot(const dem_world *world, double vertices, double triangles, dem_io_surface *s) {
     if (!(vertices < INT_MAX / 4 && triangles < INT_MAX / 4)) return DEM_TOO_MANY;
     const size_t v = (size_t)vertices, t = (size_t)triangles;
     s->allocator = world->def.allocator;
@@ -362,6 +363,14 @@ static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surfac
     s->wall = (int *)(void *)(s->vertex + 3 * v);
     s->triangle = s->wall + v;
     return DEM_OK;
+}
+
+/* Allocates one block that is large enough for all enabled walls. */
+static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surface *s) {
+    double vertices = 1.0, triangles = 1.0;
+    for (int k = 0; k < world->walls; k++)
+        if (world->wall[k].enabled) dem_io__size(&world->wall[k], &vertices, &triangles);
+    return dem_io__allot(world, vertices, triangles, s);
 }
 
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface) {
@@ -387,6 +396,76 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
         case DEM_MESH: dem_io__mesh(surface, w, k); break;
         default: break; /* an exit is not touched */
         }
+    }
+    return DEM_OK;
+}
+
+/* Returns where corner k of a shape stands in the list of face f, or -1. */
+static inline int dem_io__place_in_face(const dem_convex *c, int f, int k) {
+    for (int q = c->face_start[f]; q < c->face_start[f + 1]; q++)
+        if (c->face_corner[q] == k) return q;
+    return -1;
+}
+
+/* Returns a vector of a body's frame in the world's, by the quaternion q. */
+static inline dem_vec dem_io__turned(dem_quaternion q, dem_vec v) {
+    const dem_vec u = dem_vec3(q.x, q.y, q.z), t = dem_io__along(dem_io__along(dem_vec3(0, 0, 0), q.w, v), 1.0, dem_io__cross(u, v));
+    return dem_io__along(v, 2.0, dem_io__cross(u, t));
+}
+
+/* Adds a polyhedron: each face of its core moved outwards by the radius, strips between them, and corners. */
+static inline void dem_io__polyhedron(dem_io_surface *s, const dem_world *world, int index, const dem_convex *c) {
+    const dem_vec x = dem_position(world, index);
+    const dem_quaternion q = dem_orientation(world, index);
+    const int first = s->vertices;
+    for (int f = 0; f < c->faces; f++) {
+        const dem_vec n = dem_vec3(c->plane[f][0], c->plane[f][1], c->plane[f][2]);
+        for (int k = c->face_start[f]; k < c->face_start[f + 1]; k++) {
+            const double *p = c->corner[c->face_corner[k]];
+            dem_io__corner(s, index, dem_io__along(x, 1.0, dem_io__turned(q, dem_io__along(dem_vec3(p[0], p[1], p[2]), c->radius, n))));
+        }
+        dem_io__fan(s, first + c->face_start[f], c->face_start[f + 1] - c->face_start[f]);
+    }
+    for (int e = 0; e < c->edges; e++) { /* it runs with the corners of its first face */
+        const int a = first + dem_io__place_in_face(c, c->edge_face[e][0], c->edge[e][0]),
+                  b = first + dem_io__place_in_face(c, c->edge_face[e][0], c->edge[e][1]),
+                  d = first + dem_io__place_in_face(c, c->edge_face[e][1], c->edge[e][1]),
+                  g = first + dem_io__place_in_face(c, c->edge_face[e][1], c->edge[e][0]);
+        dem_io__face(s, b, a, g), dem_io__face(s, b, g, d);
+    }
+    for (int k = 0; k < c->corners; k++) { /* from face to face around it, over the edges that end there */
+        int face = 0, at, one = -1, two = -1;
+        while (face < c->faces && dem_io__place_in_face(c, face, k) < 0) face++;
+        for (int turns = 0, begin = face; turns < c->faces && (turns == 0 || face != begin); turns++) {
+            at = dem_io__place_in_face(c, face, k);
+            const int next = at + 1 < c->face_start[face + 1] ? at + 1 : c->face_start[face], to = c->face_corner[next];
+            if (turns == 0) one = at;
+            else if (turns > 1) dem_io__face(s, first + one, first + at, first + two);
+            two = at;
+            for (int e = 0; e < c->edges; e++) {
+                if (!((c->edge[e][0] == k && c->edge[e][1] == to) || (c->edge[e][1] == k && c->edge[e][0] == to))) continue;
+                face = c->edge_face[e][0] == face ? c->edge_face[e][1] : c->edge_face[e][0];
+                break;
+            }
+        }
+    }
+}
+
+DEM_IO_API dem_status dem_io_polyhedra_of(const dem_world *world, dem_io_surface *surface) {
+    double vertices = 1.0, triangles = 1.0;
+    if (!surface) return DEM_BAD_ARGUMENT;
+    memset(surface, 0, sizeof *surface);
+    if (!world || !world->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        const dem_convex *c = dem_get_shape(world, dem_shape_of(world, i));
+        if (!c || !dem_io__is_there(world, i)) continue;
+        vertices += 2.0 * c->edges, triangles += 6.0 * c->edges - 2.0 * (c->faces + c->corners);
+    }
+    const dem_status status = dem_io__allot(world, vertices, triangles, surface);
+    if (status != DEM_OK) return status;
+    for (ptrdiff_t i = 0; i < world->count; i++) {
+        const dem_convex *c = dem_get_shape(world, dem_shape_of(world, i));
+        if (c && dem_io__is_there(world, i)) dem_io__polyhedron(surface, world, (int)i, c);
     }
     return DEM_OK;
 }
@@ -439,20 +518,32 @@ DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char 
     return status;
 }
 
+/* Writes a surface that was made with a status, and frees it. */
+static inline riddle_io_status dem_io__write_surface(dem_io_surface *s, dem_status made, const char *folder, const char *name,
+                                                     const char *label) {
+    if (made != DEM_OK) return made == DEM_OUT_OF_MEMORY ? RIDDLE_IO_NO_MEMORY : RIDDLE_IO_BAD_ARGUMENT;
+    const size_t bytes = (size_t)(s->triangles + 1) * sizeof(int);
+    int *ends = (int *)s->allocator.fn(s->allocator.user, NULL, 0, bytes);
+    for (int k = 0; ends && k < s->triangles; k++) ends[k] = 3 * (k + 1);
+    const riddle_io_array owner = riddle_io_ints(label, s->wall);
+    const riddle_io_status status = ends ? riddle_io_polygons(folder, name, s->vertices, riddle_io_vector("position", s->vertex),
+                                                              s->triangles, ends, s->triangle, &owner, 1)
+                                         : RIDDLE_IO_NO_MEMORY;
+    if (ends) s->allocator.fn(s->allocator.user, ends, bytes, 0);
+    dem_io_free_surface(s);
+    return status;
+}
+
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name) {
     dem_io_surface s;
     const dem_status made = dem_io_surface_of(world, &s);
-    if (made != DEM_OK) return made == DEM_OUT_OF_MEMORY ? RIDDLE_IO_NO_MEMORY : RIDDLE_IO_BAD_ARGUMENT;
-    const size_t bytes = (size_t)(s.triangles + 1) * sizeof(int);
-    int *ends = (int *)s.allocator.fn(s.allocator.user, NULL, 0, bytes);
-    for (int k = 0; ends && k < s.triangles; k++) ends[k] = 3 * (k + 1);
-    const riddle_io_array wall = riddle_io_ints("wall", s.wall);
-    const riddle_io_status status =
-        ends ? riddle_io_polygons(folder, name, s.vertices, riddle_io_vector("position", s.vertex), s.triangles, ends, s.triangle, &wall, 1)
-             : RIDDLE_IO_NO_MEMORY;
-    if (ends) s.allocator.fn(s.allocator.user, ends, bytes, 0);
-    dem_io_free_surface(&s);
-    return status;
+    return dem_io__write_surface(&s, made, folder, name, "wall");
+}
+
+DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name) {
+    dem_io_surface s;
+    const dem_status made = dem_io_polyhedra_of(world, &s);
+    return dem_io__write_surface(&s, made, folder, name, "particle");
 }
 
 DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {

@@ -10,6 +10,8 @@
 
 #include "common.h"
 #include "dem.h"
+#include "riddle_io.h"
+#include "dem_io.h"
 #include "measure.h"
 
 static const double edge = 2e-3, density = 2500.0, stiffness = 1e4, spacing = 5.2e-3;
@@ -52,6 +54,21 @@ static void write_state(const dem_world *w, const char *out) {
                  v.x, v.y, v.z, s.x, s.y, s.z);
     }
     csv_close(file);
+}
+
+/* A picture of the bricks, bricks.png. */
+static void draw(const dem_world *w, const char *out) {
+    dem_io_surface s;
+    if (dem_io_polyhedra_of(w, &s) != DEM_OK) return;
+    picture *p = picture_new(960, 640);
+    for (int k = 0; k < s.triangles; k++) {
+        const int *t = s.triangle + 3 * k;
+        picture_triangle(p, s.vertex + 3 * t[0], s.vertex + 3 * t[1], s.vertex + 3 * t[2], picture_class(s.wall[t[0]] % 3), PICTURE_SOLID);
+    }
+    dem_io_free_surface(&s);
+    picture_look(p, (double[3]){-0.4, 1.0, -0.5});
+    picture_write(p, out, "bricks.png");
+    picture_free(p);
 }
 
 /* Bricks that fall on a plane without gravity, turned at random: restitution of the centre and angle of the rebound. */
@@ -143,8 +160,8 @@ int main(int argc, char **argv) {
     }
     progress_end(&bar);
     if (status == DEM_OK) write_state(&world, self.out);
-    if (shake > 0.0 && status == DEM_OK)
-        status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
+    if (status == DEM_OK && shape == 0) draw(&world, self.out);
+    if (shake > 0.0 && status == DEM_OK) status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
     if (status == DEM_OK) status = dem_run(&world, 10 * def.dt, DEM_LINEAR | DEM_FRICTION);
     const int64_t contacts = world.contact_steps, lists = world.rebuilds;
     const double begun = machine_processor_seconds();

@@ -258,8 +258,50 @@ static void test_empty(void **state) {
     dem_free(&w);
 }
 
+/* The surface of a brick and of another polyhedron, turned, is closed, faces outwards and holds their volume but for the edges. */
+static void test_polyhedra(void **state) {
+    (void)state;
+    dem_world w;
+    dem_io_surface s;
+    dem_convex shape[2];
+    dem_def def = dem_default_def();
+    const double tall[15] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1.5}, at[6] = {0, 0, 0, 5, 1, 2}, turn[4] = {0.3, -0.5, 0.7, 0.2};
+    dem_add_material(&def, 1000.0, 1e7, 0.3);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_io_polyhedra_of(&w, &s), DEM_OK);
+    assert_int_equal(s.triangles, 0);
+    dem_io_free_surface(&s);
+    assert_int_equal(dem_make_brick(&shape[0], dem_vec3(1, 1, 2.08), 0.02, NULL), DEM_OK);
+    assert_int_equal(dem_make_convex(&shape[1], 5, tall, 0.02, NULL), DEM_OK);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(dem_add_shape(&w, &shape[k]), k);
+        assert_int_equal(dem_add_convex(&w, k, 1, at + 3 * k, turn, 0, 0), DEM_OK);
+    }
+    assert_int_equal(dem_io_polyhedra_of(&w, &s), DEM_OK);
+    double volume[2] = {0, 0};
+    dem_vec area[2] = {{0, 0, 0}, {0, 0, 0}};
+    for (int k = 0; k < s.triangles; k++) {
+        const int *t = s.triangle + 3 * k, owner = s.wall[t[0]];
+        const dem_vec o = dem_position(&w, owner), a = dem__sub(corner(&s, t[0]), o), b = dem__sub(corner(&s, t[1]), o),
+                      c = dem__sub(corner(&s, t[2]), o);
+        const double part = dem__dot(a, dem__cross(b, c)) / 6.0;
+        assert_true(part > 0.0);
+        volume[owner] += part;
+        area[owner] = dem__add(area[owner], dem__cross(dem__sub(b, a), dem__sub(c, a)));
+    }
+    for (int k = 0; k < 2; k++) {
+        assert_true(volume[k] < shape[k].volume && volume[k] > 0.97 * shape[k].volume);
+        assert_true(dem__length(area[k]) < 1e-12);
+    }
+    dem_io_free_surface(&s);
+    assert_int_equal(dem_io_polyhedra_of(NULL, &s), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_polyhedra_of(&w, NULL), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_polyhedra),
         cmocka_unit_test(test_surfaces_lie_on_the_walls),
         cmocka_unit_test(test_ends_of_a_drum),
         cmocka_unit_test(test_screen),
