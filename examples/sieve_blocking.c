@@ -784,7 +784,7 @@ int main(int argc, char **argv) {
     } else draw_readings(&r, &table2[2 * which], holes, self.seed);
     if (data) snprintf(source, sizeof source, "%.150s", data);
     else if (simulated) snprintf(source, sizeof source, "simulated spheres, K %.3g, x_h %.3g, %g mm", K, x_h, opening);
-    else snprintf(source, sizeof source, "drawn from Table 2 row %s, %d holes", table2[2 * which].figure, holes);
+    else snprintf(source, sizeof source, "drawn from Lawinska et al. (2016), Table 2, row %s, %d holes", table2[2 * which].figure, holes);
     blocking_fit_result fit;
     blocking_status status = fit_readings(&r, &fit);
     if (status >= BLOCKING_OUT_OF_RANGE && data) refuse_file(&self, "data", data, counts_file, blocking_status_text(status));
