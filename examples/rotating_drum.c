@@ -235,8 +235,11 @@ int main(int argc, char **argv) {
             d.count[s] = (int)(0.5 * 0.58 * d.fill * d.radius * d.radius * d.width * 6.0 / pow(d.diameter[s], 3.0));
     }
     if (from) {
-        char message[400];
-        if (particles_read(from, &given, message, sizeof message) != 0) program_refuse(&self, "from", from, message);
+        char message[400], allowed[500];
+        if (particles_read(from, &given, message, sizeof message) != 0) {
+            snprintf(allowed, sizeof allowed, "a readable file of particles (%s)", message);
+            program_refuse(&self, "from", from, allowed);
+        }
         d.count[SMALL] = d.count[LARGE] = 0;
         for (int i = 0; i < given.n; i++) d.count[given.group[i] ? LARGE : SMALL]++;
     }

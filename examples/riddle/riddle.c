@@ -38,7 +38,7 @@ static int write_template(const char *name) {
     int known = 0;
     for (size_t k = 0; k < sizeof templates / sizeof *templates; k++) known |= strcmp(templates[k], name) == 0;
     if (!known) {
-        fprintf(stderr, "riddle: --template %.60s: hopper, screen, drum or box\n", name);
+        fprintf(stderr, "riddle: --template %.60s: allowed: hopper, screen, drum or box\n", name);
         return 2;
     }
     snprintf(target, sizeof target, "%s.yaml", name);
