@@ -9729,6 +9729,7 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k) {
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state) {
     if (!world || !world->engine || !state || k < 0 || k >= world->engine->contacts.count) return;
     for (int a = 0; a < world->engine->contacts.states; a++) world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
+    if (!dem__is_running(world)) world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
 }
 
 DEM_API ptrdiff_t dem_link_count(const dem_world *world) { return world && world->engine ? world->engine->links.count : 0; }

@@ -766,6 +766,29 @@ static void test_step_ratio(void **state) {
     dem_free(&w);
 }
 
+/* A tangential spring that the caller stretches between runs is in the books as added. */
+static void test_states_set_by_the_caller(void **state) {
+    (void)state;
+    dem_world w;
+    const double stretched[DEM_STATE_MAX] = {1e-5, 2e-5, 0.0};
+    dem_def def = dem_default_def();
+    dem_add_material(&def, 2500.0, 1e7, 0.2);
+    dem_pair(&def, 0, 0)->stiffness = 2e3, dem_pair(&def, 0, 0)->friction = 5.0;
+    def.dt = 5e-6;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
+    const double at[3] = {0, 0, 0.0049}, d = 0.01;
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
+    const double error = dem_energy(&w).error, added = dem_energy(&w).added;
+    dem_set_contact_state(&w, 0, stretched);
+    run(&w, 1e-4, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
+    const double stored = 0.5 * 2e3 * 2.0 / 7.0 * 5e-10;
+    near_relative(dem_energy(&w).added - added, stored, 0.05, "added");
+    near_absolute(dem_energy(&w).error, error, 1e-3 * stored, "ledger");
+    dem_free(&w);
+}
+
 /* ---- materials that touch and whose pair nobody set ---- */
 
 /* Two materials, of spheres and of walls, with no pair of the two. */
@@ -1123,6 +1146,7 @@ int main(void) {
         cmocka_unit_test(test_fixed_bodies),
         cmocka_unit_test(test_fixing_refused),
         cmocka_unit_test(test_step_ratio_of_all_kinds),
+        cmocka_unit_test(test_states_set_by_the_caller),
         cmocka_unit_test(test_unset_pairs_are_refused),
         cmocka_unit_test(test_unset_pairs_of_every_shape),
         cmocka_unit_test(test_pair_set_later),
