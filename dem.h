@@ -8218,12 +8218,11 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 
 /* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step to its end. Sets
    the sums of forces to zero for the next step. Lists particles that may leave their tolerances in scratch.index from `first` on. check: 0,
-   or NaN if a force is not finite; strays: length of the list. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+   or NaN if a force is not finite; strays: length of the list; loads: a constant, 0 where nothing has a load. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays, int loads) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
-    const int loads = bodies->loads_on || w->engine->links.on;
     const double dt = w->engine->run.dt;
     const dem_vec gravity = dem__free_fall(w);
     int32_t *doubtful = w->engine->scratch.index + first;
@@ -8258,8 +8257,13 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
     *check = 0.0 * all;
     *strays = n;
 }
+/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays) {
+    if (w->engine->bodies.loads_on || w->engine->links.on) dem__kick_all(w, h, first, end, check, strays, 1);
+    else dem__kick_all(w, h, first, end, check, strays, 0);
+}
 DEM__AVX2_CLONE(dem__kick_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_all(w, h, first, end, check, strays))
+                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
 
 /* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews tolerance_left__ of the
    others. */
