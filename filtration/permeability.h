@@ -23,11 +23,13 @@ FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid 
     double length = fluid->def.nodes[axis] * fluid->def.voxel, force[3] = {0, 0, 0}, velocity[3], before = 0.0;
     int64_t start = fluid->steps, interval = filtration__interval(fluid);
     force[axis] = pressure_drop / length;
+    const double old[3] = {fluid->def.body_force[0], fluid->def.body_force[1], fluid->def.body_force[2]};
     filtration_status status = filtration_fluid_set_body_force(fluid, force);
     result->pressure_drop = pressure_drop;
     for (result->change = 1.0; status == FILTRATION_OK && result->change > (tolerance > 0.0 ? tolerance : 1e-5);) {
         if (fluid->steps - start >= max_steps) return FILTRATION_NOT_STEADY;
         status = filtration_fluid_run(fluid, interval, spheres);
+        if (status == FILTRATION_BAD_ARGUMENT && fluid->steps == start) filtration_fluid_set_body_force(fluid, old); /* refused */
         filtration_fluid_mean_velocity(fluid, velocity);
         result->velocity = velocity[axis];
         result->change = velocity[axis] != 0.0 ? fabs(velocity[axis] - before) / fabs(velocity[axis]) : 0.0;
