@@ -571,7 +571,10 @@ static filtration_status go(const program *self, run *r, const typed *t, double 
     progress_begin(&bar, "filtering", stop);
     while (status == FILTRATION_OK && r->fluid.time < stop && !common_interrupted()) {
         status = step(r);
-        if (status == FILTRATION_OK && r->fluid.time >= f->next) film(self, r, f);
+        if (status == FILTRATION_OK && r->fluid.time >= f->next) {
+            film(self, r, f);
+            if (t->checkpoint && save(r, t->checkpoint) != 0) break;
+        }
         if (r->fluid.steps % 16 == 0) progress_update(&bar, r->fluid.time);
     }
     progress_end(&bar);
@@ -579,7 +582,7 @@ static filtration_status go(const program *self, run *r, const typed *t, double 
     if (status != FILTRATION_OK)
         common_fail("at %.4g ms: %s%s%s", 1e3 * r->fluid.time, filtration_status_text(status), status == FILTRATION_DIVERGED ? ": " : "",
                     status == FILTRATION_DIVERGED ? filtration_cause_text(r->fluid.problem.cause) : "");
-    else if (t->checkpoint && !common_interrupted()) save(r, t->checkpoint);
+    else if (t->checkpoint) save(r, t->checkpoint);
     return status;
 }
 
@@ -593,7 +596,7 @@ int main(int argc, char **argv) {
         option_positive("voxel-um", "L", &t.voxel, 1e3, "edge of a voxel [um]; default 2.5"),
         option_positive("time-ms", "T", &t.time, 1e6, "time to filter [ms]; default 98"),
         option_positive("stop-ms", "T", &t.stop, 1e6, "stop before that [ms], with --checkpoint"),
-        option_string("checkpoint", "FILE", &t.checkpoint, "write the state there at the end"),
+        option_string("checkpoint", "FILE", &t.checkpoint, "write the state there with every frame, at the end, and after Ctrl-C"),
         option_string("resume", "FILE", &t.resume, "go on from there; options of the set-up are then those of the first run"),
         option_string("sizes", "FILE", &t.sizes, "own particles: CSV with diameter_um and number_share or volume_share"),
         option_positive("concentration", "CN", &t.concentration, 1e14, "spheres in the suspension [1/m3]"),
