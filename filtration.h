@@ -3059,15 +3059,30 @@ static inline void filtration__velocity_at(const filtration__lattice *l, const d
     }
 }
 
-/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface. Points are spread evenly by a golden
-   spiral, about one on a voxel's face. */
+/* Returns whether a point of a surface lies in the box; beyond a mirror it is the mirror's image that has the force. */
+static inline int filtration__in_box(const filtration__lattice *l, const double centre[3], const double d[3]) {
+    const int n[3] = {l->nx, l->ny, l->nz};
+    for (int a = 0; a < 3; a++) {
+        const double x = centre[a] + d[a];
+        if (x < -0.5 && l->face[2 * a] != FILTRATION_PERIODIC) return 0;
+        if (x > n[a] - 0.5 && l->face[2 * a + 1] != FILTRATION_PERIODIC) return 0;
+    }
+    return 1;
+}
+
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies in the box. Points
+   are spread evenly by a golden spiral, about one on a voxel's face. */
 static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
     for (int k = 0; k < points; k++) {
         double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3],
                w[3];
+        const double turn = -0.73736887807831963 * cosine - 0.67549029426152364 * sine; /* by the golden angle */
+        sine = -0.73736887807831963 * sine + 0.67549029426152364 * cosine;
+        cosine = turn;
         for (int a = 0; a < 3; a++) d[a] = n[a] * b->radius, at[a] = b->centre[a] + n[a] * (b->radius + 1.0);
+        if (!filtration__in_box(l, b->centre, d)) continue;
         filtration__velocity_at(l, at, u);
         filtration__surface_velocity(b, d, w);
         double along = 0.0, f[3];
@@ -3076,9 +3091,6 @@ static inline void filtration__shear_force(const filtration__lattice *l, double 
         b->torque[0][0] += d[1] * f[2] - d[2] * f[1];
         b->torque[0][1] += d[2] * f[0] - d[0] * f[2];
         b->torque[0][2] += d[0] * f[1] - d[1] * f[0];
-        double turn = -0.73736887807831963 * cosine - 0.67549029426152364 * sine; /* by the golden angle */
-        sine = -0.73736887807831963 * sine + 0.67549029426152364 * cosine;
-        cosine = turn;
     }
 }
 

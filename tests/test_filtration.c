@@ -553,6 +553,40 @@ static void test_settling(void **state) {
     filtration_fluid_free(&fluid);
 }
 
+/* Force along z on a sphere of 16 cells that is pulled slowly through a closed box of 40 cells, or through a quarter of it. */
+static double pulled(filtration_force_mode kind, int quarter) {
+    filtration_fluid_def def = small_box(40);
+    filtration_fluid fluid;
+    def.tau = 2.0;
+    def.force = kind;
+    for (int f = 0; f < 6; f++) def.face[f] = FILTRATION_WALL;
+    if (quarter) {
+        def.nodes[0] = def.nodes[1] = 20;
+        def.face[FILTRATION_LOW_X] = def.face[FILTRATION_LOW_Y] = FILTRATION_SYMMETRY;
+    }
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    const double axis = quarter ? 0.0 : 20.0 * def.voxel, speed = 2e-3 * def.voxel / fluid.dt;
+    double centre[3] = {axis, axis, 19.0 * def.voxel}, velocity[3] = {0, 0, speed}, spin[3] = {0, 0, 0}, radius = 8.0 * def.voxel;
+    double force[3], torque[3];
+    filtration_spheres spheres = {1, centre, velocity, spin, &radius, force, torque};
+    for (int k = 0; k < 500; k++) {
+        assert_int_equal(filtration_fluid_step(&fluid, &spheres), FILTRATION_OK);
+        centre[2] += speed * fluid.dt;
+    }
+    filtration_fluid_free(&fluid);
+    return (quarter ? 4.0 : 1.0) * force[2];
+}
+
+/* The paper's force is that of shear alone: two thirds of Stokes' drag, and 1.5 voxels over the radius less. */
+static void test_shear_layer(void **state) {
+    (void)state;
+    const double drag = pulled(FILTRATION_MOMENTUM_EXCHANGE, 0), shear = pulled(FILTRATION_SHEAR_LAYER, 0);
+    assert_true(drag < 0.0);
+    assert_true(fabs(pulled(FILTRATION_MOMENTUM_EXCHANGE, 1) / drag - 1.0) < 1e-3);
+    assert_true(fabs(pulled(FILTRATION_SHEAR_LAYER, 1) / shear - 1.0) < 0.02);
+    assert_true(shear / drag > 0.40 && shear / drag < 0.60); /* 0.54 far from walls */
+}
+
 /* ---- what goes wrong ---- */
 
 static void test_divergence_is_reported(void **state) {
@@ -646,6 +680,7 @@ int main(void) {
         cmocka_unit_test(test_another_time_step),
         cmocka_unit_test(test_mass),
         cmocka_unit_test(test_settling),
+        cmocka_unit_test(test_shear_layer),
         cmocka_unit_test(test_divergence_is_reported),
         cmocka_unit_test(test_bad_input),
         cmocka_unit_test(test_failing_memory),
