@@ -462,8 +462,8 @@ typedef struct classifier_fit_result {
 } classifier_fit_result;
 /* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
    sd[n] > 0 or NULL (all equal). A parameter whose best value lies at its border is fixed there and the others are fitted again; a hook is
-   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one half,
-   and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
+   sought from between each two sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one
+   half, and T that rises with x so that no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
 CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
                                                 const double *sd, int n, classifier_fit_result *result);
 
@@ -2655,7 +2655,7 @@ static inline void classifier__fit_hook(classifier__fit_try *best, const classif
     }
 }
 
-/* Takes a step between two sizes where that is better: the border of infinite slope, which the way down from a gentle slope need not find. */
+/* Takes a step between two sizes where that is better: the border of infinite slope, which a descent from a gentle slope may miss. */
 static inline void classifier__fit_steps(classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
     for (int i = 0; i < d->n; i++) {
         const double low = d->x[i], above = classifier__size_above(d, low);

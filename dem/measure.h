@@ -237,7 +237,7 @@ DEM_INLINE void dem__add_stress(double (*stress)[3], double weight, dem_vec f, d
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure) {
     const dem_world *w = world;
     dem_measure m;
-    dem_vec low, high, shift[27];
+    dem_vec low = dem_vec3(0.0, 0.0, 0.0), high = low, shift[27];
     dem_wall inside;
     if (!w || !w->def.allocator.fn || !measure || !dem__is_region(region)) return DEM_BAD_ARGUMENT;
     memset(&inside, 0, sizeof inside);
