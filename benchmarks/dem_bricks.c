@@ -119,7 +119,7 @@ static int tell_rebounds(const program *self, int hits) {
         const dem_status status = rebound(e[k], hits, &seed, &mean, &scatter, &angle);
         if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
         csv_line(file, "%.2f,%.5g,%.5g,%.5g", e[k], mean, scatter, angle);
-        printf("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
+        common_print("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
     }
     csv_close(file);
     return common_exit_status();
@@ -170,9 +170,10 @@ int main(int argc, char **argv) {
     if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
     const double rate = (double)bodies * steps / taken, touching = (double)(world.contact_steps - contacts) / steps;
     const dem_energy_ledger energy = dem_energy(&world);
-    printf("%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n",
-           shapes[shape], bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(world.rebuilds - lists),
-           (long long)dem_core_overlaps(&world));
+    common_print(
+        "%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n",
+        shapes[shape], bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(world.rebuilds - lists),
+        (long long)dem_core_overlaps(&world));
     json *report = json_open(self.json);
     json_string(report, "shape", shapes[shape]);
     json_integer(report, "bodies", bodies);
