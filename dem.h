@@ -922,7 +922,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
    flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
    the law reads has changed. The time step must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or
-   rigid bodies; DEM_OUT_OF_MEMORY. */
+   rigid bodies (but a loaded one takes back the field that it had); DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6
@@ -3346,6 +3346,14 @@ DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     const dem_vec x = dem__in_box(w, p->x);
     if (w->engine->ledger.on && !dem__is_fixed(w, i)) dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
     p->x = x;
+}
+
+/* Returns the number of rigid bodies present: the array keeps those that are gone until lists are built anew. */
+static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t present = 0;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != DEM_GONE;
+    return present;
 }
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
@@ -6552,6 +6560,13 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
+/* Notes a failure while lists are built: the next run builds all of them anew. Returns 0. */
+static inline int dem__fail_to_list(dem_world *w, dem_status status) {
+    w->status = status;
+    w->engine->run.needs_lists = 1;
+    return 0;
+}
+
 /* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
@@ -6565,29 +6580,14 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
-    if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) {
-        w->status = DEM_BAD_DEFINITION;
-        return 0;
-    }
-    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
-        w->status = DEM_TOO_MANY;
-        return 0;
-    }
-    if (!dem__make_timers(w, keeps)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
+    if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) return dem__fail_to_list(w, DEM_BAD_DEFINITION);
+    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
+    if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
+    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;
@@ -9065,10 +9065,10 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         dem__drop_field(w);
         return DEM_OK;
     }
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on || w->engine->bodies.rigid_count > 0)
-        return DEM_BAD_ARGUMENT;
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
+        w->engine->links.on || (dem__bodies_present(w) > 0 && !was_loaded))
+        return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
         if (w->engine->bodies.capacity > 0 &&
@@ -9110,7 +9110,9 @@ static inline int dem__prepare_lists(dem_world *w) {
         if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
-    return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
+    if (!dem__rebuild(w)) return 0;
+    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
+    return dem__fail_to_list(w, w->status);
 }
 
 /* Computes the damping ratios of all pairs of materials, and whether all were set. */
@@ -9228,6 +9230,17 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked later. */
+static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] != DEM_LEAVING) continue;
+        if (dem__finite(dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i))) continue;
+        w->failed_id = w->id[i];
+        return 0;
+    }
+    return 1;
+}
+
 /* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -9265,7 +9278,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
-    if (!finite) return dem__fail(w, DEM_NOT_FINITE);
+    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
     if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
@@ -9324,7 +9337,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && w->engine->bodies.rigid_count > 0) return DEM_BAD_ARGUMENT;
+    if (w->engine->field.on && dem__bodies_present(w) > 0) return DEM_BAD_ARGUMENT;
     if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
@@ -14160,8 +14173,7 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
 
 static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
     const dem__bodies *bodies = &w->engine->bodies;
-    uint64_t present = 0;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    const uint64_t present = (uint64_t)dem__bodies_present(w);
     if (present == 0) return;
     dem__body_fields(bodies->rigid, g);
     for (int q = 0; q < g->fields; q++) {
@@ -14286,8 +14298,7 @@ static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem
 
 static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
-    int64_t present = 0;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    const int64_t present = dem__bodies_present(w);
     if (present > 0) dem__hash_i64(hash, present);
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);

@@ -270,7 +270,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    velocities read in between err as little. A particle in contact gets the force of the law in each step. Where the law gives exactly 0, a
    flight is the same to the bit as without a field. Call this again after dem_load (until then running gives DEM_NO_FIELD), and when what
    the law reads has changed. The time step must be below the shortest relaxation time. DEM_BAD_ARGUMENT, also for a world with links or
-   rigid bodies; DEM_OUT_OF_MEMORY. */
+   rigid bodies (but a loaded one takes back the field that it had); DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body of volume pi x^3/6

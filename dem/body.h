@@ -32,6 +32,14 @@ DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     p->x = x;
 }
 
+/* Returns the number of rigid bodies present: the array keeps those that are gone until lists are built anew. */
+static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    ptrdiff_t present = 0;
+    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != DEM_GONE;
+    return present;
+}
+
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
 }

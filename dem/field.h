@@ -460,10 +460,10 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         dem__drop_field(w);
         return DEM_OK;
     }
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
-        w->engine->links.on || w->engine->bodies.rigid_count > 0)
-        return DEM_BAD_ARGUMENT;
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) || !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4) ||
+        w->engine->links.on || (dem__bodies_present(w) > 0 && !was_loaded))
+        return DEM_BAD_ARGUMENT;
     if (!w->engine->field.on) {
         w->engine->field.on = 1;
         if (w->engine->bodies.capacity > 0 &&

@@ -363,6 +363,13 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
+/* Notes a failure while lists are built: the next run builds all of them anew. Returns 0. */
+static inline int dem__fail_to_list(dem_world *w, dem_status status) {
+    w->status = status;
+    w->engine->run.needs_lists = 1;
+    return 0;
+}
+
 /* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
@@ -376,29 +383,14 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
     dem__choose_margin(w, keeps, smallest, largest);
-    if (!dem__find_pairs(w) || !dem__find_adjacent(w)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) {
-        w->status = DEM_BAD_DEFINITION;
-        return 0;
-    }
-    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) {
-        w->status = DEM_TOO_MANY;
-        return 0;
-    }
-    if (!dem__make_timers(w, keeps)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
+    if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
+    if (!(w->engine->links.near <= 0.01 * pairs->margin) && w->engine->links.count > 0) return dem__fail_to_list(w, DEM_BAD_DEFINITION);
+    if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
+    if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     run->needs_lists = 0;
     dem__list_wall_contacts(w);
     dem__find_contacts(w);
-    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
+    if (w->engine->convex.room && !w->engine->convex.room->list_pairs(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     dem__find_links(w);
     pairs->next_check = w->step + DEM__STEPS_MAX;
     pairs->listed_step = w->step;

@@ -36,8 +36,7 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
 
 static inline void dem__write_bodies(dem__stream *s, dem_world *w, dem__group *g) {
     const dem__bodies *bodies = &w->engine->bodies;
-    uint64_t present = 0;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    const uint64_t present = (uint64_t)dem__bodies_present(w);
     if (present == 0) return;
     dem__body_fields(bodies->rigid, g);
     for (int q = 0; q < g->fields; q++) {
@@ -162,8 +161,7 @@ static inline void dem__hash_rigid(uint64_t *hash, const dem_world *w, const dem
 
 static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
-    int64_t present = 0;
-    for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) present += w->alive[bodies->rigid[k].first] != 0;
+    const int64_t present = dem__bodies_present(w);
     if (present > 0) dem__hash_i64(hash, present);
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         if (w->alive[bodies->rigid[k].first]) dem__hash_rigid(hash, w, &bodies->rigid[k]);

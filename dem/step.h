@@ -24,7 +24,9 @@ static inline int dem__prepare_lists(dem_world *w) {
         if (dem__is_taken_away(w, contacts->i[c], contacts->j[c])) contacts->ended[c] = 1;
     }
     dem__remove_ended(w, w->step, 1);
-    return dem__rebuild(w) && (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0));
+    if (!dem__rebuild(w)) return 0;
+    if (!w->engine->field.on || dem__ask_field(w, DEM__PREPARE_FIELD, 0)) return 1;
+    return dem__fail_to_list(w, w->status);
 }
 
 /* Computes the damping ratios of all pairs of materials, and whether all were set. */
@@ -142,6 +144,17 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
+/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked later. */
+static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->alive[i] != DEM_LEAVING) continue;
+        if (dem__finite(dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i))) continue;
+        w->failed_id = w->id[i];
+        return 0;
+    }
+    return 1;
+}
+
 /* Removes particles that passed an exit from the lists, and marks their contacts as ended. Returns whether there are any. */
 static inline int dem__remove_leaving(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -179,7 +192,7 @@ DEM_INLINE int dem__step_of(dem_world *w, const dem_kernel *kernel, int keep, in
     dem__kick_walls(w, h);
     dem__apply_corrections(w, has_friction);
     dem__count_step(w);
-    if (!finite) return dem__fail(w, DEM_NOT_FINITE);
+    if (!finite || (w->engine->run.leaving && !dem__leave_with_numbers(w))) return dem__fail(w, DEM_NOT_FINITE);
     if (in_field && w->engine->run.leaving) dem__book_flights(w, 1);
     const int leaving = dem__remove_leaving(w);
     dem__remove_ended(w, w->step, leaving);
@@ -238,7 +251,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     for (int k = 0; k < w->walls; k++) {
         if (w->wall[k].asked.drive == DEM_PRESCRIBED && !w->wall[k].asked.motion) return DEM_NO_MOTION;
     }
-    if (w->engine->field.on && w->engine->bodies.rigid_count > 0) return DEM_BAD_ARGUMENT;
+    if (w->engine->field.on && dem__bodies_present(w) > 0) return DEM_BAD_ARGUMENT;
     if (w->engine->field.on && !w->engine->field.def.kernel) return DEM_NO_FIELD;
     const double narrowest = dem__narrowest(w);
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {

@@ -358,7 +358,7 @@ static uint64_t rich_scene(int scene, failing_allocator *memory, int fail_at, in
 /* Every allocation of a scene with all that there is fails, once and until it is mended: afterwards everything is as if it had not. */
 static void test_memory_of_rich_scenes(void **state) {
     (void)state;
-    for (int scene = 0; scene <= RICH_SPHERES; scene++) { /* with bodies or a field the end is another one: open */
+    for (int scene = 0; scene < RICH_SCENES; scene++) {
         failing_allocator memory;
         const uint64_t expected = rich_scene(scene, &memory, -1, 0);
         const int allocations = memory.calls;
@@ -374,9 +374,45 @@ static void test_memory_of_rich_scenes(void **state) {
     }
 }
 
+/* Rigid bodies that are gone are in no field's way, also after a save; with those present a run is refused, and goes on without them. */
+static void test_field_after_bodies(void **state) {
+    (void)state;
+    const double centre[6] = {0, 0, 0, 1.5e-3, 0, 0}, d[2] = {2e-3, 2e-3}, at[3] = {0, 0, 0}, apart[3] = {0, 0, 0.01};
+    const dem_force_field field = dem_default_force_field(weak_field, NULL);
+    dem_clump clump;
+    dem_def def = scene_def(4e-6);
+    dem_world w, twin;
+    assert_int_equal(dem_make_clump(2, centre, d, &clump), DEM_OK);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, NULL, 0, 0), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, apart, d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_force_field(&w, &field), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_remove(&w, 0), DEM_OK);
+    assert_int_equal(dem_set_force_field(&w, &field), DEM_OK);
+    assert_int_equal(dem_run(&w, 1e-4, DEM_LINEAR), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, NULL, 0, 0), DEM_OK);
+    const size_t size = dem_save(&w, NULL, 0);
+    void *bytes = malloc(size);
+    assert_non_null(bytes);
+    assert_true(dem_save(&w, bytes, size) == size);
+    assert_int_equal(dem_load(&twin, bytes, size, NULL), DEM_OK);
+    free(bytes);
+    assert_int_equal(dem_set_force_field(&twin, &field), DEM_OK); /* the one that it had */
+    dem_world *const both[] = {&w, &twin};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(dem_run(both[k], 1e-4, DEM_LINEAR), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_set_force_field(both[k], &field), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_remove(both[k], both[k]->count - 1), DEM_OK);
+        assert_int_equal(dem_run(both[k], 1e-4, DEM_LINEAR), DEM_OK);
+    }
+    assert_true(dem_hash(&w) == dem_hash(&twin));
+    dem_free(&w), dem_free(&twin);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_of_rich_scenes),
+        cmocka_unit_test(test_field_after_bodies),
         cmocka_unit_test(test_fast_spheres_are_seen),
         cmocka_unit_test(test_place_of_a_polyhedron),
         cmocka_unit_test(test_loaded_clump_goes_on),
