@@ -2477,7 +2477,7 @@ typedef struct dem__contacts {
     double *gap, *force;
     double *state[DEM_STATE_MAX];
     double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature */
+                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
     double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
@@ -8619,6 +8619,7 @@ enum {
     DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
     DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
     DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
+    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
     DEM__RUN_IN_FIELD     /* n steps */
 };
 typedef struct dem__field_task {
@@ -8853,6 +8854,15 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
 }
 
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
+
+/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
+static inline void dem__begin_books(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
+    }
+}
+
 /* Books the work of the field on all flights until now, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
@@ -8917,8 +8927,6 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     return w->status == DEM_OK;
 }
 
-DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
-
 /* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
@@ -8959,7 +8967,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    for (ptrdiff_t k = 0; k < n; k++) field->booked[field->timers.list[k]] = dem__flight_gain(w, field->timers.list[k]);
+    dem__begin_books(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }
@@ -9201,6 +9209,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
+        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
         dem_energy_ledger now = dem_energy(w);
         ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
         ledger->sums.start_potential = now.potential;
@@ -9306,6 +9315,7 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
     case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
     case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
+    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
     default: return dem__run_in_field(w, q);
     }
 }
@@ -11960,8 +11970,9 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
 
 /* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    return wall->enabled ? dem__touch_with_polyhedron(wall, dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out) : 0;
+    const int wall = -1 - p->j;
+    if (!dem__is_at_wall(w, p->i, wall)) return 0;
+    return dem__touch_with_polyhedron(&w->wall[wall], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -12031,6 +12042,23 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
 }
 
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
+   keeps. */
+static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
+    dem__touch touch;
+    touch.curvature = 0.0;
+    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+        const dem_wall *wall = &w->wall[-1 - j];
+        dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
+                           dem__element_of_key(wall, p->key), &touch);
+    }
+    dem__set_place(w, c, p);
+    contacts->touch[8][c] = touch.curvature;
+    for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+}
+
 /* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
    ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -12065,9 +12093,7 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
         for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
             if (point->taken) continue;
             if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
-            const ptrdiff_t c = dem__next_slot(w) - 1;
-            dem__set_place(w, c, point);
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            dem__set_first_place(w, dem__next_slot(w) - 1, point);
         }
     }
 }
@@ -12151,16 +12177,6 @@ static inline int dem__list_convex_pairs(dem_world *w) {
 DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? 1.0 / s->share : 1.0;
-}
-
-/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
-static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
-    const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
-    const ptrdiff_t i = w->engine->contacts.i[c];
-    touch->curvature = 0.0;
-    if (wall->kind == DEM_MESH) return;
-    dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
-                       dem__element_of_key(wall, w->engine->contacts.element[c]), touch);
 }
 
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
@@ -12253,13 +12269,8 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
     b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
-    if (j >= 0) {
-        b->radius_j = dem__touching_radius(w, j);
-        return;
-    }
-    dem__touch touch;
-    dem__touch_at_place(w, c, &touch);
-    b->curvature = touch.curvature;
+    if (j >= 0) b->radius_j = dem__touching_radius(w, j);
+    else b->curvature = w->engine->contacts.touch[8][c];
 }
 
 /* ------------------------------------------------------------------------------------- >>convex_add */
@@ -14088,7 +14099,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 5);
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
-    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, 4);
+    if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, w->engine->convex.shapes > 0 ? 9 : 4);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     if (w->engine->ledger.on) {
         dem__add_fields(g, "contact.elastic", &contacts->elastic, 1);
@@ -14647,6 +14658,7 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
+        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i)) contacts->touch[7][c] = 0.0; /* no footing is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

@@ -77,8 +77,9 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
 
 /* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
 static inline int dem__points_at_wall(const dem_world *w, const dem__convex_pair *p, dem__convex_point *out) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    return wall->enabled ? dem__touch_with_polyhedron(wall, dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out) : 0;
+    const int wall = -1 - p->j;
+    if (!dem__is_at_wall(w, p->i, wall)) return 0;
+    return dem__touch_with_polyhedron(&w->wall[wall], dem__shape_of(w, p->i), &w->engine->convex.place[p->i], out);
 }
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
@@ -148,6 +149,23 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[4][c] = p->at.x, place[5][c] = p->at.y, place[6][c] = p->at.z, place[7][c] = p->weight;
 }
 
+/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall, which the contact
+   keeps. */
+static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
+    dem__touch touch;
+    touch.curvature = 0.0;
+    if (j < 0 && w->wall[-1 - j].kind != DEM_MESH) {
+        const dem_wall *wall = &w->wall[-1 - j];
+        dem__touch_element(wall, dem__add(w->engine->convex.place[i].x, p->at), dem__touching_radius(w, i),
+                           dem__element_of_key(wall, p->key), &touch);
+    }
+    dem__set_place(w, c, p);
+    contacts->touch[8][c] = touch.curvature;
+    for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+}
+
 /* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap above 0, and so
    ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -182,9 +200,7 @@ static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
         for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count; point++) {
             if (point->taken) continue;
             if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
-            const ptrdiff_t c = dem__next_slot(w) - 1;
-            dem__set_place(w, c, point);
-            for (int a = 0; a < 3; a++) contacts->touch[9 + a][c] = contacts->touch[a][c];
+            dem__set_first_place(w, dem__next_slot(w) - 1, point);
         }
     }
 }

@@ -10,16 +10,6 @@ DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
     return s ? 1.0 / s->share : 1.0;
 }
 
-/* Finds the place of a wall that a polyhedron's contact in slot c touches, for its curvature. */
-static inline void dem__touch_at_place(const dem_world *w, ptrdiff_t c, dem__touch *touch) {
-    const dem_wall *wall = &w->wall[-1 - w->engine->contacts.j[c]];
-    const ptrdiff_t i = w->engine->contacts.i[c];
-    touch->curvature = 0.0;
-    if (wall->kind == DEM_MESH) return;
-    dem__touch_element(wall, dem__add(w->particle[i].x, dem__place_arm(w, c)), dem__touching_radius(w, i),
-                       dem__element_of_key(wall, w->engine->contacts.element[c]), touch);
-}
-
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
@@ -110,11 +100,6 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
     b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
-    if (j >= 0) {
-        b->radius_j = dem__touching_radius(w, j);
-        return;
-    }
-    dem__touch touch;
-    dem__touch_at_place(w, c, &touch);
-    b->curvature = touch.curvature;
+    if (j >= 0) b->radius_j = dem__touching_radius(w, j);
+    else b->curvature = w->engine->contacts.touch[8][c];
 }

@@ -229,7 +229,7 @@ typedef struct dem__contacts {
     double *gap, *force;
     double *state[DEM_STATE_MAX];
     double *touch[DEM__PLACES]; /* mesh: normal and gap of the place that it follows; footing: place, slack, face; the normal one step
-                                   before. Cone: its curvature */
+                                   before. Cone: its curvature. Polyhedron: normal, gap, place, weight; curvature of the wall */
     double *wrench[9];          /* force on i, torques on i and j, of a run's last step */
     dem__correction *correction;
     double *elastic, *power[3], *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */

@@ -14,6 +14,7 @@ enum {
     DEM__FIELD_CONTACTS,  /* n contacts have begun: dem__end_flights */
     DEM__FIELD_FORCES,    /* on all particles that take steps: dem__add_field_forces */
     DEM__FIELD_FLIGHTS,   /* after a step: dem__begin_flights */
+    DEM__FIELD_BOOKS,     /* the ledger begins: dem__begin_books */
     DEM__RUN_IN_FIELD     /* n steps */
 };
 typedef struct dem__field_task {
@@ -248,6 +249,15 @@ static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     return p->a.x == g.x && p->a.y == g.y && p->a.z == g.z ? 0.0 : p->mass * gain;
 }
 
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
+
+/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
+static inline void dem__begin_books(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
+    }
+}
+
 /* Books the work of the field on all flights until now, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
@@ -312,8 +322,6 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     return w->status == DEM_OK;
 }
 
-DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) { return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING; }
-
 /* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     const dem_vec a = dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
@@ -354,7 +362,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    for (ptrdiff_t k = 0; k < n; k++) field->booked[field->timers.list[k]] = dem__flight_gain(w, field->timers.list[k]);
+    dem__begin_books(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }

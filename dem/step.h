@@ -115,6 +115,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     run->needs_forces = 0;
     if ((features & DEM_ENERGY) && !ledger->started) {
         ledger->started = 1;
+        if (w->engine->field.on) dem__ask_field(w, DEM__FIELD_BOOKS, 0);
         dem_energy_ledger now = dem_energy(w);
         ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
         ledger->sums.start_potential = now.potential;
@@ -220,6 +221,7 @@ static inline int dem__field_hook(dem_world *w, const dem__field_task *q) {
     case DEM__FIELD_CONTACTS: dem__end_flights(w, q->n); return 1;
     case DEM__FIELD_FORCES: dem__add_field_forces(w, 0.0); return 1;
     case DEM__FIELD_FLIGHTS: return dem__begin_flights(w);
+    case DEM__FIELD_BOOKS: dem__begin_books(w); return 1;
     default: return dem__run_in_field(w, q);
     }
 }

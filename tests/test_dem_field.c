@@ -406,13 +406,18 @@ static void ledger(void **state) {
     dem_def def = grains(1e-7);
     def.gravity = dem_vec3(0, 0, 0);
     dem_force_field f = dem_gas_field(stokes, &air);
-    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
-    add(&w, 0, 0, 0, 20e-6, dem_vec3(3, 0, 0));
-    assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
-    assert_int_equal(dem_run(&w, 0.05, DEM_LINEAR | DEM_ENERGY), DEM_OK);
-    assert_true(fabs(dem_energy(&w).field_work / (0.5 * dem_mass(&w, 0) * 9.0) + 1.0) < 1e-9);
-    assert_true(fabs(dem_energy(&w).error) < 1e-9 * 0.5 * dem_mass(&w, 0) * 9.0);
-    dem_free(&w);
+    for (int late = 0; late < 2; late++) { /* late: the ledger begins in mid-flight */
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        add(&w, 0, 0, 0, 20e-6, dem_vec3(3, 0, 0));
+        assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+        for (int k = 0; k < 10 && late; k++) assert_int_equal(dem_run(&w, 1.03e-4, DEM_LINEAR), DEM_OK);
+        assert_int_equal(dem_run(&w, 0.0, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        const double start = dem_energy(&w).kinetic;
+        assert_int_equal(dem_run(&w, 0.05, DEM_LINEAR | DEM_ENERGY), DEM_OK);
+        assert_true(fabs(dem_energy(&w).field_work / start + 1.0) < (late ? 1e-5 : 1e-9));
+        assert_true(fabs(dem_energy(&w).error) < (late ? 1e-5 : 1e-9) * start);
+        dem_free(&w);
+    }
 }
 
 /* Runs cut into pieces, one of them without time, and a field set again make no difference. */
