@@ -499,9 +499,9 @@ typedef struct filtration_fluid_def {
     uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
     int nodes[3];      /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
                           fastest */
-    double voxel;      /* distance of nodes [m] > 0; default 2.5e-6 */
-    double density;    /* of the fluid [kg/m3] > 0; default 1000 */
-    double viscosity;  /* dynamic [Pa s] > 0; default 1e-3 */
+    double voxel;      /* distance of nodes [m], 1e-15 .. 1e15; default 2.5e-6 */
+    double density;    /* of the fluid [kg/m3], 1e-15 .. 1e15; default 1000 */
+    double viscosity;  /* dynamic [Pa s], 1e-15 .. 1e15; default 1e-3 */
     double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
     double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
                           below about 100 where spheres move */
@@ -517,7 +517,7 @@ typedef struct filtration_fluid_def {
     double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
-    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, > 0 .. 0.5; default 0.3 */
+    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
     int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
@@ -583,18 +583,19 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
 /* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
-/* ---- changes during a run ---- */
+/* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
+   [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
 /* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
-/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. Populations are equilibrium plus the stress of the
-   velocity's differences. */
+/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. fn is asked twice for every point. Populations are
+   equilibrium plus the stress of the velocity's differences. */
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
 /* Adds the same density to every fluid node, so that its mean is def.density: it compensates for nodes that spheres cover and leave. For
-   closed boxes; mass_correction is the sum of what was added. */
+   closed boxes; mass_correction is the sum of what was added. DIVERGED if the mass is not a number. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
 
 /* ---- measuring ---- */
@@ -646,7 +647,8 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
+   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
@@ -1579,7 +1581,7 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
     const filtration_estimate mean = filtration__estimate(line.mean_y * r.y_scale, error * r.y_scale, 1.0);
     *medium = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
                                 sqrt(p * p + v * v + a * a), def->confidence, freedom);
-    return FILTRATION_OK;
+    return filtration__is_finite(medium->value) && filtration__is_finite(medium->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,
@@ -1633,7 +1635,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre) {
     if (!cloth || !(wire > 0.0 && opening > 0.0 && filtration__is_finite(wire) && filtration__is_finite(opening)) ||
-        !filtration__is_finite(centre) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
+        !(wire + opening < 1e100 && fabs(centre) < 1e100) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
         return FILTRATION_BAD_ARGUMENT;
     cloth->wire = wire, cloth->opening = opening, cloth->weave = weave, cloth->centre = centre;
     cloth->reach = 4.0 * wire;
@@ -3135,57 +3137,9 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     return def;
 }
 
-static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
-    for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (!(fabs(d->face_pressure[f]) < HUGE_VAL)) return "face_pressure";
-        for (int a = 0; a < 3; a++)
-            if (!(fabs(d->face_velocity[f][a]) < HUGE_VAL) || (a == f / 2 && d->face_velocity[f][a] != 0.0)) return "face_velocity";
-    }
-    return NULL;
-}
-
-static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
-    double nodes = 1.0;
-    if (d->cookie != FILTRATION__COOKIE) return "cookie";
-    for (int a = 0; a < 3; a++) {
-        if (d->nodes[a] < 1) return "nodes";
-        nodes *= d->nodes[a];
-    }
-    if (!(nodes < 2147483648.0)) return "nodes";
-    if (!filtration__is_positive(d->voxel)) return "voxel";
-    if (!filtration__is_positive(d->density)) return "density";
-    if (!filtration__is_positive(d->viscosity)) return "viscosity";
-    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
-    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
-    if (!(d->magic > 0.0)) return "magic";
-    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
-    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
-    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
-    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
-    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
-    if (filtration__bad_face(d)) return filtration__bad_face(d);
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(d->body_force[a]) < HUGE_VAL)) return "body_force";
-    if (!(d->speed_limit > 0.0 && d->speed_limit <= 0.5)) return "speed_limit";
-    if (d->skip != 0 && d->skip != 1) return "skip";
-    if (d->threads < 1) return "threads";
-    return NULL;
-}
-
-FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
-    const char *bad = def ? filtration__bad_field(def) : "def";
-    if (field) *field = bad;
-    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
-}
-
-/* Computes rates, time step and units from the present definition. */
-static inline void filtration__set_units(filtration_fluid *fluid) {
-    const filtration_fluid_def *d = &fluid->def;
-    filtration__lattice *l = fluid->lattice;
+/* Computes rates, faces and units of a lattice. Returns the time step [s]. */
+static inline double filtration__find_units(const filtration_fluid_def *d, filtration__lattice *l) {
     double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity, bulk = 1.5 * d->bulk_ratio * nu;
-    fluid->dt = dt;
     l->to_velocity = d->voxel / dt;
     l->to_pressure = d->density * l->to_velocity * l->to_velocity;
     l->to_force = l->to_pressure * d->voxel * d->voxel;
@@ -3199,6 +3153,71 @@ static inline void filtration__set_units(filtration_fluid *fluid) {
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
+    return dt;
+}
+
+static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
+
+/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
+   and a step tells that the flow diverges. */
+#define FILTRATION__LARGEST_POPULATION 1e25
+#define FILTRATION__LARGEST_SOURCE 1e3
+
+static inline const char *filtration__bad_source(const filtration_fluid_def *d) {
+    filtration__lattice l;
+    filtration__find_units(d, &l);
+    for (int f = 0; f < 6; f++) {
+        if (!(fabs(l.face_density[f]) < FILTRATION__LARGEST_SOURCE)) return "face_pressure";
+        for (int a = 0; a < 3; a++)
+            if (!(fabs(l.face_velocity[f][a]) < FILTRATION__LARGEST_SOURCE)) return "face_velocity";
+    }
+    for (int a = 0; a < 3; a++)
+        if (!(fabs(l.rates.force[a]) < FILTRATION__LARGEST_SOURCE)) return "body_force";
+    return NULL;
+}
+
+/* Returns whether a property of the fluid is in a range whose products stay far from the limits of doubles. */
+static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 1e15; }
+
+static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
+    for (int f = 0; f < 6; f++) {
+        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
+        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
+        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+    }
+    return NULL;
+}
+
+static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
+    double nodes = 1.0;
+    if (d->cookie != FILTRATION__COOKIE) return "cookie";
+    for (int a = 0; a < 3; a++) {
+        if (d->nodes[a] < 1) return "nodes";
+        nodes *= d->nodes[a];
+    }
+    if (!(nodes < 2147483648.0)) return "nodes";
+    if (!filtration__is_property(d->voxel)) return "voxel";
+    if (!filtration__is_property(d->density)) return "density";
+    if (!filtration__is_property(d->viscosity)) return "viscosity";
+    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
+    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
+    if (!(d->magic > 0.0)) return "magic";
+    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
+    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
+    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
+    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
+    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
+    if (filtration__bad_face(d)) return filtration__bad_face(d);
+    if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->skip != 0 && d->skip != 1) return "skip";
+    if (d->threads < 1) return "threads";
+    return filtration__bad_source(d);
+}
+
+FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
+    const char *bad = def ? filtration__bad_field(def) : "def";
+    if (field) *field = bad;
+    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
 /* Wakes the slabs that faces and forces move. */
@@ -3322,7 +3341,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         }
         b->centre[a] = x;
     }
-    return good && b->radius < 1e5;
+    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -3361,22 +3380,35 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                      filtration__ball *now) {
+    const filtration__ball *before = &fluid->lattice->balls[n];
+    *now = *before;
+    now->radius = 0.0;
+    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    if (now->radius == 0.0) now->steps = 0;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
+    return FILTRATION_OK;
+}
+
+/* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
+    filtration__ball now;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        filtration__ball now = l->balls[k], *before = &l->balls[k];
-        int read = k < n ? filtration__read_ball(fluid, s, k, &now) : 1;
-        if (k >= n) now.radius = 0.0;
-        if (!read || (before->radius > 0.0 && now.radius > 0.0 && !(filtration__moved(&now, before) <= 0.5))) {
-            fluid->problem.cause = FILTRATION_SPHERE;
-            fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
-            fluid->problem.step = fluid->steps;
-            return read ? FILTRATION_TOO_FAST : FILTRATION_BAD_ARGUMENT;
-        }
-        if (now.radius == 0.0) now.steps = 0;
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        if (status == FILTRATION_OK) continue;
+        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
+        fluid->problem.step = fluid->steps;
+        return status;
+    }
+    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
+        (void)filtration__next_ball(fluid, s, k, &now);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;
@@ -3527,35 +3559,69 @@ FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, 
 
 /* ---- changes ---- */
 
-FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(force[a]) < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
-    memcpy(fluid->def.body_force, force, sizeof fluid->def.body_force);
+/* Takes a definition over, unless it is out of range. */
+static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
+    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
+    fluid->def = *def;
     filtration__set_units(fluid);
     return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
+    if (!fluid || !force) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    memcpy(def.body_force, force, sizeof def.body_force);
+    return filtration__change(fluid, &def);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
-    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_PRESSURE || !(fabs(pressure) < HUGE_VAL))
-        return FILTRATION_BAD_ARGUMENT;
-    fluid->def.face_pressure[face] = pressure;
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    def.face_pressure[face] = pressure;
+    return filtration__change(fluid, &def);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
-    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(velocity[a]) < HUGE_VAL) || (a == face / 2 && velocity[a] != 0.0)) return FILTRATION_BAD_ARGUMENT;
-    memcpy(fluid->def.face_velocity[face], velocity, sizeof fluid->def.face_velocity[face]);
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
+    return filtration__change(fluid, &def);
+}
+
+/* Computes the populations of a node that a change gives it. */
+typedef struct filtration__new_flow {
+    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
+    double speed, stress;                                                                /* factors of a rescaled flow [-] */
+    void (*fn)(void *user, const double point[3], double velocity[3], double *pressure); /* of a flow to start from */
+    void *user;
+} filtration__new_flow;
+
+/* Gives every fluid node its new populations or, if a number is out of range, none. Returns whether it did. */
+static inline int filtration__set_nodes(filtration_fluid *fluid, const filtration__new_flow *flow) {
+    filtration__lattice *l = fluid->lattice;
+    double h[FILTRATION__Q];
+    for (int store = 0; store < 2; store++)
+        for (int z = 0; z < l->nz; z++)
+            for (int y = 0; y < l->ny; y++)
+                for (int x = 0; x < l->nx; x++) {
+                    if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                    flow->node(fluid, flow, x, y, z, h);
+                    for (int i = 0; i < l->q; i++) {
+                        if (!(fabs(h[i]) < FILTRATION__LARGEST_POPULATION)) return 0;
+                        if (store) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
+                    }
+                }
+    return 1;
 }
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
    Before a collision, half of the force is missing in the momentum. */
-static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
-    double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
+static void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
+    double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
     for (int i = 0; i < l->q; i++) {
         double cf = 0.0;
@@ -3563,39 +3629,36 @@ static inline void filtration__rescale(filtration__lattice *l, int x, int y, int
         h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
         h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
     }
-    for (int i = 0; i < l->q; i++) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau) {
-    if (!(tau > 0.5 && tau <= 20.0)) return FILTRATION_BAD_ARGUMENT;
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
     filtration__lattice *l = fluid->lattice;
-    double s = (tau - 0.5) / (fluid->def.tau - 0.5), stress = s * tau / fluid->def.tau;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++)
-                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID) filtration__rescale(l, x, y, z, s, stress);
+    double s = (tau - 0.5) / (def.tau - 0.5);
+    const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
+    def.tau = tau;
+    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < l->ball_count; n++)
         for (int k = 0; k < 2; k++)
             for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
-    fluid->def.tau = tau;
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    return filtration__change(fluid, &def);
 }
 
-/* Sets a node to equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
+/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
    order. */
-static inline void filtration__start_node(filtration_fluid *fluid, int x, int y, int z,
-                                          void (*fn)(void *, const double[3], double[3], double *), void *user) {
-    filtration__lattice *l = fluid->lattice;
+static void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                   double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
     filtration__point(&fluid->def, x, y, z, point);
-    fn(user, point, u, &p);
+    flow->fn(flow->user, point, u, &p);
     for (int b = 0; b < 3; b++) {
         double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, q[3] = {point[0], point[1], point[2]};
         q[b] = point[b] - 0.5 * fluid->def.voxel;
-        fn(user, q, low, &aside);
+        flow->fn(flow->user, q, low, &aside);
         q[b] = point[b] + 0.5 * fluid->def.voxel;
-        fn(user, q, high, &aside);
+        flow->fn(flow->user, q, high, &aside);
         for (int a = 0; a < 3; a++) grad[a][b] = (high[a] - low[a]) / l->to_velocity;
         trace += grad[b][b];
     }
@@ -3606,20 +3669,16 @@ static inline void filtration__start_node(filtration_fluid *fluid, int x, int y,
             cf += l->c[i][a] * l->rates.force[a];
             for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
         }
-        double h =
+        h[i] =
             filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
-        filtration__put(l, filtration__incoming(l, x, y, z, i), h);
     }
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
     filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l || !fn) return FILTRATION_BAD_ARGUMENT;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++)
-                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID) filtration__start_node(fluid, x, y, z, fn, user);
+    const filtration__new_flow flow = {filtration__start_node, 1.0, 1.0, fn, user};
+    if (!l || !fn || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
     memset(l->slab_active, 1, (size_t)l->nz);
     return FILTRATION_OK;
 }
@@ -3631,6 +3690,7 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     filtration__sum_all(l, sum);
     if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
     double r = -sum[0] / sum[4];
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
     for (int z = 0; z < l->nz; z++)
         for (int y = 0; y < l->ny; y++)
             for (int x = 0; x < l->nx; x++) {
@@ -3734,7 +3794,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
-               h->balls >= 0 && h->balls < INT32_MAX && h->tau > 0.5 && h->tau <= 20.0 && (h->odd == 0 || h->odd == 1);
+               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
+               fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
     for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
     return same;
@@ -3771,18 +3832,19 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     if (!fluid || !fluid->lattice || !read) return FILTRATION_BAD_ARGUMENT;
     filtration__rest(fluid);
     if (!read(user, &h, sizeof h)) return FILTRATION_STREAM;
-    if (!filtration__fits(fluid, &h)) return FILTRATION_BAD_DATA;
+    filtration_fluid_def def = fluid->def;
+    def.tau = h.tau;
+    memcpy(def.body_force, h.body_force, sizeof h.body_force);
+    memcpy(def.face_velocity, h.face_velocity, sizeof h.face_velocity);
+    memcpy(def.face_pressure, h.face_pressure, sizeof h.face_pressure);
+    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DATA;
     filtration_status status = filtration__read_arrays(fluid, &h, read, user);
     if (status != FILTRATION_OK) {
         filtration__remark(fluid);
         filtration__rest(fluid);
         return status;
     }
-    fluid->def.tau = h.tau;
-    memcpy(fluid->def.body_force, h.body_force, sizeof h.body_force);
-    memcpy(fluid->def.face_velocity, h.face_velocity, sizeof h.face_velocity);
-    memcpy(fluid->def.face_pressure, h.face_pressure, sizeof h.face_pressure);
-    filtration__set_units(fluid);
+    (void)filtration__change(fluid, &def);
     fluid->lattice->odd = (int)h.odd;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;
@@ -3994,10 +4056,38 @@ static inline void filtration__push(const filtration_motion_def *def, const filt
     }
 }
 
+/* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
+static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid, const filtration_spheres *s,
+                                       ptrdiff_t n, double share) {
+    const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
+    const double film =
+        filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+    if (r == 0.0) return 1;
+    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m))) return 0;
+    for (int a = 0; a < 3; a++) {
+        const double pushed = s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        const double turned = s->spin[3 * n + a] + fluid->dt * share * s->torque[3 * n + a] / (0.4 * m * r * r);
+        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100)) return 0; /* squares are finite */
+    }
+    return 1;
+}
+
+/* Returns whether a contact left the numbers of sphere n finite. */
+static inline int filtration__has_moved(const filtration_spheres *s, ptrdiff_t n, const double *contact) {
+    double sum = 0.0;
+    for (ptrdiff_t k = 3 * n; k < 3 * n + 3; k++)
+        sum += 0.0 * s->centre[k] + 0.0 * s->velocity[k] + 0.0 * s->spin[k] + (contact ? 0.0 * contact[k] : 0.0);
+    return sum == 0.0;
+}
+
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact) {
     if (filtration_motion_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
     if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
+    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius && spheres->force && spheres->torque))
+        return FILTRATION_BAD_ARGUMENT;
+    for (ptrdiff_t n = 0; n < spheres->n; n++)
+        if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
     double reach = def->lubrication ? fluid->def.voxel * (2.0 / 3.0) : 0.0;
     for (ptrdiff_t k = 0; contact && k < 3 * spheres->n; k++) contact[k] = 0.0;
@@ -4011,6 +4101,8 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
+        for (ptrdiff_t n = 0; n < spheres->n; n++)
+            if (spheres->radius[n] > 0.0 && !filtration__has_moved(spheres, n, contact)) return FILTRATION_TOO_FAST;
     }
     return FILTRATION_OK;
 }

@@ -45,9 +45,9 @@ typedef struct filtration_fluid_def {
     uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
     int nodes[3];      /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
                           fastest */
-    double voxel;      /* distance of nodes [m] > 0; default 2.5e-6 */
-    double density;    /* of the fluid [kg/m3] > 0; default 1000 */
-    double viscosity;  /* dynamic [Pa s] > 0; default 1e-3 */
+    double voxel;      /* distance of nodes [m], 1e-15 .. 1e15; default 2.5e-6 */
+    double density;    /* of the fluid [kg/m3], 1e-15 .. 1e15; default 1000 */
+    double viscosity;  /* dynamic [Pa s], 1e-15 .. 1e15; default 1e-3 */
     double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
     double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
                           below about 100 where spheres move */
@@ -63,7 +63,7 @@ typedef struct filtration_fluid_def {
     double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
-    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, > 0 .. 0.5; default 0.3 */
+    double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
     int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
                                        1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
@@ -129,18 +129,19 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
 /* Takes steps with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
-/* ---- changes during a run ---- */
+/* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
+   [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
 /* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
-/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. Populations are equilibrium plus the stress of the
-   velocity's differences. */
+/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. fn is asked twice for every point. Populations are
+   equilibrium plus the stress of the velocity's differences. */
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
 /* Adds the same density to every fluid node, so that its mean is def.density: it compensates for nodes that spheres cover and leave. For
-   closed boxes; mass_correction is the sum of what was added. */
+   closed boxes; mass_correction is the sum of what was added. DIVERGED if the mass is not a number. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
 
 /* ---- measuring ---- */
@@ -192,7 +193,8 @@ FILTRATION_API filtration_status filtration_motion_check_def(const filtration_mo
 
 /* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
    and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). */
+   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF,
+   BAD_ARGUMENT: nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
 /* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];

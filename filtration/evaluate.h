@@ -295,7 +295,7 @@ FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curv
     const filtration_estimate mean = filtration__estimate(line.mean_y * r.y_scale, error * r.y_scale, 1.0);
     *medium = filtration__times(mean, filtration_medium_of_intercept(1.0, def->pressure, def->viscosity, def->area),
                                 sqrt(p * p + v * v + a * a), def->confidence, freedom);
-    return FILTRATION_OK;
+    return filtration__is_finite(medium->value) && filtration__is_finite(medium->error) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
 }
 
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area, double compressibility,

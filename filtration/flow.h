@@ -96,35 +96,69 @@ FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, 
 
 /* ---- changes ---- */
 
-FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(force[a]) < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
-    memcpy(fluid->def.body_force, force, sizeof fluid->def.body_force);
+/* Takes a definition over, unless it is out of range. */
+static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
+    if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
+    fluid->def = *def;
     filtration__set_units(fluid);
     return FILTRATION_OK;
+}
+
+FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]) {
+    if (!fluid || !force) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    memcpy(def.body_force, force, sizeof def.body_force);
+    return filtration__change(fluid, &def);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
-    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_PRESSURE || !(fabs(pressure) < HUGE_VAL))
-        return FILTRATION_BAD_ARGUMENT;
-    fluid->def.face_pressure[face] = pressure;
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || def.face[face] != FILTRATION_PRESSURE) return FILTRATION_BAD_ARGUMENT;
+    def.face_pressure[face] = pressure;
+    return filtration__change(fluid, &def);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
-    if (face < 0 || face > 5 || fluid->def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(velocity[a]) < HUGE_VAL) || (a == face / 2 && velocity[a] != 0.0)) return FILTRATION_BAD_ARGUMENT;
-    memcpy(fluid->def.face_velocity[face], velocity, sizeof fluid->def.face_velocity[face]);
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
+    if (face < 0 || face > 5 || def.face[face] != FILTRATION_WALL) return FILTRATION_BAD_ARGUMENT;
+    memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
+    return filtration__change(fluid, &def);
+}
+
+/* Computes the populations of a node that a change gives it. */
+typedef struct filtration__new_flow {
+    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
+    double speed, stress;                                                                /* factors of a rescaled flow [-] */
+    void (*fn)(void *user, const double point[3], double velocity[3], double *pressure); /* of a flow to start from */
+    void *user;
+} filtration__new_flow;
+
+/* Gives every fluid node its new populations or, if a number is out of range, none. Returns whether it did. */
+static inline int filtration__set_nodes(filtration_fluid *fluid, const filtration__new_flow *flow) {
+    filtration__lattice *l = fluid->lattice;
+    double h[FILTRATION__Q];
+    for (int store = 0; store < 2; store++)
+        for (int z = 0; z < l->nz; z++)
+            for (int y = 0; y < l->ny; y++)
+                for (int x = 0; x < l->nx; x++) {
+                    if (l->owner[filtration__node(l, x, y, z)] != FILTRATION__FLUID) continue;
+                    flow->node(fluid, flow, x, y, z, h);
+                    for (int i = 0; i < l->q; i++) {
+                        if (!(fabs(h[i]) < FILTRATION__LARGEST_POPULATION)) return 0;
+                        if (store) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
+                    }
+                }
+    return 1;
 }
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
    Before a collision, half of the force is missing in the momentum. */
-static inline void filtration__rescale(filtration__lattice *l, int x, int y, int z, double s, double stress) {
-    double u[3], v[3], r = filtration__moments(l, x, y, z, u), h[FILTRATION__Q];
+static void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
+    double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
     for (int i = 0; i < l->q; i++) {
         double cf = 0.0;
@@ -132,39 +166,36 @@ static inline void filtration__rescale(filtration__lattice *l, int x, int y, int
         h[i] = filtration__get(l, filtration__incoming(l, x, y, z, i)) - filtration__equilibrium(l, i, r, u);
         h[i] = filtration__equilibrium(l, i, r * s * s, v) + stress * h[i] + 1.5 * l->w[i] * (stress - s * s) * cf;
     }
-    for (int i = 0; i < l->q; i++) filtration__put(l, filtration__incoming(l, x, y, z, i), h[i]);
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau) {
-    if (!(tau > 0.5 && tau <= 20.0)) return FILTRATION_BAD_ARGUMENT;
+    if (!fluid) return FILTRATION_BAD_ARGUMENT;
+    filtration_fluid_def def = fluid->def;
     filtration__lattice *l = fluid->lattice;
-    double s = (tau - 0.5) / (fluid->def.tau - 0.5), stress = s * tau / fluid->def.tau;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++)
-                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID) filtration__rescale(l, x, y, z, s, stress);
+    double s = (tau - 0.5) / (def.tau - 0.5);
+    const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
+    def.tau = tau;
+    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < l->ball_count; n++)
         for (int k = 0; k < 2; k++)
             for (int a = 0; a < 3; a++) l->balls[n].force[k][a] *= s * s, l->balls[n].torque[k][a] *= s * s;
-    fluid->def.tau = tau;
-    filtration__set_units(fluid);
-    return FILTRATION_OK;
+    return filtration__change(fluid, &def);
 }
 
-/* Sets a node to equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
+/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
    order. */
-static inline void filtration__start_node(filtration_fluid *fluid, int x, int y, int z,
-                                          void (*fn)(void *, const double[3], double[3], double *), void *user) {
-    filtration__lattice *l = fluid->lattice;
+static void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
+                                   double h[FILTRATION__Q]) {
+    const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
     filtration__point(&fluid->def, x, y, z, point);
-    fn(user, point, u, &p);
+    flow->fn(flow->user, point, u, &p);
     for (int b = 0; b < 3; b++) {
         double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, q[3] = {point[0], point[1], point[2]};
         q[b] = point[b] - 0.5 * fluid->def.voxel;
-        fn(user, q, low, &aside);
+        flow->fn(flow->user, q, low, &aside);
         q[b] = point[b] + 0.5 * fluid->def.voxel;
-        fn(user, q, high, &aside);
+        flow->fn(flow->user, q, high, &aside);
         for (int a = 0; a < 3; a++) grad[a][b] = (high[a] - low[a]) / l->to_velocity;
         trace += grad[b][b];
     }
@@ -175,20 +206,16 @@ static inline void filtration__start_node(filtration_fluid *fluid, int x, int y,
             cf += l->c[i][a] * l->rates.force[a];
             for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
         }
-        double h =
+        h[i] =
             filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
-        filtration__put(l, filtration__incoming(l, x, y, z, i), h);
     }
 }
 
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
     filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l || !fn) return FILTRATION_BAD_ARGUMENT;
-    for (int z = 0; z < l->nz; z++)
-        for (int y = 0; y < l->ny; y++)
-            for (int x = 0; x < l->nx; x++)
-                if (l->owner[filtration__node(l, x, y, z)] == FILTRATION__FLUID) filtration__start_node(fluid, x, y, z, fn, user);
+    const filtration__new_flow flow = {filtration__start_node, 1.0, 1.0, fn, user};
+    if (!l || !fn || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
     memset(l->slab_active, 1, (size_t)l->nz);
     return FILTRATION_OK;
 }
@@ -200,6 +227,7 @@ FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fl
     filtration__sum_all(l, sum);
     if (!(sum[4] > 0.0) || sum[0] == 0.0) return FILTRATION_OK;
     double r = -sum[0] / sum[4];
+    if (!(fabs(r) < HUGE_VAL)) return FILTRATION_DIVERGED;
     for (int z = 0; z < l->nz; z++)
         for (int y = 0; y < l->ny; y++)
             for (int x = 0; x < l->nx; x++) {

@@ -28,57 +28,9 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
     return def;
 }
 
-static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
-    for (int f = 0; f < 6; f++) {
-        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
-        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
-        if (!(fabs(d->face_pressure[f]) < HUGE_VAL)) return "face_pressure";
-        for (int a = 0; a < 3; a++)
-            if (!(fabs(d->face_velocity[f][a]) < HUGE_VAL) || (a == f / 2 && d->face_velocity[f][a] != 0.0)) return "face_velocity";
-    }
-    return NULL;
-}
-
-static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
-    double nodes = 1.0;
-    if (d->cookie != FILTRATION__COOKIE) return "cookie";
-    for (int a = 0; a < 3; a++) {
-        if (d->nodes[a] < 1) return "nodes";
-        nodes *= d->nodes[a];
-    }
-    if (!(nodes < 2147483648.0)) return "nodes";
-    if (!filtration__is_positive(d->voxel)) return "voxel";
-    if (!filtration__is_positive(d->density)) return "density";
-    if (!filtration__is_positive(d->viscosity)) return "viscosity";
-    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
-    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
-    if (!(d->magic > 0.0)) return "magic";
-    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
-    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
-    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
-    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
-    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
-    if (filtration__bad_face(d)) return filtration__bad_face(d);
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(d->body_force[a]) < HUGE_VAL)) return "body_force";
-    if (!(d->speed_limit > 0.0 && d->speed_limit <= 0.5)) return "speed_limit";
-    if (d->skip != 0 && d->skip != 1) return "skip";
-    if (d->threads < 1) return "threads";
-    return NULL;
-}
-
-FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
-    const char *bad = def ? filtration__bad_field(def) : "def";
-    if (field) *field = bad;
-    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
-}
-
-/* Computes rates, time step and units from the present definition. */
-static inline void filtration__set_units(filtration_fluid *fluid) {
-    const filtration_fluid_def *d = &fluid->def;
-    filtration__lattice *l = fluid->lattice;
+/* Computes rates, faces and units of a lattice. Returns the time step [s]. */
+static inline double filtration__find_units(const filtration_fluid_def *d, filtration__lattice *l) {
     double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity, bulk = 1.5 * d->bulk_ratio * nu;
-    fluid->dt = dt;
     l->to_velocity = d->voxel / dt;
     l->to_pressure = d->density * l->to_velocity * l->to_velocity;
     l->to_force = l->to_pressure * d->voxel * d->voxel;
@@ -92,6 +44,71 @@ static inline void filtration__set_units(filtration_fluid *fluid) {
         l->face_density[f] = 3.0 * d->face_pressure[f] / l->to_pressure;
         for (int a = 0; a < 3; a++) l->face_velocity[f][a] = d->face_velocity[f][a] / l->to_velocity;
     }
+    return dt;
+}
+
+static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
+
+/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
+   and a step tells that the flow diverges. */
+#define FILTRATION__LARGEST_POPULATION 1e25
+#define FILTRATION__LARGEST_SOURCE 1e3
+
+static inline const char *filtration__bad_source(const filtration_fluid_def *d) {
+    filtration__lattice l;
+    filtration__find_units(d, &l);
+    for (int f = 0; f < 6; f++) {
+        if (!(fabs(l.face_density[f]) < FILTRATION__LARGEST_SOURCE)) return "face_pressure";
+        for (int a = 0; a < 3; a++)
+            if (!(fabs(l.face_velocity[f][a]) < FILTRATION__LARGEST_SOURCE)) return "face_velocity";
+    }
+    for (int a = 0; a < 3; a++)
+        if (!(fabs(l.rates.force[a]) < FILTRATION__LARGEST_SOURCE)) return "body_force";
+    return NULL;
+}
+
+/* Returns whether a property of the fluid is in a range whose products stay far from the limits of doubles. */
+static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 1e15; }
+
+static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
+    for (int f = 0; f < 6; f++) {
+        if ((int)d->face[f] < 0 || d->face[f] > FILTRATION_SYMMETRY) return "face";
+        if ((d->face[f] == FILTRATION_PERIODIC) != (d->face[f ^ 1] == FILTRATION_PERIODIC)) return "face";
+        if (d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
+    }
+    return NULL;
+}
+
+static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
+    double nodes = 1.0;
+    if (d->cookie != FILTRATION__COOKIE) return "cookie";
+    for (int a = 0; a < 3; a++) {
+        if (d->nodes[a] < 1) return "nodes";
+        nodes *= d->nodes[a];
+    }
+    if (!(nodes < 2147483648.0)) return "nodes";
+    if (!filtration__is_property(d->voxel)) return "voxel";
+    if (!filtration__is_property(d->density)) return "density";
+    if (!filtration__is_property(d->viscosity)) return "viscosity";
+    if (!(d->tau > 0.5 && d->tau <= 20.0)) return "tau";
+    if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
+    if (!(d->magic > 0.0)) return "magic";
+    if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
+    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
+    if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
+    if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
+    if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
+    if (filtration__bad_face(d)) return filtration__bad_face(d);
+    if (!(d->speed_limit >= 1e-15 && d->speed_limit <= 0.5)) return "speed_limit";
+    if (d->skip != 0 && d->skip != 1) return "skip";
+    if (d->threads < 1) return "threads";
+    return filtration__bad_source(d);
+}
+
+FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field) {
+    const char *bad = def ? filtration__bad_field(def) : "def";
+    if (field) *field = bad;
+    return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
 /* Wakes the slabs that faces and forces move. */
@@ -215,7 +232,7 @@ static inline int filtration__read_ball(const filtration_fluid *fluid, const fil
         }
         b->centre[a] = x;
     }
-    return good && b->radius < 1e5;
+    return good && b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5); /* points on a sphere are counted in int */
 }
 
 static inline filtration_status filtration__room_for_balls(filtration_fluid *fluid, ptrdiff_t n) {
@@ -254,22 +271,35 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
+/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST. */
+static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
+                                                      filtration__ball *now) {
+    const filtration__ball *before = &fluid->lattice->balls[n];
+    *now = *before;
+    now->radius = 0.0;
+    if (s && n < s->n && !filtration__read_ball(fluid, s, n, now)) return FILTRATION_BAD_ARGUMENT;
+    if (now->radius == 0.0) now->steps = 0;
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) return FILTRATION_TOO_FAST;
+    return FILTRATION_OK;
+}
+
+/* Moves the spheres to their present places: all or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
+    filtration__ball now;
     ptrdiff_t n = s ? s->n : 0;
     if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
-        filtration__ball now = l->balls[k], *before = &l->balls[k];
-        int read = k < n ? filtration__read_ball(fluid, s, k, &now) : 1;
-        if (k >= n) now.radius = 0.0;
-        if (!read || (before->radius > 0.0 && now.radius > 0.0 && !(filtration__moved(&now, before) <= 0.5))) {
-            fluid->problem.cause = FILTRATION_SPHERE;
-            fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
-            fluid->problem.step = fluid->steps;
-            return read ? FILTRATION_TOO_FAST : FILTRATION_BAD_ARGUMENT;
-        }
-        if (now.radius == 0.0) now.steps = 0;
+        const filtration_status status = filtration__next_ball(fluid, s, k, &now);
+        if (status == FILTRATION_OK) continue;
+        fluid->problem.cause = FILTRATION_SPHERE;
+        fluid->problem.node[0] = (int)k, fluid->problem.node[1] = fluid->problem.node[2] = 0;
+        fluid->problem.step = fluid->steps;
+        return status;
+    }
+    for (ptrdiff_t k = 0; k < l->ball_count; k++) {
+        (void)filtration__next_ball(fluid, s, k, &now);
         filtration__move_ball(l, k, &now);
     }
     return FILTRATION_OK;

@@ -203,10 +203,38 @@ static inline void filtration__push(const filtration_motion_def *def, const filt
     }
 }
 
+/* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
+static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid, const filtration_spheres *s,
+                                       ptrdiff_t n, double share) {
+    const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
+    const double film =
+        filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity, fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+    if (r == 0.0) return 1;
+    if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m))) return 0;
+    for (int a = 0; a < 3; a++) {
+        const double pushed = s->velocity[3 * n + a] + fluid->dt * (light * def->gravity[a] + share * s->force[3 * n + a] / m);
+        const double turned = s->spin[3 * n + a] + fluid->dt * share * s->torque[3 * n + a] / (0.4 * m * r * r);
+        if (!(fabs(s->centre[3 * n + a]) < 1e100 && fabs(pushed) < 1e100 && fabs(turned * r) < 1e100)) return 0; /* squares are finite */
+    }
+    return 1;
+}
+
+/* Returns whether a contact left the numbers of sphere n finite. */
+static inline int filtration__has_moved(const filtration_spheres *s, ptrdiff_t n, const double *contact) {
+    double sum = 0.0;
+    for (ptrdiff_t k = 3 * n; k < 3 * n + 3; k++)
+        sum += 0.0 * s->centre[k] + 0.0 * s->velocity[k] + 0.0 * s->spin[k] + (contact ? 0.0 * contact[k] : 0.0);
+    return sum == 0.0;
+}
+
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact) {
     if (filtration_motion_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
     if (!fluid || !fluid->lattice || !spheres || spheres->n < 0 || !(share > 0.0 && share < HUGE_VAL)) return FILTRATION_BAD_ARGUMENT;
+    if (spheres->n > 0 && !(spheres->centre && spheres->velocity && spheres->spin && spheres->radius && spheres->force && spheres->torque))
+        return FILTRATION_BAD_ARGUMENT;
+    for (ptrdiff_t n = 0; n < spheres->n; n++)
+        if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
     double reach = def->lubrication ? fluid->def.voxel * (2.0 / 3.0) : 0.0;
     for (ptrdiff_t k = 0; contact && k < 3 * spheres->n; k++) contact[k] = 0.0;
@@ -220,6 +248,8 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
         for (ptrdiff_t n = 0; n < spheres->n; n++)
             for (int a = 0; a < 3; a++)
                 if (spheres->radius[n] > 0.0 && !def->fixed_axes[a]) spheres->centre[3 * n + a] += h * spheres->velocity[3 * n + a];
+        for (ptrdiff_t n = 0; n < spheres->n; n++)
+            if (spheres->radius[n] > 0.0 && !filtration__has_moved(spheres, n, contact)) return FILTRATION_TOO_FAST;
     }
     return FILTRATION_OK;
 }

@@ -87,7 +87,8 @@ static inline int filtration__fits(const filtration_fluid *fluid, const filtrati
     filtration__header own = filtration__make_header(fluid);
     int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
                h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
-               h->balls >= 0 && h->balls < INT32_MAX && h->tau > 0.5 && h->tau <= 20.0 && (h->odd == 0 || h->odd == 1);
+               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
+               fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
     for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
     return same;
@@ -124,18 +125,19 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     if (!fluid || !fluid->lattice || !read) return FILTRATION_BAD_ARGUMENT;
     filtration__rest(fluid);
     if (!read(user, &h, sizeof h)) return FILTRATION_STREAM;
-    if (!filtration__fits(fluid, &h)) return FILTRATION_BAD_DATA;
+    filtration_fluid_def def = fluid->def;
+    def.tau = h.tau;
+    memcpy(def.body_force, h.body_force, sizeof h.body_force);
+    memcpy(def.face_velocity, h.face_velocity, sizeof h.face_velocity);
+    memcpy(def.face_pressure, h.face_pressure, sizeof h.face_pressure);
+    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DATA;
     filtration_status status = filtration__read_arrays(fluid, &h, read, user);
     if (status != FILTRATION_OK) {
         filtration__remark(fluid);
         filtration__rest(fluid);
         return status;
     }
-    fluid->def.tau = h.tau;
-    memcpy(fluid->def.body_force, h.body_force, sizeof h.body_force);
-    memcpy(fluid->def.face_velocity, h.face_velocity, sizeof h.face_velocity);
-    memcpy(fluid->def.face_pressure, h.face_pressure, sizeof h.face_pressure);
-    filtration__set_units(fluid);
+    (void)filtration__change(fluid, &def);
     fluid->lattice->odd = (int)h.odd;
     fluid->time = h.time, fluid->mass_correction = h.mass_correction;
     fluid->steps = h.steps, fluid->updates = h.updates;

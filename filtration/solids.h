@@ -35,7 +35,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre) {
     if (!cloth || !(wire > 0.0 && opening > 0.0 && filtration__is_finite(wire) && filtration__is_finite(opening)) ||
-        !filtration__is_finite(centre) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
+        !(wire + opening < 1e100 && fabs(centre) < 1e100) || (weave != FILTRATION_PLAIN_WEAVE && weave != FILTRATION_TWILL_WEAVE))
         return FILTRATION_BAD_ARGUMENT;
     cloth->wire = wire, cloth->opening = opening, cloth->weave = weave, cloth->centre = centre;
     cloth->reach = 4.0 * wire;

@@ -7,6 +7,7 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -646,6 +647,88 @@ static void test_bad_input(void **state) {
     assert_true(isnan(filtration_lubrication_force(1e-5, HUGE_VAL, (double)NAN, 1e-3, 1e-3, 1e-6, 1e-8)));
 }
 
+static void flow_of(void *user, const double point[3], double velocity[3], double *pressure) {
+    const double *value = (const double *)user;
+    (void)point;
+    velocity[0] = value[0], velocity[1] = velocity[2] = 0.0, *pressure = value[1];
+}
+
+/* Finite numbers whose products are not are refused where they enter, and then nothing has changed. */
+static void test_products_that_overflow(void **state) {
+    (void)state;
+    const double huge[] = {1e80, 1e200, -1e308, DBL_MAX};
+    for (int single = 0; single < 2; single++) {
+        filtration_fluid_def def = small_box(12), bad;
+        filtration_fluid fluid, live;
+        const char *field = NULL;
+        if (single) def.precision = FILTRATION_FLOAT;
+        def.face[0] = def.face[1] = FILTRATION_PRESSURE, def.face[4] = def.face[5] = FILTRATION_WALL;
+        def.face_pressure[0] = 0.1;
+        assert_int_equal(filtration_fluid_init(&live, &def), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_run(&live, 10, NULL), FILTRATION_OK);
+        const double mass = filtration_fluid_mass(&live), speed = filtration_fluid_max_speed(&live);
+        for (size_t k = 0; k < sizeof huge / sizeof *huge; k++) {
+            REFUSED(bad.face_pressure[1] = huge[k], "face_pressure");
+            REFUSED(bad.face_velocity[5][1] = huge[k], "face_velocity");
+            REFUSED(bad.body_force[1] = huge[k], "body_force");
+            REFUSED(bad.voxel = fabs(huge[k]), "voxel");
+            REFUSED(bad.density = 1.0 / fabs(huge[k]), "density");
+            REFUSED(bad.viscosity = fabs(huge[k]), "viscosity");
+            const double vector[3] = {0.0, huge[k], 0.0};
+            double fast[2] = {huge[k], 0.0}, pressed[2] = {0.0, huge[k]};
+            assert_int_equal(filtration_fluid_set_body_force(&live, vector), FILTRATION_BAD_ARGUMENT);
+            assert_int_equal(filtration_fluid_set_face_velocity(&live, 4, vector), FILTRATION_BAD_ARGUMENT);
+            assert_int_equal(filtration_fluid_set_face_pressure(&live, 0, huge[k]), FILTRATION_BAD_ARGUMENT);
+            assert_int_equal(filtration_fluid_set_flow(&live, flow_of, fast), FILTRATION_BAD_ARGUMENT);
+            assert_int_equal(filtration_fluid_set_flow(&live, flow_of, pressed), FILTRATION_BAD_ARGUMENT);
+            assert_true(filtration_fluid_mass(&live) == mass && filtration_fluid_max_speed(&live) == speed);
+        }
+        const double wall[3] = {0.0, 900.0 * def.voxel / live.dt, 0.0}; /* finite; a longer time step would make it too fast */
+        assert_int_equal(filtration_fluid_set_face_velocity(&live, 4, wall), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_set_tau(&live, 20.0), FILTRATION_BAD_ARGUMENT);
+        assert_true(filtration_fluid_mass(&live) == mass && live.def.tau == def.tau);
+        assert_int_equal(filtration_fluid_run(&live, 3, NULL), FILTRATION_DIVERGED);
+        assert_true(live.problem.cause == FILTRATION_SPEED && live.problem.node[2] == 0);
+        filtration_fluid_free(&live);
+    }
+}
+
+/* A step that refuses a sphere moves none of the others. A move refuses numbers that would make a speed infinite, and tells when a contact
+   does. */
+static void test_refused_spheres(void **state) {
+    (void)state;
+    const double bad[] = {1e80, 1e200, -1e308, (double)NAN, HUGE_VAL};
+    const filtration_fluid_def def = small_box(12);
+    filtration_motion_def motion = filtration_motion_default_def();
+    filtration_fluid fluid;
+    double centre[6] = {3e-6, 3e-6, 3e-6, 8e-6, 8e-6, 8e-6}, velocity[6] = {0}, spin[6] = {0}, radius[2] = {2e-6, 2e-6}, force[6] = {0};
+    double torque[6] = {0}, *const number[] = {centre + 4, velocity + 3, spin + 5, radius + 1, force + 3, torque + 5};
+    filtration_spheres s = {2, centre, velocity, spin, radius, force, torque};
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_OK);
+    const double porosity = filtration_fluid_porosity(&fluid), place = centre[0];
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+        for (size_t which = 0; which < sizeof number / sizeof *number; which++) {
+            const double kept = *number[which];
+            *number[which] = bad[k];
+            centre[0] = place + 0.3e-6;
+            if (which < 4) {
+                assert_int_equal(filtration_fluid_step(&fluid, &s), FILTRATION_BAD_ARGUMENT);
+                assert_int_equal(fluid.problem.node[0], 1);
+            }
+            if (k > 0) assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
+            assert_true(filtration_fluid_porosity(&fluid) == porosity && velocity[0] == 0.0 && centre[0] == place + 0.3e-6);
+            centre[0] = place, *number[which] = kept;
+        }
+    motion.density = 1e-5, motion.gravity[2] = 1e308;
+    assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
+    motion = filtration_motion_default_def(), motion.least_gap = 1e-308;
+    assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_BAD_ARGUMENT);
+    motion = filtration_motion_default_def(), motion.modulus = 1e308, centre[3] = centre[4] = centre[5] = 4e-6;
+    assert_int_equal(filtration_move(&motion, &fluid, &s, 1.0, NULL), FILTRATION_TOO_FAST);
+    filtration_fluid_free(&fluid);
+}
+
 static void test_failing_memory(void **state) {
     (void)state;
     tumble *t = (tumble *)malloc(sizeof *t);
@@ -683,6 +766,8 @@ int main(void) {
         cmocka_unit_test(test_shear_layer),
         cmocka_unit_test(test_divergence_is_reported),
         cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_products_that_overflow),
+        cmocka_unit_test(test_refused_spheres),
         cmocka_unit_test(test_failing_memory),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
