@@ -221,7 +221,7 @@ static int is_tame(const dem_world *w, int features) {
     }
     for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
         const dem_contact_info c = dem_get_contact(w, k);
-        const double r = w->particle[c.i].radius, least = c.j >= 0 && w->particle[c.j].radius < r ? w->particle[c.j].radius : r;
+        const double r = dem__touching_radius(w, c.i), other = c.j >= 0 ? dem__touching_radius(w, c.j) : r, least = other < r ? other : r;
         if (!(-c.gap < DEEP * least)) return 0;
     }
     return 1;
