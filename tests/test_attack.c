@@ -409,10 +409,36 @@ static void test_field_after_bodies(void **state) {
     dem_free(&w), dem_free(&twin);
 }
 
+/* A sphere that leaves in the very step in which its energy overflows is a failure, as one that stays is. */
+DEM_INLINE void exploding_force(const dem_contact *c, double *state, dem_response *r) {
+    dem_force_linear(c, state, r); /* fills the whole answer */
+    r->normal = c->gap < -1e-4 ? 1e200 : 0.0;
+}
+static const dem_law exploding = {"exploding", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, exploding_force, NULL, NULL};
+DEM_KERNEL(exploding_kernel, exploding, DEM_LINEAR)
+
+static void test_infinite_energy_does_not_leave(void **state) {
+    (void)state;
+    const double at[3] = {0, 0, 1.0735e-3}, d = 2e-3, exit_at = 1e-3 - 1e-4;
+    dem_def def = scene_def(4e-6);
+    dem_world w;
+    def.gravity = dem_vec3(0, 0, 0);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_int_equal(dem_add_spheres(&w, 1, at, &d, 0, 0), DEM_OK);
+    assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0)), DEM_OK);
+    assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+    assert_true(dem_add_exit(&w, dem_vec3(0, 0, exit_at), dem_vec3(0, 0, 1)) >= 0);
+    assert_int_equal(dem_run(&w, 2.4e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK); /* begins the ledger; the sphere is still in flight */
+    assert_int_equal(dem_run_law(&w, 1e-3, &exploding_kernel), DEM_NOT_FINITE);
+    assert_true(w.passed_total == 1);
+    dem_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_of_rich_scenes),
         cmocka_unit_test(test_field_after_bodies),
+        cmocka_unit_test(test_infinite_energy_does_not_leave),
         cmocka_unit_test(test_fast_spheres_are_seen),
         cmocka_unit_test(test_place_of_a_polyhedron),
         cmocka_unit_test(test_loaded_clump_goes_on),
