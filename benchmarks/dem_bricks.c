@@ -113,16 +113,48 @@ static dem_status rebound(double restitution, int hits, uint64_t *seed, double *
 static int tell_rebounds(const program *self, int hits) {
     static const double e[5] = {0.29, 0.50, 0.65, 0.75, 0.90};
     uint64_t seed = self->seed;
+    double means[5], scatters[5];
     csv *file = csv_open(self->out, "rebound.csv", "restitution,mean,scatter,angle_deg");
     for (int k = 0; k < 5; k++) {
         double mean, scatter, angle;
         const dem_status status = rebound(e[k], hits, &seed, &mean, &scatter, &angle);
         if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
         csv_line(file, "%.2f,%.5g,%.5g,%.5g", e[k], mean, scatter, angle);
+        means[k] = mean, scatters[k] = scatter;
         common_print("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
     }
     csv_close(file);
+    plot *figure = plot_new("Bricks that hit a plane: speed after over before", 1, 1);
+    plot_panel(figure, 0, 0, "restitution of the contact [-]", "coefficient of restitution of the brick [-]");
+    plot_line(figure, "mean", e, means, 5);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_line(figure, "standard deviation over orientations", e, scatters, 5);
+    plot_style(figure, PLOT_MARKED, PLOT_NEXT);
+    plot_write(figure, self->out, "rebound.svg");
     return common_exit_status();
+}
+
+/* Runs for a time [s] and draws the kinetic energy: are the bodies at rest? */
+static dem_status settle_down(dem_world *w, const program *self, double time) {
+    enum { PARTS = 100 };
+    double t[PARTS], energy[PARTS];
+    int n = 0;
+    dem_status status = DEM_OK;
+    progress bar;
+    progress_begin(&bar, "settling", PARTS);
+    while (n < PARTS && status == DEM_OK && !common_interrupted()) {
+        status = dem_run(w, time / PARTS, DEM_LINEAR | DEM_FRICTION);
+        const dem_energy_ledger now = dem_energy(w);
+        t[n] = 1e3 * w->time, energy[n++] = 1e9 * (now.kinetic + now.rotational) / (double)w->count;
+        progress_add(&bar, 1.0);
+    }
+    progress_end(&bar);
+    plot *figure = plot_new("A bed that settles", 1, 1);
+    plot_panel(figure, 0, 0, "time [ms]", "kinetic energy a particle [nJ]");
+    plot_log_y(figure);
+    plot_line(figure, NULL, t, energy, n);
+    plot_write(figure, self->out, "settling.svg");
+    return status;
 }
 
 int main(int argc, char **argv) {
@@ -152,13 +184,7 @@ int main(int argc, char **argv) {
     dem_status status = dem_init(&world, &def, NULL);
     const int floor_wall = status == DEM_OK ? dem_add_plane(&world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : 0;
     if (status == DEM_OK) status = add_bodies(&world, shape, bodies, self.seed);
-    progress bar;
-    progress_begin(&bar, "settling", 100.0);
-    for (int k = 0; k < 100 && status == DEM_OK && !common_interrupted(); k++) {
-        status = dem_run(&world, 0.01 * settle, DEM_LINEAR | DEM_FRICTION);
-        progress_add(&bar, 1.0);
-    }
-    progress_end(&bar);
+    status = status == DEM_OK ? settle_down(&world, &self, settle) : status;
     if (status == DEM_OK) write_state(&world, self.out);
     if (status == DEM_OK && shape == 0) draw(&world, self.out);
     if (shake > 0.0 && status == DEM_OK) status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
