@@ -568,11 +568,13 @@ static filtration_status go(const program *self, run *r, const typed *t, double 
     const double began = machine_seconds();
     progress bar;
     filtration_status status = FILTRATION_OK;
+    int64_t saved = -1; /* the step of the last checkpoint */
     progress_begin(&bar, "filtering", stop);
     while (status == FILTRATION_OK && r->fluid.time < stop && !common_interrupted()) {
         status = step(r);
         if (status == FILTRATION_OK && r->fluid.time >= f->next) {
             film(self, r, f);
+            saved = r->fluid.steps;
             if (t->checkpoint && save(r, t->checkpoint) != 0) break;
         }
         if (r->fluid.steps % 16 == 0) progress_update(&bar, r->fluid.time);
@@ -582,7 +584,7 @@ static filtration_status go(const program *self, run *r, const typed *t, double 
     if (status != FILTRATION_OK)
         common_fail("at %.4g ms: %s%s%s", 1e3 * r->fluid.time, filtration_status_text(status), status == FILTRATION_DIVERGED ? ": " : "",
                     status == FILTRATION_DIVERGED ? filtration_cause_text(r->fluid.problem.cause) : "");
-    else if (t->checkpoint) save(r, t->checkpoint);
+    else if (t->checkpoint && saved != r->fluid.steps) save(r, t->checkpoint);
     return status;
 }
 
