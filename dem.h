@@ -3382,6 +3382,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -3614,12 +3615,12 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
+    dem__book_motion(w, -dem__motion_energy(w, i));
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
-    dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }
@@ -3679,7 +3680,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
     dem__restart(w, first);
-    dem__book_removed(w, dem__kinetic(w, first) + dem__rotational(w, first) + dem__potential(w, first), dem__potential(w, first));
+    dem__book_removed(w, dem__motion_energy(w, first) + dem__potential(w, first), dem__potential(w, first));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = first; k < end; k++) {
         memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
@@ -3690,7 +3691,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     }
     dem__free_acceleration(w, first);
     dem__book_added(w, dem__potential(w, first));
-    dem__book_motion(w, dem__kinetic(w, first) + dem__rotational(w, first));
+    dem__book_motion(w, dem__motion_energy(w, first));
     dem__wake(w, first); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -7603,7 +7604,7 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
-    dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */
@@ -9243,7 +9244,7 @@ static inline void dem__count_step(dem_world *w) {
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] != DEM_LEAVING) continue;
-        if (dem__finite(dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i))) continue;
+        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
         w->failed_id = w->id[i];
         return 0;
     }
@@ -9475,8 +9476,6 @@ static inline void dem__evaluate_links(dem_world *w) {
     const ptrdiff_t n = w->engine->links.count;
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
-
-DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 
 /* Returns whether particle i has links, or its load contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {

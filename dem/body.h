@@ -66,6 +66,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
     return 0.5 * dem__inertia(w, i) * dem__dot(s, s);
 }
+DEM_INLINE double dem__motion_energy(const dem_world *w, ptrdiff_t i) { return dem__kinetic(w, i) + dem__rotational(w, i); }
 DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
@@ -298,12 +299,12 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
     if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
-    dem__book_motion(w, -(dem__kinetic(w, i) + dem__rotational(w, i)));
+    dem__book_motion(w, -dem__motion_energy(w, i));
     dem__restart(w, i);
     w->particle[i].v = dem__flushed_vec(velocity);
     w->particle[i].spin = dem__flushed_vec(spin);
     if (r) w->engine->bodies.room->set_motion(w, r, dem__flushed_vec(velocity), dem__flushed_vec(spin));
-    dem__book_motion(w, dem__kinetic(w, i) + dem__rotational(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
     w->engine->run.needs_lists = 1;
     return DEM_OK;
 }

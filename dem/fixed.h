@@ -23,7 +23,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
     if (!dem__reserve_fixed(w)) return DEM_OUT_OF_MEMORY;
     dem__restart(w, first);
-    dem__book_removed(w, dem__kinetic(w, first) + dem__rotational(w, first) + dem__potential(w, first), dem__potential(w, first));
+    dem__book_removed(w, dem__motion_energy(w, first) + dem__potential(w, first), dem__potential(w, first));
     if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = first; k < end; k++) {
         memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
@@ -34,7 +34,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     }
     dem__free_acceleration(w, first);
     dem__book_added(w, dem__potential(w, first));
-    dem__book_motion(w, dem__kinetic(w, first) + dem__rotational(w, first));
+    dem__book_motion(w, dem__motion_energy(w, first));
     dem__wake(w, first); /* it takes steps, as a particle with a load does */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;

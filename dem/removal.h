@@ -58,7 +58,7 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_link_work(w, dem__link_work(w, i));
-    dem__book_removed(w, dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i), dem__potential(w, i));
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
     w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
     w->engine->links.is_loaded[i] = 0; /* the work of its links has been booked */

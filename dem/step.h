@@ -149,7 +149,7 @@ static inline void dem__count_step(dem_world *w) {
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] != DEM_LEAVING) continue;
-        if (dem__finite(dem__kinetic(w, i) + dem__rotational(w, i) + dem__potential(w, i))) continue;
+        if (dem__finite(dem__motion_energy(w, i) + dem__potential(w, i))) continue;
         w->failed_id = w->id[i];
         return 0;
     }
