@@ -95,17 +95,25 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* x86-64: the kernels are compiled twice, with AVX2 and without. The bits are the same, because neither fuses. Not on Windows, where gcc
-   does not align the stack for wide vectors (its bug 54412): there -mavx2 for the whole program gives the speed. */
+/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. 32 registers
+   instead of 16 save a third of the instructions. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412):
+   there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
-#define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
-    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_wide parameters { call; }                                          \
+#if defined(__clang__)
+#define FILTRATION__AVX512 "avx512vl,avx512dq"
+#else
+#define FILTRATION__AVX512 "avx512vl,avx512dq,prefer-vector-width=512"
+#endif
+#define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
+    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST static void name##_512 parameters { call; }                               \
+    __attribute__((target("avx2"))) FILTRATION__FAST static void name##_256 parameters { call; }                                           \
     FILTRATION__FAST static void name parameters {                                                                                         \
-        if (__builtin_cpu_supports("avx2")) name##_wide arguments;                                                                         \
+        if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;                                \
+        else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                                     \
         else call;                                                                                                                         \
     }
 #else
-#define FILTRATION__TWICE(name, parameters, arguments, call)                                                                               \
+#define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
     FILTRATION__FAST static void name parameters { call; }
 #endif
 
@@ -2408,8 +2416,8 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 /* ==== >>collide ==== */
 
 #define FILTRATION__KERNEL(name, real, row, forced)                                                                                        \
-    FILTRATION__TWICE(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad), (p, rates, n, ahead, bad), \
-                      *bad = row(p, rates, n, ahead, forced))
+    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),                           \
+                       (p, rates, n, ahead, bad), *bad = row(p, rates, n, ahead, forced))
 FILTRATION__KERNEL(filtration__collide19d, double, filtration__row19d, 0)
 FILTRATION__KERNEL(filtration__collide19d_forced, double, filtration__row19d, 1)
 FILTRATION__KERNEL(filtration__collide19f, float, filtration__row19f, 0)

@@ -161,7 +161,17 @@ static void drag_errors(const program *self, json *report) {
     plot_write(figure, self->out, "drag.svg");
 }
 
-/* Millions of nodes a second that a pass over as many populations in place allows. */
+/* Changes each of `size` numbers, a cache line at a time: loops of constant length are compiled to vectors. */
+static void touch_doubles(double *f, size_t size) {
+    for (size_t k = 0; k < size; k += 8)
+        for (size_t j = k; j < k + 8; j++) f[j] = f[j] * 0.5 + 1e-3;
+}
+static void touch_floats(float *f, size_t size) {
+    for (size_t k = 0; k < size; k += 16)
+        for (size_t j = k; j < k + 16; j++) f[j] = f[j] * 0.5f + 1e-3f;
+}
+
+/* Millions of nodes a second that a pass over as many populations in place allows. n: a multiple of 16. */
 static double memory_limit(int n, int single) {
     const size_t size = (size_t)n * (size_t)n * (size_t)n * 19;
     double best = HUGE_VAL;
@@ -169,10 +179,8 @@ static double memory_limit(int n, int single) {
     if (!block) return (double)NAN;
     for (int pass = 0; pass < 6; pass++) {
         const double began = machine_processor_seconds();
-        if (single)
-            for (size_t k = 0; k < size; k++) ((float *)block)[k] = ((float *)block)[k] * 0.5f + 1e-3f;
-        else
-            for (size_t k = 0; k < size; k++) ((double *)block)[k] = ((double *)block)[k] * 0.5 + 1e-3;
+        if (single) touch_floats((float *)block, size);
+        else touch_doubles((double *)block, size);
         const double spent = machine_processor_seconds() - began;
         if (pass > 0 && spent < best) best = spent; /* the first one finds the pages */
     }

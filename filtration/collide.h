@@ -5,8 +5,8 @@
 /* ==== >>collide ==== */
 
 #define FILTRATION__KERNEL(name, real, row, forced)                                                                                        \
-    FILTRATION__TWICE(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad), (p, rates, n, ahead, bad), \
-                      *bad = row(p, rates, n, ahead, forced))
+    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),                           \
+                       (p, rates, n, ahead, bad), *bad = row(p, rates, n, ahead, forced))
 FILTRATION__KERNEL(filtration__collide19d, double, filtration__row19d, 0)
 FILTRATION__KERNEL(filtration__collide19d_forced, double, filtration__row19d, 1)
 FILTRATION__KERNEL(filtration__collide19f, float, filtration__row19f, 0)
